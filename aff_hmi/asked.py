@@ -60,6 +60,8 @@ class Entry:
 TABLE = {
     "/login": Entry(role=None, keys={"name": str, "password": str}, needs_token=False),
     "/logout": Entry(role=Role.VIEW, keys={}),
+    "/sessions": Entry(role=Role.VIEW, keys={}),
+    "/sessions/end": Entry(role=Role.VIEW, keys={"number": int}),
     "/hand": Entry(role=Role.OPERATE, keys={"do": str}),
     "/act": Entry(
         role=Role.VIEW,

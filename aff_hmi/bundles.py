@@ -22,7 +22,7 @@ STYLES = ("overview.css", "hand.css", "see.css", "card.css", "uPlot.min.css")
 STYLE = "screen.css"
 # name of a page: its own modules, in this order; what they take names from comes before them
 PAGES = {
-    "overview": ("overview.js",),
+    "overview": ("overview.js", "recent.js"),
     "login": ("login.js",),
     "alarms": ("overview.js", "alarms.js"),
     "rolls": ("overview.js", "rolls.js"),

@@ -2,13 +2,37 @@
 
 from __future__ import annotations
 
+import math
+from bisect import bisect_left
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-from aff_runtime.app.report.metrics.readings import Sample
+from aff_runtime.app.report.metrics.readings import Sample, Spread
 
 LOGINS = ("done", "refused", "waits")
 RESULTS = ("done", "refused", "failed")
+DELAY_S = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+ANSWER_S = (0.001, 0.005, 0.02, 0.1, 0.5, 2.0)
+
+
+class Durations:
+    """Times in classes, s, by their upper edges."""
+
+    def __init__(self, metric: str, edges_s: Sequence[float]) -> None:
+        self._metric = metric
+        self._edges_s = (*edges_s, math.inf)
+        self._counts = [0] * len(self._edges_s)
+        self._total_s = 0.0
+
+    def add(self, time_s: float) -> None:
+        """Count a time."""
+        self._counts[bisect_left(self._edges_s, time_s)] += 1
+        self._total_s += time_s
+
+    def spread(self) -> Spread:
+        """Return them as a histogram."""
+        below = [float(sum(self._counts[: n + 1])) for n in range(len(self._counts))]
+        return Spread(self._metric, tuple(zip(self._edges_s, below, strict=True)), self._total_s)
 
 
 class Counts:
@@ -19,14 +43,19 @@ class Counts:
     sockets : browsers that look on now.
     sent, skipped : frames, and those that a slow browser did without.
     logins : by result. ``presses`` : by action and result.
+    delays : from a tick to the socket. ``answers`` : by path of the route and status.
+    answer_times : from a request to its answer.
     """
 
     def __init__(self) -> None:
         self.sockets = self.sent = self.skipped = 0
         self.logins: Counter[str] = Counter(dict.fromkeys(LOGINS, 0))
         self.presses: Counter[tuple[str, str]] = Counter()
+        self.answers: Counter[tuple[str, str]] = Counter()
+        self.delays = Durations("aff_hmi_frame_delay_seconds", DELAY_S)
+        self.answer_times = Durations("aff_hmi_http_duration_seconds", ANSWER_S)
 
-    def samples(self, sessions: Counter[str] | None) -> Iterator[Sample]:
+    def samples(self, sessions: Counter[str] | None) -> Iterator[Sample | Spread]:
         """Yield every number.
 
         Parameters
@@ -36,6 +65,10 @@ class Counts:
         yield Sample("aff_hmi_sockets", (), self.sockets)
         yield Sample("aff_hmi_frames_total", (), self.sent)
         yield Sample("aff_hmi_frames_skipped_total", (), self.skipped)
+        yield self.delays.spread()
+        yield self.answer_times.spread()
+        for answer, count in self.answers.items():
+            yield Sample("aff_hmi_http_requests_total", answer, count)
         if sessions is None:
             return
         yield from (Sample("aff_hmi_sessions", (role,), n) for role, n in sessions.items())

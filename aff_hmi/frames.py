@@ -12,9 +12,14 @@ from aff_hmi.view import View
 MAX_SAID_BYTES = 256
 
 
-def encode(view: View, *, number: int, boot: str) -> str:
-    """Return a frame without the part that is each browser's own; begin it with ``opened``."""
-    said = {"q": number, "boot": boot, **_plain(view)}
+def encode(view: View, *, number: int, boot: str, is_loud: bool = False) -> str:
+    """Return a frame without the part that is each browser's own; begin it with ``opened``.
+
+    Parameters
+    ----------
+    is_loud : whether an alarm stands for which a screen that may makes itself heard.
+    """
+    said = {"q": number, "boot": boot, "loud": is_loud, **_plain(view)}
     separators = (",", ":")
     text = json.dumps(
         said, ensure_ascii=False, allow_nan=False, separators=separators, default=_plain

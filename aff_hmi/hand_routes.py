@@ -21,6 +21,7 @@ from aff_hmi.doorkeeper import Doorkeeper
 from aff_hmi.hand import Hand
 from aff_hmi.lesser_presses import LesserPresses
 from aff_hmi.see.alarm_desk import AlarmDesk
+from aff_hmi.session_presses import SessionPresses
 from aff_hmi.sessions import Session
 from aff_hmi.windows.desk import WindowDesk
 from aff_hmi.words import N_, Say
@@ -75,6 +76,7 @@ class HandRoutes:
             "/logout": self._logout,
             "/hand": self._take,
             "/act": self._act,
+            **SessionPresses(hand.sessions, clock, self._note).answers(),
             **LesserPresses(hand.sessions, self._note, alarms, windows).answers(),
             **CommissionPresses(hand.sessions, commission).answers(),
         }

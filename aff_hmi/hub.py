@@ -22,7 +22,7 @@ from aff_hmi.view import view_of
 from aff_hmi.watch import Seen, Watch
 from aff_hmi.words import say_in
 from aff_runtime.app.door.messages import Facts
-from aff_runtime.app.report.metrics.readings import Sample
+from aff_runtime.app.report.metrics.readings import Sample, Spread
 from aff_runtime.base.ports import Clock
 
 FRAME_S = 0.1
@@ -100,6 +100,7 @@ class Hub:
         self._frames: dict[tuple[str, str], str] = {}
         self._metrics = Metrics(clock)
         self._number = 0
+        self._ticked_ns: int | None = None
         self._due = asyncio.Event()
         self._layout_of: tuple[Facts | None, tuple[str, ...]] = (None, ())
         self.boot = secrets.token_hex(8)
@@ -139,15 +140,20 @@ class Hub:
     def make_frames(self, seen: Seen) -> None:
         """Work out one frame per language that is looked at."""
         self._number += 1
+        self._ticked_ns = _begun_ns(seen)
         self._lay_out(seen)
         if self.hand is not None:
             self.hand.look(seen, self._number)
         self.counts.sockets = len(self._viewers)
         if self.rooms is not None:
             self.rooms.look(seen, self.layout)
+        is_loud = self.kept is not None and self.kept.book.is_loud
         heads = {
             language: frames.encode(
-                view_of(seen, self.layout, say_in(language)), number=self._number, boot=self.boot
+                view_of(seen, self.layout, say_in(language)),
+                number=self._number,
+                boot=self.boot,
+                is_loud=is_loud,
             )
             for language in {viewer.language for viewer in self._viewers}
         }
@@ -178,9 +184,11 @@ class Hub:
         """Return what is seen now in the text format of Prometheus."""
         return self._metrics.text(self._watch.seen(), self._own_samples)
 
-    def _own_samples(self) -> Iterator[Sample]:
+    def _own_samples(self) -> Iterator[Sample | Spread]:
         hand = self.hand
-        return self.counts.samples(hand.sessions.by_role() if hand is not None else None)
+        yield from self.counts.samples(hand.sessions.by_role() if hand is not None else None)
+        if self.rooms is not None:
+            yield from self.rooms.samples()
 
     async def serve(
         self,
@@ -244,3 +252,13 @@ class Hub:
             viewer.in_flight.append(self._number)
             async with asyncio.timeout(PATIENCE_S):
                 await socket.send_text(frames.opened(frame, viewer.echo_ms, viewer.own()))
+            if self._ticked_ns is not None:
+                self.counts.delays.add((self._clock.now_ns() - self._ticked_ns) * 1e-9)
+
+
+def _begun_ns(seen: Seen) -> int | None:
+    """Return when a tick began that has just arrived, in monotonic ns; None where none has."""
+    is_new = seen.tick_age_s is not None and seen.tick_age_s < FRAME_S
+    if not is_new or seen.row is None or seen.meta is None or not seen.meta.start_ns:
+        return None
+    return seen.meta.start_ns + round(seen.row.time_s * 1e9)

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from aff_hmi.watch import Seen
 from aff_runtime.app.report.metrics.exposition import exposition
-from aff_runtime.app.report.metrics.readings import Sample, readings
+from aff_runtime.app.report.metrics.readings import Sample, Spread, readings
 from aff_runtime.app.report.status import live_tick
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.ports import Clock
@@ -24,11 +24,12 @@ class Metrics:
         self._text = ""
         self._made_ns: int | None = None
 
-    def text(self, seen: Seen, own: Callable[[], Iterable[Sample]] = tuple) -> str:
+    def text(self, seen: Seen, own: Callable[[], Iterable[Sample | Spread]] = tuple) -> str:
         """Return every sample that can be told now; ``own`` : of the screen itself."""
         now_ns = self._clock.now_ns()
         if self._made_ns is None or now_ns - self._made_ns >= KEPT_NS:
-            self._text = exposition((*readings(answer_of(seen), now_ns), *own()))
+            samples = (*readings(answer_of(seen), now_ns), *own())
+            self._text = exposition(samples, has_process=True)
             self._made_ns = now_ns
         return self._text
 

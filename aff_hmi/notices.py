@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from urllib.parse import quote
 
 from aff_hmi.watch import Seen
 from aff_hmi.words import N_, Say
@@ -18,6 +19,7 @@ FACTS_OLD_S = 2.0
 MOST = 8
 FEW = 3
 LASTS_S = 60.0
+TIMING, ROLLS = "/timing", "/rolls"
 RANK = {Priority.HIGH: 1, Priority.MEDIUM: 2, Priority.LOW: 3}
 
 
@@ -31,6 +33,7 @@ class Condition:
     values : put into ``text`` where it says ``{name}``; words of others come by them.
     delay_s : for how long it stands before it is an alarm: what comes and goes is none.
     code : of the event that it is; 0 where it is none of the event table.
+    page : where this screen shows more of it, path and place; empty for nowhere.
     """
 
     key: str
@@ -41,6 +44,7 @@ class Condition:
     values: Mapping[str, str] = field(default_factory=dict)
     delay_s: float = 0.0
     code: int = 0
+    page: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,6 +113,7 @@ def _service(seen: Seen) -> Iterator[Condition]:
             text=N_("the supervisor has not spoken for {seconds} s; what it last said is shown"),
             values={"seconds": str(round(seen.facts_age_s))},
             to_do=N_("see its log; restart the service when it does not come back"),
+            page=TIMING,
         )
     for number, text in enumerate(facts.wire[:2]):
         yield Condition(
@@ -118,6 +123,7 @@ def _service(seen: Seen) -> Iterator[Condition]:
             text="{text}",
             values={"text": printable(text, 200)},
             to_do=N_("check cable, switch and PLC"),
+            page=TIMING,
         )
     for text in facts.status.config_differs[:1]:
         if seen.row is None or seen.row.alarm != 10:  # the alarm of that name says it too
@@ -147,6 +153,7 @@ def _recorder(recorder: RecorderReport | None) -> Iterator[Condition]:
             text=text,
             values=values,
             to_do=N_("look at the disk of the gateway"),
+            page=TIMING,
         )
 
 
@@ -154,19 +161,31 @@ def _resting(seen: Seen, state: str) -> Iterator[Condition]:
     """Yield which orders rest and why, those of one reason together."""
     if seen.row is None or state != "ACTIVE" or is_probing(seen):
         return
-    by_reason: dict[tuple[str, str], list[str]] = {}
+    by_reason: dict[tuple[str, str], list[OrderStatus]] = {}
     for order in seen.row.orders():
         if why := why_it_rests(order):
-            by_reason.setdefault((order.actuator, why), []).append(order.name)
-    for (actuator, why), names in by_reason.items():
+            by_reason.setdefault((order.actuator, why), []).append(order)
+    for (actuator, why), orders in by_reason.items():
         yield Condition(
             key=f"{actuator}: {why}",
             rank=RANK[Priority.LOW],
-            name=printable(f"{actuator}: {_few(names)}", 80),
+            name=printable(f"{actuator}: {_few([one.name for one in orders])}", 80),
             text=why,
             to_do=N_("see tuning, or ask the technician"),
             delay_s=LASTS_S,
+            page=_place_of(orders),
         )
+
+
+def place_key(actuator: str, roll: str) -> str:
+    """Return what a roll that an actuator follows is called on its page."""
+    return f"{actuator} {roll}"
+
+
+def _place_of(orders: list[OrderStatus]) -> str:
+    """Return the place of the first roll among orders; an imbalance has none of its own."""
+    first = next((one for one in orders if not one.is_imbalance), None)
+    return ROLLS if first is None else f"{ROLLS}#{quote(place_key(first.actuator, first.roll))}"
 
 
 def is_probing(seen: Seen) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from starlette.requests import HTTPConnection
 from starlette.routing import BaseRoute
@@ -18,10 +18,12 @@ from aff_hmi.see.kept import Kept
 from aff_hmi.support.bundle import FILES
 from aff_hmi.support.desk import SupportDesk
 from aff_hmi.timing.room import Timing
+from aff_hmi.timing.tallies import Tallies
 from aff_hmi.watch import News, Seen
 from aff_hmi.windows.desk import WindowDesk
 from aff_hmi.windows.routes import tick_routes
 from aff_hmi.words import Say
+from aff_runtime.app.report.metrics.readings import Sample, Spread
 from aff_runtime.base.ports import Clock
 
 TIMING = "timing"
@@ -45,7 +47,7 @@ class Rooms:
 
     Attributes
     ----------
-    scope, windows, timing, support : one room each.
+    scope, windows, timing, support : one room each. ``tallies`` : sums over every tick.
     """
 
     def __init__(
@@ -60,6 +62,7 @@ class Rooms:
         self.scope = Scope(kept.wall)
         self.windows = WindowDesk(self.scope, kept.store, kept.journal)
         self.timing = Timing(clock, counts, hand, kept.store)
+        self.tallies = Tallies(clock)
         self.support = SupportDesk(kept, self.timing, clock, metrics)
         kept.join(TIMING, self.timing.part)
 
@@ -70,13 +73,19 @@ class Rooms:
 
     def listen(self, news: News) -> None:
         """Take what a poll has brought."""
-        for room in (self.kept, self.scope, self.timing):
+        for room in (self.kept, self.scope, self.timing, self.tallies):
             room.listen(news)
 
     def look(self, seen: Seen, layout: Layout) -> None:
         """Take note of a moment."""
-        for room in (self.kept, self.scope, self.windows, self.timing, self.support):
+        rooms = (self.kept, self.scope, self.windows, self.timing, self.tallies, self.support)
+        for room in rooms:
             room.look(seen, layout)
+
+    def samples(self) -> Iterator[Sample | Spread]:
+        """Yield what a monitoring system is told of every tick that was seen."""
+        yield from self.timing.spreads()
+        yield from self.tallies.samples()
 
     def routes(self, say_of: Callable[[HTTPConnection], Say]) -> list[BaseRoute]:
         """Return what is asked for by GET beside the pages; nothing is changed by it."""

@@ -11,6 +11,7 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from aff_hmi.commission.link import Commission
+from aff_hmi.counted import Counted
 from aff_hmi.gate import Gate, Rates
 from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
@@ -81,7 +82,7 @@ def config_of(listening: Listening, hub: Hub, language: str) -> uvicorn.Config:
         is_logged_in=pages.presses.is_logged_in if pages.presses is not None else None,
     )
     config = uvicorn.Config(
-        app,
+        Counted(app, hub.counts, clock),
         host=listening.address,
         port=listening.port,
         http=PatientOnce,

@@ -28,6 +28,7 @@ class Session:
     ----------
     csrf : what a page of this session says with every press but bypass.
     pressed_ns : when something was last pressed. ``lost_to`` : who took its hand over.
+    number : by which people tell it from others; it opens nothing.
     presses : how many more it may press now; a bypass does not count.
     """
 
@@ -37,6 +38,7 @@ class Session:
     pressed_ns: int
     presses: Bucket
     lost_to: str = ""
+    number: int = 0
     csrf: str = field(default_factory=lambda: secrets.token_urlsafe(32))
 
 
@@ -67,6 +69,7 @@ class Sessions:
         self._told = told
         self._sessions: dict[str, Session] = {}
         self._holder: Holder | None = None
+        self._begun = 0
 
     def begin(self, account: Account, place: Place) -> str:
         """Return the token of a new session; nothing but its hash is kept."""
@@ -75,7 +78,9 @@ class Sessions:
         while len(self._sessions) >= MAX_SESSIONS:
             self._drop(self._oldest_of_most(), "session ended")
         token = secrets.token_urlsafe(32)
+        self._begun += 1
         session = Session(
+            number=self._begun,
             account=account,
             place=place,
             begun_ns=now_ns,
@@ -93,6 +98,17 @@ class Sessions:
     def end(self, token: str) -> None:
         """End a session, its hand too."""
         self._drop(_key(token))
+
+    def all(self) -> tuple[Session, ...]:
+        """Return every session, the oldest first."""
+        live = [self._live(key) for key in list(self._sessions)]
+        return tuple(one for one in live if one is not None)
+
+    def end_session(self, session: Session) -> None:
+        """End a session that somebody else looks at, its hand too."""
+        for key, one in list(self._sessions.items()):
+            if one is session:
+                self._drop(key)
 
     def sweep(self) -> None:
         """End what time or a changed account has ended."""

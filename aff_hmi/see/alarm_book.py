@@ -63,6 +63,7 @@ class Alarm:
     times : how often it came in a row, each within a minute of the one before.
     seen_by : who acknowledged it. ``shelved_until_ns`` : 0 when it is not.
     is_first : it is what took the correction out; ``followers`` came with it.
+    is_settled : the two seconds are over in which others are told as come with it.
     """
 
     condition: Condition
@@ -77,6 +78,7 @@ class Alarm:
     reason: str = ""
     is_first: bool = False
     followers: tuple[Follower, ...] = ()
+    is_settled: bool = False
 
     @property
     def life(self) -> Life:
@@ -155,6 +157,25 @@ class AlarmBook:
             key=lambda a: (behind.get(a.life, 0), a.condition.rank, not a.is_first, -a.came_ns),
         )
 
+    @property
+    def is_loud(self) -> bool:
+        """Whether an alarm of high priority stands that nobody has seen."""
+        alarms = self._alarms.values()
+        return any(a.condition.rank == HIGH and a.life is Life.ACTIVE for a in alarms)
+
+    def settled(self) -> list[Alarm]:
+        """Return what took the correction out and has told since the last call all that came."""
+        now_ns = self._clock.now_ns()
+        found = [
+            alarm
+            for alarm in self._alarms.values()
+            if alarm.is_first and not alarm.is_settled and now_ns - alarm.came_ns > TOGETHER_NS
+        ]
+        for alarm in found:
+            self._mark_first(alarm)
+            alarm.is_settled = True
+        return found
+
     def load(self) -> Load:
         """Return how many came."""
         now_ns = self._clock.now_ns()
@@ -229,7 +250,12 @@ class AlarmBook:
         return next((e for e in reversed(self._events) if one.code and e[1] == one.code), None)
 
     def _mark_first(self, alarm: Alarm) -> None:
-        """Note what came within two seconds of the event that took the correction out."""
+        """Note what came within two seconds of the event that took the correction out.
+
+        Once they are over it stays: a flood of events afterwards takes nothing away.
+        """
+        if alarm.is_settled:
+            return
         event = BY_CODE.get(alarm.condition.code) if alarm.condition.code else None
         alarm.is_first = event is not None and event.reaction is Reaction.FADE_AND_LATCH
         if not alarm.is_first or alarm.tick is None:

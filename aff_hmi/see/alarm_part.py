@@ -10,6 +10,7 @@ from aff_hmi.see.events import Entry, Kind
 from aff_hmi.words import N_, Say
 from aff_runtime.base.printable import printable
 
+AROUND_S = 5.0  # of ticks before an event and after it
 LIVES = {
     Life.ACTIVE: N_("active"),
     Life.SEEN: N_("active, seen"),
@@ -28,7 +29,12 @@ KINDS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AlarmLine:
-    """One alarm as it is shown; words are translated, times are wall time in s."""
+    """One alarm as it is shown; words are translated, times are wall time in s.
+
+    Attributes
+    ----------
+    page : what this screen shows of it: its ticks, its roll, the machine; empty for nothing.
+    """
 
     key: str
     rank: int
@@ -46,6 +52,7 @@ class AlarmLine:
     seen_by: str
     shelved: str
     can_shelve: bool
+    page: str
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -66,15 +73,20 @@ class AlarmPart:
     history: str
 
 
-def alarm_part(book: AlarmBook, newest: int, history: str, say: Say) -> AlarmPart:
-    """Return the part of a frame that is of alarms and events."""
+def alarm_part(book: AlarmBook, newest: int, history: str, cycle_s: float, say: Say) -> AlarmPart:
+    """Return the part of a frame that is of alarms and events.
+
+    Parameters
+    ----------
+    cycle_s : period of the control cycle; NaN where it is not known.
+    """
     load = book.load()
     words = say(
         N_("alarms in ten minutes: {ten}; in a day: {high} high, {medium} medium, {low} low")
     )
     high, medium, low = load.day
     return AlarmPart(
-        alarms=tuple(_line(one, say) for one in book.shown()),
+        alarms=tuple(_line(one, cycle_s, say) for one in book.shown()),
         load=words.format(ten=load.ten_minutes, high=high, medium=medium, low=low),
         is_flood=load.is_flood,
         newest=newest,
@@ -84,7 +96,7 @@ def alarm_part(book: AlarmBook, newest: int, history: str, say: Say) -> AlarmPar
     )
 
 
-def _line(alarm: Alarm, say: Say) -> AlarmLine:
+def _line(alarm: Alarm, cycle_s: float, say: Say) -> AlarmLine:
     one = alarm.condition
     after = say(N_("{name} {seconds} s after"))
     shelved = say(N_("by {name}: {reason}"))
@@ -109,7 +121,16 @@ def _line(alarm: Alarm, say: Say) -> AlarmLine:
         if alarm.shelved_until_ns
         else "",
         can_shelve=one.rank != 1 and alarm.life is not Life.GONE,
+        page=_page(alarm, cycle_s),
     )
+
+
+def _page(alarm: Alarm, cycle_s: float) -> str:
+    """Return where more is shown: of an event, the ticks around it."""
+    if alarm.tick is None or not cycle_s > 0.0:
+        return alarm.condition.page
+    end = alarm.tick + round(AROUND_S / cycle_s)
+    return f"/scope?end={end}&tick={alarm.tick}&at={alarm.since_s:.3f}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -33,6 +33,7 @@ def data_routes(kept: Kept, say_of: Callable[[HTTPConnection], Say]) -> list[Bas
         Route("/data/events", data.events),
         Route("/data/events.csv", data.events_file),
         Route("/data/trend", data.trend),
+        Route("/data/recent", data.recent),
     ]
 
 
@@ -97,6 +98,10 @@ class Data:
         except (sqlite3.Error, BlockingIOError):
             return refused(503, say(NOT_NOW))
         return JSONResponse({"ok": True, "trend": asdict(trend_part(curves, say))})
+
+    async def recent(self, request: Request) -> Response:
+        """Return the last ten minutes of what the overview shows."""
+        return JSONResponse({"ok": True, "recent": asdict(self._kept.recent())})
 
 
 def wanted_of(request: Request) -> events.Wanted | None:

@@ -10,6 +10,7 @@ import numpy as np
 
 from aff_hmi.notices import is_probing, why_it_rests
 from aff_hmi.reason import MEANS
+from aff_hmi.see.alarm_book import Alarm
 from aff_hmi.see.events import Entry, Kind, insert, newest, prune
 from aff_hmi.see.store import Store
 from aff_hmi.watch import News, Seen
@@ -79,6 +80,26 @@ class Journal:
         values = {key: printable(value, LONGEST) for key, value in more.items()}
         self._write(
             Entry(utc_s=self._wall(), kind=kind, name=name, text=text, values=values, who=who)
+        )
+
+    def first_out(self, alarm: Alarm, ring: str) -> None:
+        """Write down what took the correction out, and what came with it; once for its tick."""
+        with_it = ", ".join(f"{one.name} {one.after_s:.3f} s" for one in alarm.followers)
+        text = (
+            N_("took the correction out; with it: {others}")
+            if with_it
+            else N_("took the correction out, alone")
+        )
+        self._write(
+            Entry(
+                utc_s=alarm.since_s,
+                tick=alarm.tick,
+                kind=Kind.ALARM,
+                name=printable(alarm.condition.name, 120),
+                text=text,
+                values={"others": printable(with_it, LONGEST)} if with_it else {},
+                once=f"{ring} {alarm.tick} first" if alarm.tick is not None else "",
+            )
         )
 
     def listen(self, news: News) -> None:

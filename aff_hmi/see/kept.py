@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
@@ -15,7 +16,9 @@ from aff_hmi.see.alarm_book import AlarmBook
 from aff_hmi.see.alarm_part import KINDS, AlarmPart, alarm_part
 from aff_hmi.see.events import Kind
 from aff_hmi.see.journal import Journal
+from aff_hmi.see.recent_part import RecentPart, recent_part
 from aff_hmi.see.rolls_part import rolls_part
+from aff_hmi.see.shape_history import ShapeHistory
 from aff_hmi.see.store import Store
 from aff_hmi.see.trend_part import GROUPS, WINDOW_WORDS, group_name
 from aff_hmi.see.trend_rows import SCHEMA as TREND_SCHEMA
@@ -44,6 +47,7 @@ PEOPLE = {
     "login refused": N_("a login was refused"),
     "logout": N_("logged out"),
     "session ended": N_("the session has ended"),
+    "session ended by": N_("ended a session"),
     "hand taken": N_("took the hand"),
     "hand taken over": N_("took the hand over"),
     "hand released": N_("released the hand"),
@@ -90,14 +94,16 @@ class Kept:
         self._refusals = Bucket(clock, per_s=0.1, burst=10.0)
         self.book = AlarmBook(clock, wall, can_be_seen=can_be_seen)
         self.trends = Trends(self.store, wall)
+        self._shapes = ShapeHistory(self.trends, wall)
         self._columns: tuple[str, ...] = ()
+        self._ring = ""
         self._looked_ns: int | None = None
         self._seen = Seen()
         self._layout = Layout()
         self._texts: dict[tuple[str, str], str] = {}
         self._parts: dict[str, Callable[[Say], Part]] = {
-            ALARMS: self._alarm_part,
-            ROLLS: lambda say: rolls_part(self._seen, say),
+            ALARMS: self.alarms,
+            ROLLS: lambda say: rolls_part(self._seen, say, self._shapes),
         }
 
     def join(self, topic: str, part: Callable[[Say], Part]) -> None:
@@ -138,6 +144,7 @@ class Kept:
         self.book.hear(news.events)
         self.journal.listen(news)
         self._columns = news.columns
+        self._ring = news.ring or self._ring
         self.trends.listen(news)
 
     def look(self, seen: Seen, layout: Layout) -> None:
@@ -155,8 +162,15 @@ class Kept:
             (*conditions, NO_SERVICE) if state == GONE else conditions,
             is_known=is_fresh and seen.tick_age_s < FRESH_S,  # type: ignore[operator]
         )
+        for alarm in self.book.settled():
+            self.journal.first_out(alarm, self._ring)
         self.journal.look(seen)
         self.trends.look(seen, layout, self._columns)
+        self._shapes.look(seen)
+
+    def recent(self) -> RecentPart:
+        """Return the last ten minutes of what the overview shows."""
+        return recent_part(self.trends, self._layout, self.wall())
 
     def part(self, topic: str, language: str) -> str:
         """Return what a page of a topic shows of the newest moment, as JSON."""
@@ -179,5 +193,9 @@ class Kept:
         self.trends.flush()
         self.store.close()
 
-    def _alarm_part(self, say: Say) -> AlarmPart:
-        return alarm_part(self.book, self.journal.number, self.store.trouble, say)
+    def alarms(self, say: Say) -> AlarmPart:
+        """Return what is shown of alarms."""
+        facts = self._seen.facts
+        site = facts.status.facts if facts is not None else None
+        cycle_s = site.cycle_s if site is not None else math.nan
+        return alarm_part(self.book, self.journal.number, self.store.trouble, cycle_s, say)

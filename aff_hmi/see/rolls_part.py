@@ -6,9 +6,10 @@ import cmath
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 from aff_hmi.layout import label_of
-from aff_hmi.notices import why_it_rests
+from aff_hmi.notices import place_key, why_it_rests
 from aff_hmi.view import GOES_OUT
 from aff_hmi.watch import Seen
 from aff_hmi.words import N_, Say
@@ -35,7 +36,7 @@ class OrderLine:
     out_percent : share of its correction that reaches the drive.
     without, now : amplitude in the signal, in the unit of the roll's ``signal_unit``.
     change_dB : now against without. ``ratio`` : true response over the measured one.
-    why : why it rests, empty while it does not.
+    why : why it rests, empty while it does not. ``grows`` : its size, steadily.
     """
 
     name: str
@@ -50,6 +51,7 @@ class OrderLine:
     ratio: float | None
     state: str
     why: str
+    grows: bool
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,8 +69,9 @@ class RollPart:
     Attributes
     ----------
     outline_mm : deviation of the moment arm every ``step_deg``, from 0 deg on; empty while no
-        shape is known. ``zero`` : where 0 deg is. ``extremes`` : the outline in words, in which
-        ``{high}`` and ``{low}`` stand for ``high_mm`` and ``low_mm``.
+        shape is known. ``scatter_mm`` : twice the standard deviation of it over the last turns;
+        empty where it is not known. ``zero`` : where 0 deg is. ``extremes`` : the outline in
+        words, in which ``{high}`` and ``{low}`` stand for ``high_mm`` and ``low_mm``.
     crossings : by radius, the largest first.
     """
 
@@ -78,6 +81,7 @@ class RollPart:
     radius_mm: float | None
     signal_unit: str
     outline_mm: tuple[float, ...]
+    scatter_mm: tuple[float, ...]
     step_deg: int
     zero: str
     extremes: str
@@ -89,28 +93,55 @@ class RollPart:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RollsPart:
-    """Everything that changes on the page; ``texts`` : what became of kept shapes."""
+    """Everything that changes on the page.
+
+    Attributes
+    ----------
+    texts : what became of kept shapes.
+    roll_number, roll_since_s : the PLC's number of the roll that came last, and since when, wall
+        time; None where none came while this screen looked on.
+    """
 
     rolls: tuple[RollPart, ...]
     texts: tuple[str, ...]
+    roll_number: float | None
+    roll_since_s: float | None
 
 
-def rolls_part(seen: Seen, say: Say) -> RollsPart:
-    """Return the part of a frame that is of rolls; empty while no tick is seen."""
+class History(Protocol):
+    """What was seen of the shapes before; a key is that of a `RollPart`."""
+
+    @property
+    def roll_since(self) -> tuple[float, float]:
+        """Number of the roll that came last, and wall time since when; NaN for none."""
+
+    def scatter_mm(self, key: str) -> tuple[float, ...]:
+        """Twice the standard deviation of an outline, every ``STEP_DEG``; empty: not known."""
+
+    def grows(self, actuator: str, order: str) -> bool:
+        """Whether an order has grown steadily."""
+
+
+def rolls_part(seen: Seen, say: Say, history: History | None = None) -> RollsPart:
+    """Return the part of a frame that is of rolls; empty while no tick is seen.
+
+    Parameters
+    ----------
+    history : what was seen of the shapes before; None tells nothing of it.
+    """
     status = seen.facts.status if seen.facts is not None else None
     row, site = seen.row, status.facts if status is not None else None
     if row is None or status is None or site is None:
-        return RollsPart(rolls=(), texts=())
-    orders = row.orders()
-    groups: dict[tuple[str, str], list[OrderStatus]] = {}
-    for order in orders:
-        groups.setdefault((order.actuator, _roll_of(order, site)), []).append(order)
+        return RollsPart(rolls=(), texts=(), roll_number=None, roll_since_s=None)
+    number, since_s = history.roll_since if history is not None else (math.nan, math.nan)
     return RollsPart(
         rolls=tuple(
-            _roll(row, site, actuator, roll, found, orders, say)
-            for (actuator, roll), found in groups.items()
+            _roll(row, site, actuator, roll, orders, history, say)
+            for (actuator, _), (roll, orders) in of_rolls(row, site).items()
         ),
         texts=tuple(printable(text, 200) for text in status.shapes[:MOST_TEXTS]),
+        roll_number=_known(number, 0),
+        roll_since_s=_known(since_s, 1),
     )
 
 
@@ -118,35 +149,35 @@ def _roll(
     row: TickRow,
     site: LineFacts,
     actuator: str,
-    roll: str,
+    facts: RollFacts,
     orders: Sequence[OrderStatus],
-    others: Sequence[OrderStatus],
+    history: History | None,
     say: Say,
 ) -> RollPart:
-    facts = next((one for one in site.rolls if one.name == roll), RollFacts(name=roll))
+    roll, key = facts.name, place_key(actuator, facts.name)
     output = next((one for one in site.outputs if one.actuator == actuator), None)
-    of_zero = {o.name: at_encoder_zero_deg(row, roll, facts.angle_channel, o) for o in orders}
-    has_zero = all(math.isfinite(deg) for deg in of_zero.values())
-    degrees = {o.name: of_zero[o.name] if has_zero else o.phase_deg for o in orders}
+    degrees, has_zero = degrees_of(row, facts, orders)
     outline = outline_mm([(o, degrees[o.name]) for o in orders])
     encoder = say(N_("0° is where the encoder reads zero"))
     count = say(N_("0° is where the service began to count"))
-    lines = [_order(row, roll, o, degrees[o.name], output, say) for o in orders]
+    growing = {o.name for o in orders if history is not None and history.grows(actuator, o.name)}
+    lines = [_order(row, roll, o, degrees[o.name], output, o.name in growing, say) for o in orders]
     lines.sort(key=lambda line: not line.why)
     return RollPart(
-        key=f"{actuator} {roll}",
+        key=key,
         actuator=label_of(actuator),
         roll=label_of(roll),
         radius_mm=_known(1e3 * _radius_m(row, facts), 1),
         signal_unit="mm/s" if output is not None and output.signal.endswith("_m_s") else "N",
         outline_mm=_as_drawn(outline),
+        scatter_mm=history.scatter_mm(key) if history is not None and outline else (),
         step_deg=STEP_DEG,
         zero=encoder if has_zero else count,
         extremes=_extremes(outline, say),
         high_mm=_known(max(outline, default=math.nan), 4),
         low_mm=_known(min(outline, default=math.nan), 4),
         orders=tuple(lines),
-        crossings=tuple(_crossings(row, site, facts, orders, others, say)),
+        crossings=tuple(_crossings(row, site, facts, orders, row.orders(), say)),
     )
 
 
@@ -158,17 +189,44 @@ def outline_mm(orders: Sequence[tuple[OrderStatus, float]]) -> list[float]:
     orders : with their angle, deg; an imbalance is a torque and no part of the outline.
         Fewer than ``FEWEST_ORDERS`` in mm are no shape.
     """
-    weights = [
-        (o.order, cmath.rect(o.size, math.radians(deg)))
-        for o, deg in orders
-        if o.law == SHAPE and not o.is_imbalance and math.isfinite(o.size + deg)
-    ]
+    weights = weights_mm(orders)
     if len(weights) < FEWEST_ORDERS:
         return []
     return [
         sum((w * cmath.exp(1j * n * math.radians(at))).real for n, w in weights)
         for at in range(0, 360, STEP_DEG)
     ]
+
+
+def weights_mm(orders: Sequence[tuple[OrderStatus, float]]) -> list[tuple[int, complex]]:
+    """Return (order, complex amplitude in mm) of what is part of an outline, see `outline_mm`."""
+    return [
+        (o.order, cmath.rect(o.size, math.radians(deg)))
+        for o, deg in orders
+        if o.law == SHAPE and not o.is_imbalance and math.isfinite(o.size + deg)
+    ]
+
+
+def degrees_of(
+    row: TickRow, roll: RollFacts, orders: Sequence[OrderStatus]
+) -> tuple[dict[str, float], bool]:
+    """Return the angle of each order, deg, and whether 0 deg is the encoder's zero."""
+    of_zero = {o.name: at_encoder_zero_deg(row, roll.name, roll.angle_channel, o) for o in orders}
+    has_zero = all(math.isfinite(deg) for deg in of_zero.values())
+    return {o.name: of_zero[o.name] if has_zero else o.phase_deg for o in orders}, has_zero
+
+
+def of_rolls(
+    row: TickRow, site: LineFacts
+) -> dict[tuple[str, str], tuple[RollFacts, list[OrderStatus]]]:
+    """Return roll and orders by (actuator, name of the roll), in the order of the columns."""
+    facts = {one.name: one for one in site.rolls}
+    found: dict[tuple[str, str], tuple[RollFacts, list[OrderStatus]]] = {}
+    for order in row.orders():
+        name = _roll_of(order, site)
+        place = (order.actuator, name)
+        found.setdefault(place, (facts.get(name, RollFacts(name=name)), []))[1].append(order)
+    return found
 
 
 def _as_drawn(outline: Sequence[float]) -> tuple[float, ...]:
@@ -188,7 +246,13 @@ def _extremes(outline: Sequence[float], say: Say) -> str:
 
 
 def _order(
-    row: TickRow, roll: str, order: OrderStatus, deg: float, output: OutputFacts | None, say: Say
+    row: TickRow,
+    roll: str,
+    order: OrderStatus,
+    deg: float,
+    output: OutputFacts | None,
+    grows: bool,
+    say: Say,
 ) -> OrderLine:
     is_speed = output is not None and output.signal.endswith("_m_s")
     factor = 1e3 if is_speed else 1.0
@@ -216,6 +280,7 @@ def _order(
         ratio=_known(order.response_ratio, 2),
         state="" if order.state is None else say(WORDS[order.state]),
         why=say(why) if why else "",
+        grows=grows,
     )
 
 

@@ -16,6 +16,7 @@ from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
 
 MOST = 96
+MEASURED_GROUPS = ("tension", "speed", "radius")  # what a PLC said last is no news of these
 VALUE, REFERENCE, NOW, WITHOUT, MEASURED = "value", "reference", "now", "without", "measured"
 
 
@@ -54,6 +55,11 @@ class SeriesSet:
         self._ticks = tuple(ticks)
         self._at = [columns.index(one.column) for one in ticks]
         self._factors = np.array([one.factor for one in ticks])
+        self._is_measured = np.array(
+            [one.series.group in MEASURED_GROUPS for one in ticks], dtype=bool
+        )
+        self._age_at = columns.index("age_s") if "age_s" in columns else None
+        self._fault_after_s = site.fault_after_s
         self._states = [(i, one.state) for i, one in enumerate(ticks) if one.state is not None]
         samples = dict(_of_samples(layout))
         samples |= dict(_of_orders(columns, site))
@@ -61,11 +67,17 @@ class SeriesSet:
         self.all = (*(one.series for one in ticks), *(samples[slot] for slot in self._samples))
 
     def of_ticks(self, records: Rows) -> NDArray[np.float64]:
-        """Return rows (ticks, curves) in the units of the screen; NaN where only samples are."""
+        """Return rows (ticks, curves) in the units of the screen; NaN where only samples are.
+
+        What is measured is NaN while the PLC is silent: what it said last is not of now.
+        """
         rows = np.full((len(records), len(self.all)), np.nan)
         picked = np.asarray(records)[:, self._at]
         for at, state in self._states:
             picked[:, at] = picked[:, at] == state
+        if self._age_at is not None:
+            is_silent = np.asarray(records)[:, self._age_at] > self._fault_after_s
+            picked[is_silent[:, None] & self._is_measured] = np.nan
         rows[:, : len(self._ticks)] = picked.reshape(len(records), -1) * self._factors
         return rows
 
@@ -84,6 +96,8 @@ class SeriesSet:
             by_slot[f"dB:{key}"] = 20.0 * math.log10(now / before) if is_both else math.nan
             by_slot[f"mm:{key}"] = order.size
         sample = np.full((1, len(self.all)), np.nan)
+        if row.number("age_s") > self._fault_after_s:
+            return sample
         sample[0, len(self._ticks) :] = [by_slot.get(slot, math.nan) for slot in self._samples]
         return sample
 

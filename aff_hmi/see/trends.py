@@ -131,6 +131,10 @@ class Trends:
 
         return read
 
+    def seconds(self, curves: Sequence[Series], length_s: int) -> Stretch:
+        """Return the seconds in memory of some curves that are kept, up to an hour back."""
+        return self._newest(curves, self._wall() - length_s)
+
     def flush(self) -> None:
         """Keep the minute that has begun: the screen ends."""
         if self._second is not None:

@@ -30,22 +30,38 @@ function said(one) {
     line.append(part("p", "note", `${words.together}: ${one.followers.join(", ")}`));
   }
   line.append(part("p", "do", `${words.todo}: ${one.to_do}`));
-  if (hand?.dataset.token) line.append(buttons(one));
+  const row = part("p", "buttons");
+  if (one.page) row.append(link(one));
+  if (hand?.dataset.token) row.append(...buttons(one));
+  if (row.childElementCount) line.append(row);
+  line.dataset.key = one.key;
+  line.dataset.seen = one.seen_by ? "yes" : "";
+  line.tabIndex = -1;
   return line;
 }
 
+/** To the ticks around it, to its roll, or to the machine. */
+function link(one) {
+  const where = new URL(one.page, location.href);
+  where.searchParams.set("lang", document.documentElement.lang);
+  const made = part("a", "button", words.show);
+  made.href = where.href;
+  made.setAttribute("aria-label", `${words.show}: ${one.name}`);
+  return made;
+}
+
 function buttons(one) {
-  const row = part("p", "buttons");
+  const made = [];
   if (!one.seen_by && one.life !== "shelved") {
-    row.append(button(words.acknowledge, () => send("/acknowledge", { key: one.key })));
+    made.push(button(words.acknowledge, () => send("/acknowledge", { key: one.key })));
   }
   if (one.life === "shelved") {
     const back = { key: one.key, minutes: 0, reason: "" };
-    row.append(button(words.unshelve, () => send("/shelve", back)));
+    made.push(button(words.unshelve, () => send("/shelve", back)));
   } else if (one.can_shelve) {
-    row.append(button(words.shelve, () => askWhy(one)));
+    made.push(button(words.shelve, () => askWhy(one)));
   }
-  return row;
+  return made;
 }
 
 function button(text, press) {
@@ -91,13 +107,35 @@ onPart((page) => {
   const list = byId("book");
   const next = lines.length ? lines : [part("li", "", nothing)];
   const isSame = next.length === list.children.length && next.every((l, i) => l === list.children[i]);
-  if (!isSame) list.replaceChildren(...next);
+  if (!isSame) {
+    const chosen = keyOf(document.activeElement);
+    list.replaceChildren(...next);
+    next.find((one) => chosen !== "" && one.dataset.key === chosen)?.focus();
+  }
+  for (const [n, one] of lines.entries()) one.tabIndex = n ? -1 : 0;
   put(byId("load"), page?.load ?? "");
   byId("load").classList.toggle("flood", page?.is_flood ?? false);
   put(byId("history"), page?.history ?? "");
   if (page !== null && page.newest !== newest) {
     newest = page.newest;
     look();
+  }
+});
+
+/** Key of the alarm in whose line something is, empty for none. */
+const keyOf = (place) => place?.closest?.("#book li[data-key]")?.dataset.key ?? "";
+
+// arrows choose an alarm; on the chosen one the key that goes to the alarms says that it was seen
+byId("book").addEventListener("keydown", (event) => {
+  const line = event.target;
+  if (!line.matches("li[data-key]") || event.ctrlKey || event.altKey || event.metaKey) return;
+  const other = { ArrowDown: line.nextElementSibling, ArrowUp: line.previousElementSibling };
+  if (event.key in other) {
+    event.preventDefault();
+    other[event.key]?.focus();
+  } else if (event.key === "a" && !event.repeat && hand?.dataset.token && !line.dataset.seen) {
+    event.stopPropagation();
+    send("/acknowledge", { key: line.dataset.key });
   }
 });
 

@@ -1,6 +1,7 @@
 // Fills the overview from whole frames. Text goes in as text, never as markup.
 import { isOpen, isText, openBox } from "/static/box.js";
 import { broken, isDead, judge } from "/static/freshness.js";
+import { otherSound } from "/static/sound.js";
 import { digitsOf, inUnit, otherUnits, unitName } from "/static/units.js";
 
 const LOOK_MS = 50;
@@ -255,9 +256,11 @@ const actions = {
   l: () => byId("language").click(),
   a: () => {
     const list = [byId("book"), byId("alarms")].find((one) => one?.offsetParent) ?? byId("main");
-    list.tabIndex = -1;
-    list.focus();
+    const first = list.querySelector("li[tabindex]");
+    if (!first) list.tabIndex = -1;
+    (first ?? list).focus();
   },
+  m: otherSound,
   "/": () => byId("main").querySelector("select, input")?.focus(),
   "?": () => openBox(byId("help")),
 };

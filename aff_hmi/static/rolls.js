@@ -1,5 +1,5 @@
 // Rolls as pictures in mm, with the orders behind them.
-import { byId, number, onPart, part, put, words } from "/static/see.js";
+import { at, byId, number, onPart, part, put, words } from "/static/see.js";
 import { digitsOf, inUnit, unitName } from "/static/units.js";
 
 const SVG = "http://www.w3.org/2000/svg";
@@ -58,6 +58,12 @@ function polar(roll) {
     const [x, y] = place(deg, 1.75 * size);
     picture.append(shape("text", { x, y: y + 4, "text-anchor": "middle" }, `${deg}°`));
   }
+  if (roll.scatter_mm.length) {
+    const edge = (sign) =>
+      roll.outline_mm.map((mm, n) => place(n * roll.step_deg, mm + sign * roll.scatter_mm[n]).join(" "));
+    const both = [edge(1), edge(-1)].map((points) => `M${points.join("L")}Z`).join("");
+    picture.append(shape("path", { d: both, class: "scatter" }));
+  }
   const points = roll.outline_mm.map((mm, n) => place(n * roll.step_deg, mm).join(",")).join(" ");
   picture.append(shape("polygon", { points, class: "outline" }));
   return picture;
@@ -101,7 +107,8 @@ function orderRow(order, unit) {
   const sized = (value, of) => part("td", "figure", value === null ? "—" : said(value, 3, of));
   const gain = figure(order.change_dB, 0, " dB");
   if (order.change_dB !== null) gain.append(" ", bar(order.change_dB));
-  const state = order.why ? `▲ ${words.rests}, ${order.state}` : order.state;
+  const stands = order.why ? `▲ ${words.rests}, ${order.state}` : order.state;
+  const state = order.grows ? `${stands} ↗ ${words.grows}` : stands;
   row.append(
     part("td", "name", order.name),
     part("td", "stands", state), // second: on a phone it is seen without a push to the side
@@ -145,9 +152,11 @@ function outlineTable(roll) {
     const row = part("tr");
     row.append(part("td", "figure", `${n * roll.step_deg}°`));
     row.append(part("td", "figure", said(roll.outline_mm[n], 3, SHAPE)));
+    const scatter = roll.scatter_mm[n];
+    row.append(part("td", "figure", scatter === undefined ? "—" : `± ${said(scatter, 3, SHAPE)}`));
     rows.push(row);
   }
-  box.append(table("", [words.angle, words.deviation], rows));
+  box.append(table("", [words.angle, words.deviation, words.scatter], rows));
   return box;
 }
 
@@ -175,6 +184,7 @@ function section(roll) {
   if (roll.outline_mm.length) side.append(polar(roll));
   const notes = [extremes(roll)];
   if (roll.outline_mm.length) notes.push(enlarged(roll), roll.zero);
+  if (roll.scatter_mm.length) notes.push(words.band);
   if (roll.radius_mm !== null) notes.unshift(`${words.radius} ${said(roll.radius_mm, 1, "mm")}`);
   side.append(part("p", "note", notes.join(" · ")));
   if (roll.outline_mm.length) side.append(outlineTable(roll));
@@ -184,6 +194,15 @@ function section(roll) {
 }
 
 const drawn = new Map();
+let linked = placeOf(location.hash); // the roll that a link has asked for
+
+function placeOf(hash) {
+  try {
+    return decodeURIComponent(hash.slice(1));
+  } catch {
+    return ""; // typed by hand
+  }
+}
 
 /** A roll is drawn anew when it says something new; what was opened stays open. */
 onPart((page) => {
@@ -205,6 +224,15 @@ onPart((page) => {
   const isSame = next.length === list.children.length && next.every((b, n) => b === list.children[n]);
   if (!next.length) list.replaceChildren(part("p", "", page === null ? "—" : words.none));
   else if (!isSame) list.replaceChildren(...next);
+  const wanted = rolls.findIndex((roll) => roll.key === linked);
+  if (wanted >= 0) {
+    linked = "";
+    next[wanted].tabIndex = -1;
+    next[wanted].focus();
+  }
+  const since = page?.roll_since_s ?? null;
+  const other = words.otherRoll.replace("{number}", number(page?.roll_number ?? null, 0));
+  put(byId("other-roll"), since === null ? "" : other.replace("{time}", at(since)));
   const texts = page?.texts ?? [];
   byId("texts").replaceChildren(...(texts.length ? texts : ["—"]).map((text) => part("li", "", text)));
 });

@@ -1,6 +1,7 @@
 // Every tick, as it arrives or around a trigger; two cursors; windows that are kept.
-import { openBox } from "/static/box.js";
+import { isOpen, isText, openBox } from "/static/box.js";
 import { css, figure, legendLine, look, row, short } from "/static/curves.js";
+import { laidOver, savePicture } from "/static/overlay.js";
 import { at, byId, number, part, press, put, words } from "/static/see.js";
 import { factorOf, unitName } from "/static/units.js";
 
@@ -22,6 +23,8 @@ let after = -1; // tick after which a trigger counts
 let ended = null; // last tick of a picture that stands
 let kept = null; // the window that is shown, null for what arrives
 let sure = null;
+let overlay = null; // a kept window over it: window, what it was asked with, what came
+let about = null; // the tick that a link has asked for, and its wall time
 
 // --- asking ------------------------------------------------------------------------------------
 
@@ -105,8 +108,31 @@ async function renew() {
   }
 }
 
+/** Whether these are the ticks of a link: the same numbers come again with every start. */
+function isOfLink({ head, t }) {
+  const n = about.tick - head.first;
+  return n >= 0 && n < head.n && Math.abs(head.utc_s + t[n] - about.at_s) < 1;
+}
+
+/** Show the ticks of a link, or say that they are gone; nothing else is taken for them. */
+function tookLink(found) {
+  if (found.head.n < 2 || !isOfLink(found)) {
+    put(byId("shot"), words.goneTicks);
+    about = ended = null;
+    return;
+  }
+  const n = about.tick - found.head.first;
+  byId("cursor-a").value = String(Math.round((1000 * n) / (found.head.n - 1)));
+  about = null;
+  show(found);
+}
+
 function took(found, said) {
   const { head } = found;
+  if (about !== null) {
+    tookLink(found);
+    return;
+  }
   if (head.n < 0) {
     put(byId("shot"), words.waits);
     const isAuto = byId("mode").value === "auto" && performance.now() - fired_ms > AUTO_MS;
@@ -198,8 +224,44 @@ function options(signals) {
 }
 
 function line(one, n) {
-  const { tone, dash } = look(n);
+  const { tone, dash } = lookOf(one, n);
   return { scale: one.unit, stroke: tone, width: 1.5, dash, points: { show: false }, spanGaps: false };
+}
+
+/** What lies over it has the tone of its own signal, and is dotted. */
+function lookOf(one, n) {
+  return one.over === undefined ? look(n) : { tone: look(one.over).tone, dash: [2, 4] };
+}
+
+/** Signals of the overlay, if what there is of it belongs to this picture. */
+function overSignals() {
+  if (overlay?.found === undefined) return [];
+  const name = (one) => words.overlaid.replace("{signal}", one.label).replace("{name}", overlay.one.name);
+  return overlay.found.head.signals.map((one, n) => ({ ...one, label: name(one), over: n }));
+}
+
+/** How far two neighbours of the picture are apart, and half as much again. */
+function apartOf(x) {
+  return x.length > 1 ? (1.5 * (x.at(-1) - x[0])) / (x.length - 1) : 0;
+}
+
+/** Ask for the overlay of these signals, over this length and this roll. */
+async function renewOverlay() {
+  const { signals, seconds, roll } = query();
+  const said = { signals, seconds, roll, kept: overlay.one.number, end: overlay.one.last };
+  const asked = JSON.stringify(said);
+  if (overlay.asked === asked) return;
+  overlay.asked = asked;
+  overlay.found = undefined;
+  const found = await fetchShot(said);
+  if (overlay?.asked !== asked) return;
+  if (found.text === undefined && found.head.n > 1) {
+    overlay.found = found;
+  } else {
+    overlay = null;
+    put(byId("kept-said"), found.text ?? words.nothing);
+  }
+  if (shot !== null) show(shot);
 }
 
 /** The two cursors, the trigger, and what happened, as lines across the picture. */
@@ -239,9 +301,16 @@ function cursors() {
 
 function show(found) {
   shot = found;
-  const { signals } = shot.head;
+  if (overlay !== null) renewOverlay();
+  const over = overSignals();
+  const signals = [...shot.head.signals, ...over];
   const now = JSON.stringify([signals, shot.turns !== null, root.dataset.theme]);
   const data = holed(shot);
+  if (over.length && data[0].length) {
+    data.push(...laidOver(data[0], data[0][0], holed(overlay.found), apartOf(data[0])));
+  } else {
+    data.push(...over.map(() => []));
+  }
   if (now !== drawn || chart === null) {
     chart?.destroy();
     byId("chart").replaceChildren();
@@ -250,7 +319,8 @@ function show(found) {
   } else {
     chart.setData(data);
   }
-  const lines = signals.map((one, n) => legendLine(one.label, shot.columns[n].at(-1), one.unit, look(n)));
+  const last = (one, n) => (one.over === undefined ? shot.columns[n].at(-1) : null);
+  const lines = signals.map((one, n) => legendLine(one.label, last(one, n), one.unit, lookOf(one, n)));
   byId("curves").replaceChildren(...lines);
   tell();
   read();
@@ -290,16 +360,26 @@ function read() {
   put(byId("between"), text);
   const names = [words.signal, "A", "B", "B − A", words.least, words.mean, words.largest];
   table.tHead.replaceChildren(row(names, "th"));
-  const rows = head.signals.map((one, n) => {
-    const known = columns[n].filter((v) => !Number.isNaN(v));
+  const source = turns ?? t;
+  const overlaid = overSignals();
+  const apart = apartOf(source);
+  const under = overlaid.length ? [A, B].map((n) => valuesUnder(source, n, apart)) : [];
+  const rows = [...head.signals, ...overlaid].map((one, n) => {
+    const column = one.over === undefined ? columns[n] : overlay.found.columns[one.over];
+    const known = column.filter((v) => !Number.isNaN(v));
     const sum = known.reduce((a, v) => a + v, 0);
     const least = known.reduce((a, v) => Math.min(a, v), Infinity);
     const largest = known.reduce((a, v) => Math.max(a, v), -Infinity);
-    const [a, b] = [columns[n][A], columns[n][B]];
+    const [a, b] = one.over === undefined ? [column[A], column[B]] : under.map((all) => all[one.over] ?? NaN);
     const whole = known.length ? [least, sum / known.length, largest] : [null, null, null];
     return row([`${one.label} [${one.unit}]`, ...[a, b, b - a, ...whole].map(figure)]);
   });
   table.tBodies[0].replaceChildren(...rows);
+}
+
+/** Values of the overlay under a place of the picture. */
+function valuesUnder(source, n, apart) {
+  return laidOver([source[n]], source[0], holed(overlay.found), apart).map(([value]) => value);
 }
 
 function orders() {
@@ -343,7 +423,14 @@ function windowLine(one) {
   const open = part("button", "", words.open);
   open.type = "button";
   open.onclick = () => showKept(one);
-  buttons.append(open);
+  const over = part("button", "", overlay?.one.number === one.number ? words.layOff : words.layOver);
+  over.type = "button";
+  over.onclick = () => {
+    overlay = overlay?.one.number === one.number ? null : { one };
+    list();
+    if (shot !== null) show(shot);
+  };
+  buttons.append(open, over);
   if (byId("keep")) {
     const go = part("button", "", words.letGo);
     go.type = "button";
@@ -438,6 +525,22 @@ byId("save").onclick = (event) => {
   const said = { ...query(), on: "", end: last, lang: root.lang };
   event.currentTarget.href = `/data/scope.csv?${new URLSearchParams(said)}`;
 };
+byId("save-picture").onclick = () => {
+  if (chart === null || shot === null) return;
+  const stale = byId("picture").querySelector(".stale").textContent;
+  const ends = new Date(1000 * (shot.head.utc_s + (shot.t?.at(-1) ?? 0))).toISOString();
+  const of = `${document.querySelector("h1").textContent} … ${ends}`;
+  const above = [of, `${byId("shot").textContent} ${stale}`];
+  const below = [...byId("curves").children].map((one) => one.textContent);
+  savePicture(chart, above, [...below, byId("between").textContent], "aff-scope.png");
+};
+// to a cursor, and to the other one; arrows, Home and End move it
+document.addEventListener("keydown", (event) => {
+  if (event.key !== "c" || event.ctrlKey || event.altKey || event.metaKey) return;
+  if (isText(event) || isOpen()) return;
+  event.preventDefault();
+  byId(document.activeElement === byId("cursor-a") ? "cursor-b" : "cursor-a").focus();
+});
 new ResizeObserver(() => chart?.setSize({ width: byId("chart").clientWidth, height: HIGH })).observe(
   byId("chart"),
 );
@@ -452,6 +555,13 @@ for (const one of byId("of").options) {
   one.textContent = one.textContent.replace(`[${one.dataset.of}]`, `[${unitName(one.dataset.of)}]`);
 }
 for (const box of boxes().slice(0, 2)) box.checked = true;
+const linked = new URLSearchParams(location.search);
+if (["end", "tick", "at"].every((name) => /^[\d.]{1,15}$/.test(linked.get(name) ?? ""))) {
+  about = { tick: Number(linked.get("tick")), at_s: Number(linked.get("at")) };
+  ended = Number(linked.get("end"));
+  isRunning = false;
+  byId("seconds").value = "10";
+}
 controls();
 buttons();
 renew();

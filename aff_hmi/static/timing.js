@@ -1,6 +1,6 @@
 // Times of the ticks, rights, who may what: all of it comes in the frames.
 import { row, short } from "/static/curves.js";
-import { byId, number, onPart, part, put, words } from "/static/see.js";
+import { byId, number, onPart, part, put, send, words } from "/static/see.js";
 
 const NS = "http://www.w3.org/2000/svg";
 const HIGH = 60;
@@ -116,3 +116,52 @@ setInterval(() => {
     put(cell, document.querySelector(`[data-age="${cell.dataset.ageOf}"]`).textContent);
   }
 }, 200);
+
+// --- sessions ----------------------------------------------------------------------------------
+
+const SESSIONS_MS = 10000;
+let sessions_ms = -Infinity;
+let sure = 0;
+
+async function listSessions() {
+  sessions_ms = performance.now();
+  const answer = await send("/sessions", {});
+  if (answer.ok) byId("sessions").replaceChildren(...answer.sessions.map(sessionLine));
+  else put(byId("sessions-said"), answer.text);
+}
+
+function sessionLine(one) {
+  const made = part("li");
+  made.append(part("strong", "", one.account), " ");
+  const minutes = (s) => number(Math.floor(s / 60), 0);
+  const said = words.session.replace("{role}", one.role).replace("{place}", one.place);
+  const marks = [one.has_hand && words.hand, one.is_own && words.own].filter(Boolean);
+  const whole = said.replace("{minutes}", minutes(one.since_s)).replace("{still}", minutes(one.still_s));
+  made.append(part("span", "note", [whole, ...marks].join(" · ")));
+  if (one.can_end && !one.is_own) {
+    const row = part("p", "buttons");
+    const button = part("button", "", sure === one.number ? words.sure : words.end);
+    button.type = "button";
+    button.onclick = () => endSession(one.number, button);
+    row.append(button);
+    made.append(row);
+  }
+  return made;
+}
+
+async function endSession(which, button) {
+  if (sure !== which) {
+    sure = which;
+    put(button, words.sure);
+    return;
+  }
+  sure = 0;
+  put(byId("sessions-said"), (await send("/sessions/end", { number: which })).text);
+  listSessions();
+}
+
+if (byId("sessions")) {
+  document.addEventListener("frame", (event) => {
+    if (event.detail !== null && performance.now() - sessions_ms > SESSIONS_MS) listSessions();
+  });
+}

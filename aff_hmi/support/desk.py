@@ -14,7 +14,7 @@ from starlette.routing import BaseRoute, Route
 
 from aff_hmi.layout import Layout
 from aff_hmi.see import events
-from aff_hmi.see.alarm_part import alarm_part, event_line
+from aff_hmi.see.alarm_part import event_line
 from aff_hmi.see.kept import Kept
 from aff_hmi.support.bundle import MOST_EVENTS, files_of, zipped
 from aff_hmi.timing.room import Timing
@@ -73,7 +73,7 @@ class SupportDesk:
         entries = await kept.store.ask(lambda c: events.select(c, wanted))
         files = files_of(
             seen,
-            alarms=alarm_part(kept.book, kept.journal.number, kept.store.trouble, say),
+            alarms=kept.alarms(say),
             events=[event_line(one, say) for one in entries],
             timing=self._timing.part(say),
             metrics=self._metrics(),

@@ -30,12 +30,17 @@ class Histogram:
     """Counts times, us.
 
     The upper edge of its class stands for a time: a percentile is at most a quarter too large,
-    and never too small; the largest is exact.
+    and never too small; largest and sum are exact.
+
+    Attributes
+    ----------
+    counts : of every class. ``total_us`` : sum of all times, us.
     """
 
     def __init__(self) -> None:
         self.counts: NDArray[np.int64] = np.zeros(len(EDGES_US) + 1, dtype=np.int64)
         self._largest = math.nan
+        self.total_us = 0.0
 
     def add(self, times_us: NDArray[np.float64]) -> None:
         """Count times; what is not finite is left out."""
@@ -44,11 +49,13 @@ class Histogram:
             return
         self.counts += np.bincount(np.searchsorted(EDGES_US, known), minlength=len(self.counts))
         self._largest = float(np.fmax(self._largest, known.max()))
+        self.total_us += float(known.sum())
 
     def join(self, other: Histogram) -> None:
         """Take what another one has counted."""
         self.counts += other.counts
         self._largest = float(np.fmax(self._largest, other._largest))
+        self.total_us += other.total_us
 
     def figures(self) -> Figures:
         """Return what a person reads of it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from aff_hmi.timing.rights import RightLine, right_lines
 from aff_hmi.timing.who import WhoLine, who_lines
 from aff_hmi.watch import News, Seen
 from aff_hmi.words import N_, Say
+from aff_runtime.app.report.metrics.readings import Spread
 from aff_runtime.base.machine import Machine, machine
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
@@ -29,6 +31,13 @@ COLUMNS = {
     "tick_us": (N_("whole tick"), 1.0),
     "age_s": (N_("age of the PLC's data"), 1e6),
 }
+METRICS = {
+    "wake_us": "aff_tick_wakeup_delay_seconds",
+    "io_us": "aff_tick_wire_duration_seconds",
+    "tick_us": "aff_tick_duration_seconds",
+    "age_s": "aff_plc_data_age_seconds",
+}
+TOLD = slice(7, 38, 3)  # of the classes: from 50 us to 50 ms, each twice the one before
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -152,6 +161,19 @@ class Timing:
             history=printable(self._store.trouble, 120),
             who=who_lines(self._hand, say),
         )
+
+    def spreads(self) -> Iterator[Spread]:
+        """Yield the times of every tick that was seen as histograms of a monitoring system."""
+        for name, metric in METRICS.items():
+            whole = self._times[name].whole
+            below = np.cumsum(whole.counts)
+            edges = [float(f"{1e-6 * edge:.3g}") for edge in EDGES_US[TOLD]]
+            counts = [float(count) for count in below[:-1][TOLD]]
+            yield Spread(
+                metric,
+                (*zip(edges, counts, strict=True), (math.inf, float(below[-1]))),
+                1e-6 * whole.total_us,
+            )
 
     def _line(self, name: str, second: int, say: Say) -> TimeLine:
         times = self._times[name]

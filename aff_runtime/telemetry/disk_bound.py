@@ -24,6 +24,15 @@ def used_bytes(directory: Path) -> int:
     return sum(_folder_bytes(folder) for folder in _run_folders(directory))
 
 
+def free_bytes(directory: Path) -> int | None:
+    """Return what a service may still write where ``directory`` is, bytes; None: not known."""
+    try:
+        disk = os.statvfs(directory)
+    except OSError:
+        return None
+    return disk.f_bavail * disk.f_frsize
+
+
 def delete_oldest(directory: Path, *, max_bytes: int, keep: Path) -> int:
     """Delete oldest segments until the runs fit; return how many went.
 

@@ -73,6 +73,9 @@ def _report(ring: RingReader, folder: RunFolder) -> None:
         rows_lost=folder.signals.rows_lost + folder.files_lost,
         ring_overruns=ring.signals.overrun_count,
         error=folder.signals.last_error,
+        kept_bytes=folder.kept_bytes,
+        max_bytes=folder.max_bytes,
+        free_bytes=folder.free_bytes(),
     )
     with contextlib.suppress(OSError):
         os.write(1, report.encode())

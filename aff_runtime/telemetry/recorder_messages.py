@@ -58,9 +58,19 @@ class Note:
         return json.dumps(asdict(self)).encode() + b"\n"
 
 
+NOT_SAID = -1
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecorderReport:
-    """How recording goes; rows count from the beginning of its run folder."""
+    """How recording goes; rows count from the beginning of its run folder.
+
+    Attributes
+    ----------
+    kept_bytes : of all runs, as last added up; `NOT_SAID` until a segment has ended.
+    max_bytes, free_bytes : what all runs may take; what the disk has left. `NOT_SAID` of a
+        recorder that cannot say.
+    """
 
     folder: str = ""
     rows: int = 0
@@ -68,6 +78,9 @@ class RecorderReport:
     ring_overruns: int = 0
     error: str = ""
     alive: bool = False
+    kept_bytes: int = NOT_SAID
+    max_bytes: int = NOT_SAID
+    free_bytes: int = NOT_SAID
 
     @property
     def lost(self) -> int:

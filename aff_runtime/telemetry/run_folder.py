@@ -12,9 +12,9 @@ from pathlib import Path
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
-from aff_runtime.telemetry.disk_bound import delete_oldest
+from aff_runtime.telemetry.disk_bound import delete_oldest, free_bytes, used_bytes
 from aff_runtime.telemetry.header import RingHeader
-from aff_runtime.telemetry.recorder_messages import RunContext
+from aff_runtime.telemetry.recorder_messages import NOT_SAID, RunContext
 from aff_runtime.telemetry.run_about import RunAbout
 from aff_runtime.telemetry.segments import SegmentWriter
 from aff_runtime.telemetry.summary import RunSummary, Summary
@@ -30,6 +30,11 @@ class RunFolder:
     directory : folder of all runs.
     header : the ring's header (columns, start time, meta).
     context : what the supervisor knows.
+
+    Attributes
+    ----------
+    max_bytes : what all runs together may take.
+    kept_bytes : what they took when the last segment had ended; `NOT_SAID` before.
     """
 
     def __init__(self, directory: Path, header: RingHeader, context: RunContext) -> None:
@@ -37,7 +42,7 @@ class RunFolder:
         safe_name = re.sub(r"[^A-Za-z0-9_-]+", "-", context.name)
         self.path = _free_name(directory, f"{stamp}_{safe_name}")
         self._directory = directory
-        self._max_bytes = int(context.max_MB * 1e6)
+        self.max_bytes = int(context.max_MB * 1e6)
         self._columns: list[str] = list(header.columns)
         self._summary = RunSummary(self._columns, [state.name for state in State])
         self._last_s = 0.0
@@ -45,6 +50,7 @@ class RunFolder:
         self._is_made = False
         self.files_lost = 0
         self.segments_deleted = 0
+        self.kept_bytes = NOT_SAID
         self._make(header, context)
         self.signals = SegmentWriter(self.path, self._columns, segment_s=context.segment_s)
 
@@ -61,8 +67,14 @@ class RunFolder:
     def bound_disk(self) -> None:
         """Delete the oldest segments above the bound."""
         self.segments_deleted += delete_oldest(
-            self._directory, max_bytes=self._max_bytes, keep=self.signals.path
+            self._directory, max_bytes=self.max_bytes, keep=self.signals.path
         )
+        self.kept_bytes = used_bytes(self._directory)
+
+    def free_bytes(self) -> int:
+        """Return what the disk of the runs has left, bytes; `NOT_SAID` when it does not say."""
+        left = free_bytes(self._directory)
+        return NOT_SAID if left is None else left
 
     def add_events(self, records: Sequence[Sequence[float]], start_ns: float) -> None:
         """Append event records (tick, t_ns, code, argument) of the ring."""

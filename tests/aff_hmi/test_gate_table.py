@@ -26,7 +26,7 @@ PLACES = {"panel": "127.0.0.1", "network": "192.168.7.31"}
 REMOTE = {"local": "", "remote": "REMOTE=1: the PLC arms, by its reset"}
 IN_REMOTE = {"local": Status(0), "remote": Status.REMOTE}
 SEEN = ("/alarms", "/rolls", "/trends", "/scope", "/timing")
-DATA = ("/events", "/events.csv", "/scope", "/scope.csv", "/support.zip", "/windows")
+DATA = ("/events", "/events.csv", "/recent", "/scope", "/scope.csv", "/support.zip", "/windows")
 # looked at by everybody everywhere; a trend of no group is no request of ours
 LOOKED = {
     **dict.fromkeys(("/", "/login", "/metrics", "/static/screen.css", *SEEN), 200),
@@ -38,6 +38,8 @@ LOGGED_OUT, MAY_NOT = 401, 403
 PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
     "/login": ({"name": "bert", "password": PASSWORD}, (200, 200, 200, 200)),
     "/logout": ({}, (LOGGED_OUT, 200, 200, 200)),
+    "/sessions": ({}, (LOGGED_OUT, 200, 200, 200)),
+    "/sessions/end": ({"number": 10**6}, (LOGGED_OUT, 409, 409, 409)),
     "/hand": ({"do": "take"}, (LOGGED_OUT, MAY_NOT, 200, 200)),
     "/acknowledge": ({"key": "none stands"}, (LOGGED_OUT, MAY_NOT, 409, 409)),
     "/shelve": (

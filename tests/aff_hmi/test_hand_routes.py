@@ -27,6 +27,8 @@ BY_ROLE = {None: "", Role.VIEW: "vera", Role.OPERATE: "anna", Role.COMMISSION: "
 GOOD: dict[str, dict[str, Any]] = {
     "/login": LOGIN,
     "/logout": {},
+    "/sessions": {},
+    "/sessions/end": {"number": 10**6},
     "/hand": {"do": "take"},
     "/act": {"action": "bypass", "id": "a" * 32, "seen": "READY", "frame": 1},
     "/acknowledge": {"key": "PLC_STALE"},
@@ -44,6 +46,9 @@ GOOD: dict[str, dict[str, Any]] = {
 MATRIX = {
     "/login": {None: 200, Role.VIEW: 200, Role.OPERATE: 200, Role.COMMISSION: 200},
     "/logout": {None: 401, Role.VIEW: 200, Role.OPERATE: 200, Role.COMMISSION: 200},
+    "/sessions": {None: 401, Role.VIEW: 200, Role.OPERATE: 200, Role.COMMISSION: 200},
+    # no such session
+    "/sessions/end": {None: 401, Role.VIEW: 409, Role.OPERATE: 409, Role.COMMISSION: 409},
     "/hand": {None: 401, Role.VIEW: 403, Role.OPERATE: 200, Role.COMMISSION: 200},
     "/act": {None: 200, Role.VIEW: 200, Role.OPERATE: 200, Role.COMMISSION: 200},
     # no such alarm stands here: 409 is what those get who may

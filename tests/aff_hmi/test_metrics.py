@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,16 +15,19 @@ pytest.importorskip("prometheus_client")
 
 from prometheus_client import parser
 
-from aff_hmi.gate import BURST
+from aff_hmi.counted import Counted
+from aff_hmi.gate import BURST, Gate, Rates
+from aff_hmi.hub import Hub
 from aff_hmi.metrics import FACTS_PATIENCE_S, KEPT_NS, Metrics, answer_of
+from aff_hmi.pages import Pages
 from aff_hmi.watch import Watch
 from aff_runtime.app.door.messages import Facts
-from aff_runtime.app.report.metrics.catalogue import BY_NAME
+from aff_runtime.app.report.metrics.catalogue import BY_NAME, OF_SCREEN
 from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE, exposition
 from aff_runtime.app.report.metrics.readings import readings
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import State
-from tests.aff_hmi.asgi import get, screen
+from tests.aff_hmi.asgi import HOST, get, screen
 from tests.aff_hmi.moments import facts, row, seen
 from tests.aff_hmi.served import asked, served
 from tests.aff_runtime.app.door.stand import Stand
@@ -111,6 +115,26 @@ def test_hostile_names_stay_inside_their_labels() -> None:
     assert "Euclid" not in text  # the line's own name is no label
 
 
+def test_every_answer_is_counted_by_route_and_status_and_no_path_is_a_label() -> None:
+    clock = VirtualClock(1)
+    hub = Hub(Watch(Path("/nowhere"), clock), clock)
+    gate = Gate(Pages(hub, "en", clock).app(), [HOST], Rates(clock), is_tls=False)
+    app = Counted(gate, hub.counts, clock)
+    for path in ("/", "/", "/static/icon.svg", "/static/x", "/<script>", "/admin"):
+        get(app, path)
+    get(app, "/", headers=[("host", "evil.example")])
+    assert hub.counts.answers == {
+        ("/", "200"): 2,
+        ("/static/{name}", "200"): 1,
+        ("/static/{name}", "404"): 1,
+        ("none", "404"): 2,
+        ("none", "421"): 1,
+    }
+    own = {sample.metric for sample in hub.counts.samples(None)}
+    assert own <= {metric.name for metric in OF_SCREEN}
+    assert "process_resident_memory_bytes" in hub.metrics()
+
+
 async def look_until_told(stand: Stand) -> tuple[str, dict[str, str], str]:
     """Serve a screen of a door that is served beside it; return the first scrape of its line."""
     async with served(Watch(stand.path, MonotonicClock())) as (port, _):
@@ -145,10 +169,18 @@ def test_prometheus_reads_the_line_over_a_socket(tmp_path: Path) -> None:
     assert headers["content-type"] == CONTENT_TYPE
     assert headers["cache-control"] == "no-store"
     families = list(parser.text_string_to_metric_families(body))
-    named = {one.name for family in families for one in family.samples}
+    named = {
+        re.sub(r"_(bucket|sum|count)$", "", one.name)
+        for family in families
+        for one in family.samples
+    }
     own = {name for name in named if name.startswith("aff_hmi_")}
-    assert own == {"aff_hmi_sockets", "aff_hmi_frames_total", "aff_hmi_frames_skipped_total"}
-    assert named - own == {sample.metric for sample in readings(said, NOW_NS)}
-    assert named <= set(BY_NAME)
+    counted = ("sockets", "frames_total", "frames_skipped_total")
+    counted += ("frame_delay_seconds", "http_duration_seconds")
+    first = {"aff_hmi_http_requests_total"}  # the scrape itself is counted when it is answered
+    assert own - first == {f"aff_hmi_{name}" for name in counted}
+    of_process = {name for name in named if name.startswith("process_")}
+    assert named - own - of_process == {sample.metric for sample in readings(said, NOW_NS)}
+    assert named - of_process <= set(BY_NAME)
     (tension,) = [one for one in families if one.name == "aff_tension_newtons"]
     assert tension.samples[0].value == 88.25

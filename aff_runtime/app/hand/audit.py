@@ -68,7 +68,7 @@ class Audit:
 
     Attributes
     ----------
-    newest : hash of the last line.
+    newest : hash of the last line. ``last`` : its number.
 
     Raises
     ------
@@ -83,7 +83,7 @@ class Audit:
         self._now = now
         self._max_bytes = max_bytes
         self._is_whole = True
-        self._size = self._last = 0
+        self._size = self.last = 0
         self.newest = START
         self._lock = -1
         try:
@@ -123,14 +123,14 @@ class Audit:
             if self._size >= self._max_bytes:
                 self._rotate()
             said = {name: _short(value) for name, value in asdict(entry).items()}
-            row = {"n": self._last + 1, "utc": self._now(), **said, "prev": self.newest}
+            row = {"n": self.last + 1, "utc": self._now(), **said, "prev": self.newest}
             line = json.dumps(row, separators=(",", ":")).encode()
             self._write(line + b"\n")
         except OSError as error:
             raise RefusedError(f"{self.path}: {error.strerror}") from None
-        self._last += 1
+        self.last += 1
         self.newest = hashlib.sha256(line).hexdigest()
-        return self._last
+        return self.last
 
     def close(self) -> None:
         """End it."""
@@ -149,7 +149,7 @@ class Audit:
             raise RefusedError(
                 f"{self.path}: the chain does not hold: {chain.wrong}; look, then move it away"
             )
-        self._last, self.newest = chain.last, chain.newest
+        self.last, self.newest = chain.last, chain.newest
         self._size = len(content) - len(rest)
         if rest:
             os.ftruncate(self._file, self._size)

@@ -31,6 +31,7 @@ NOTICES = (
     "alarm seen",
     "alarm put aside",
     "alarm taken back",
+    "session ended by",
     "window kept",
     "window let go",
 )

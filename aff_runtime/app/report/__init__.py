@@ -6,6 +6,7 @@ __all__ = [
     "comparison",
     "line_facts",
     "metrics",
+    "probe_facts",
     "roll_page",
     "run_export",
     "status",

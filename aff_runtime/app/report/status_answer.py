@@ -8,6 +8,7 @@ from typing import Any
 
 from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.line_facts import LineFacts
+from aff_runtime.app.report.probe_facts import ProbeFacts
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RecorderReport
@@ -81,6 +82,10 @@ class StatusAnswer:
     control_pid : 0 while no control process runs, `NOT_SAID` in an answer that leaves it open.
     probed : what came of the last probe; empty before one.
     trying : how a try of other settings stands; empty without one.
+    control_restarts : how often a control process that had died was started anew; `NOT_SAID` in
+        an answer of an older service.
+    audit_records : number of the newest line of the audit; `NOT_SAID` where none is kept.
+    probes : how good and how old the responses in force are.
     shapes, crossings : what became of shapes; when orders of two rolls will meet.
     meetings : the crossings as numbers. ``facts`` : what a screen needs of the site.
     live : None while there is no record yet.
@@ -97,6 +102,9 @@ class StatusAnswer:
     probed: str = ""
     trying: str = ""
     recorder: RecorderReport | None = None
+    control_restarts: int = NOT_SAID
+    audit_records: int = NOT_SAID
+    probes: tuple[ProbeFacts, ...] = ()
     shapes: tuple[str, ...] = ()
     crossings: tuple[str, ...] = ()
     meetings: tuple[Meeting, ...] = ()
@@ -131,6 +139,9 @@ def read_answer(said: Any) -> StatusAnswer:
         probed=said.get("probed", ""),
         trying=said.get("trying", ""),
         recorder=RecorderReport.from_json(recorder) if recorder else None,
+        control_restarts=said.get("control_restarts", NOT_SAID),
+        audit_records=said.get("audit_records", NOT_SAID),
+        probes=tuple(ProbeFacts(**one) for one in said.get("probes", ())),
         shapes=tuple(said.get("shapes", ())),
         crossings=tuple(said.get("crossings", ())),
         meetings=tuple(Meeting(**one) for one in said.get("meetings", ())),

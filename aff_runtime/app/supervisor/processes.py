@@ -39,6 +39,7 @@ class Processes:
     blocked : the control process's sentence on what stands against an armed output.
     troubles : its sentences on what ails the wire.
     gave_up : the control process died too often.
+    restarts : how often one that had died was started anew.
     shapes : learned shapes, kept across starts.
     probed : which responses a probe of this service wrote.
     """
@@ -67,6 +68,7 @@ class Processes:
         self.blocked = ""
         self.troubles: tuple[str, ...] = ()
         self.gave_up = False
+        self.restarts = 0
         self.bypassed_ns = 0
         self.shapes = ShapeShelf(self.note)
         self.probed = ResponseLedger(lambda text: self.note("RESPONSES", text))
@@ -134,6 +136,7 @@ class Processes:
             self._old_recorders.remove(recorder)
         due_ns = self._restart_at_ns
         if due_ns is not None and self._clock.now_ns() >= due_ns:
+            self.restarts += 1
             self.start()
         self._look_after_recorder()
         if self.control is None:

@@ -30,8 +30,9 @@ from aff_runtime.app.link.messages import (
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.request_socket import Asked, RequestSocket
 from aff_runtime.app.report.line_facts import line_facts
+from aff_runtime.app.report.probe_facts import probes_of
 from aff_runtime.app.report.status import live_status
-from aff_runtime.app.report.status_answer import StatusAnswer
+from aff_runtime.app.report.status_answer import NOT_SAID, StatusAnswer
 from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.door import Door
 from aff_runtime.app.supervisor.edit_session import EditSession
@@ -309,6 +310,9 @@ class Supervisor:
             probed=self._probes.said,
             trying=self._settings.trying,
             recorder=processes.recorder_report(),
+            control_restarts=processes.restarts,
+            audit_records=self._hand.audit_records if self._hand is not None else NOT_SAID,
+            probes=tuple(probes_of(parameters.responses)),
             shapes=tuple(processes.shapes.sentences),
             crossings=tuple(self._forecast.sentences()),
             meetings=self._forecast.meetings(),

@@ -15,7 +15,7 @@ from aff_hmi.hub import Hub
 from aff_hmi.listening import listening
 from aff_hmi.see.kept import Kept
 from aff_hmi.server import config_of
-from aff_hmi.watch import Seen
+from aff_hmi.watch import News, Seen
 from aff_runtime.app.hand.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.hand.messages import Answer, Command, Notice, Welcome
@@ -42,6 +42,9 @@ STATES = [*(state.name for state in State), "RESTING", "PROBING", "GONE", "SILEN
 
 class Shown:
     """In place of a watch: what is seen is what a test says."""
+
+    hears_ticks = True
+    news = News()
 
     def __init__(self) -> None:
         self.moment = moment("ACTIVE")

@@ -151,6 +151,31 @@ def test_a_window_is_kept_with_a_hostile_name_shown_and_let_go(
         f"() => document.getElementById('shot').textContent.includes({json.dumps(HOSTILE)})"
     )
     page.picture(pictures / "scope-kept.png")
+    page.page.click("#run")
+    page.page.click("#windows button:nth-child(2)")
+    page.page.wait_for_function(
+        "() => document.getElementById('curves').textContent.includes('kept: ')"
+    )
+    page.page.wait_for_function(
+        "() => [...document.querySelectorAll('#readout tbody tr')].map(row => row.cells)"
+        ".some(([name, a]) => name.textContent.includes('kept: ') && a.textContent !== '—')"
+    )
+    page.picture(pictures / "scope-overlay.png")
+    page.page.keyboard.press("c")
+    assert page.run("() => document.activeElement.id") == "cursor-a"
+    page.page.keyboard.press("c")
+    assert page.run("() => document.activeElement.id") == "cursor-b"
+    page.page.keyboard.press("End")
+    assert page.run("() => document.activeElement.value") == "1000"
+    with page.page.expect_download() as told:
+        page.page.click("#save-picture")
+    saved = Path(told.value.path()).read_bytes()
+    assert saved[:8] == b"\x89PNG\r\n\x1a\n"
+    (pictures / "scope-saved.png").write_bytes(saved)
+    page.page.click("#windows button:nth-child(2)")
+    page.page.wait_for_function(
+        "() => !document.getElementById('curves').textContent.includes('kept: ')"
+    )
     for _ in range(2):  # once more is asked: it cannot be had back
         page.page.click("#windows button:last-child")
     page.page.wait_for_function("() => !document.querySelector('#windows strong')")

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from aff_hmi.notices import Condition
-from aff_hmi.see.alarm_book import FLOOD, MOST, AlarmBook, Follower, Life, Refusal
+from aff_hmi.see.alarm_book import FLOOD, MOST, MOST_EVENTS, AlarmBook, Follower, Life, Refusal
 from aff_runtime.base.events import BY_NAME
 from tests.doubles.virtual_clock import VirtualClock
 
@@ -116,6 +116,37 @@ def test_first_out_names_what_came_with_it_and_how_much_later(told: Told) -> Non
         ("TENSION_IMPLAUSIBLE", 0.035)
     ]
     assert isinstance(alarm.followers[0], Follower)
+
+
+def test_first_out_is_settled_once_and_a_flood_takes_nothing_of_it_away(told: Told) -> None:
+    now_ns, implausible = told.clock.now_ns(), BY_NAME["TENSION_IMPLAUSIBLE"].code
+    told.book.hear([(7.0, now_ns, float(STALE.code), 0.0)])
+    told.book.hear([(9.0, now_ns + S // 100, float(implausible), 0.0)])
+    told.look(STALE, after_s=1.9)
+    assert told.book.settled() == []
+    told.look(STALE, after_s=0.2)
+    (alarm,) = told.book.settled()
+    before = [(f.name, f.after_s) for f in alarm.followers]
+    assert before == [("TENSION_IMPLAUSIBLE", pytest.approx(0.01))]
+    splice = float(BY_NAME["SPLICE"].code)
+    told.book.hear([(float(n), now_ns + 3 * S, splice, 0.0) for n in range(MOST_EVENTS)])
+    told.look(STALE)
+    assert told.book.settled() == []
+    assert [(f.name, f.after_s) for f in told.book.shown()[0].followers] == before
+
+
+def test_only_a_high_alarm_that_stands_and_nobody_has_seen_is_loud(told: Told) -> None:
+    told.look(STALE, REST)
+    assert not told.book.is_loud
+    told.look(STALE, ROSE)
+    assert told.book.is_loud
+    told.book.acknowledge("RIPPLE_ROSE", "anna")
+    assert not told.book.is_loud
+    told.look(STALE)
+    told.look(STALE, ROSE)
+    assert told.book.is_loud  # here again: seen before is not seen now
+    told.look(STALE)
+    assert not told.book.is_loud  # over
 
 
 def test_what_comes_again_within_a_minute_is_one_line_with_a_count(told: Told) -> None:

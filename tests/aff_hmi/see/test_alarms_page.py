@@ -6,17 +6,25 @@ import csv
 import io
 import json
 from typing import Any
+from urllib.parse import unquote
 
 import pytest
 
 pytest.importorskip("starlette")
 
 from aff_hmi.gate import HEADERS
+from aff_hmi.notices import conditions_of
 from aff_hmi.see.data_routes import harmless
 from aff_hmi.see.events import Kind
+from aff_hmi.see.rolls_part import rolls_part
+from aff_hmi.watch import News
+from aff_hmi.words import say_in
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
+from aff_runtime.core.monitor import Trend
+from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_hmi.asgi import HOST
+from tests.aff_hmi.moments import facts, row, seen
 from tests.aff_hmi.pressed import Pressed
 
 STALE = {"alarm": float(BY_NAME["PLC_STALE"].code)}
@@ -87,6 +95,46 @@ def test_an_alarm_is_put_aside_with_a_reason_and_taken_back(keeping: Pressed) ->
     assert browser.post("/shelve", {**SHELVE, "minutes": 0, "reason": ""}).status == 200
     show(keeping, **STALE)
     assert part(keeping)["alarms"][0]["life"] == "active"
+
+
+def heard(at: Pressed, name: str, *, tick: int, ago_s: float) -> None:
+    assert at.kept is not None
+    t_ns = at.clock.now_ns() - round(ago_s * 1e9)
+    at.kept.listen(News(ring="r", events=[(float(tick), t_ns, float(BY_NAME[name].code), 0.0)]))
+
+
+def test_an_alarm_of_the_ring_leads_to_its_ticks_five_seconds_before_and_after(
+    keeping: Pressed,
+) -> None:
+    heard(keeping, "PLC_STALE", tick=4000, ago_s=0.0)
+    show(keeping, **STALE)
+    (alarm,) = part(keeping)["alarms"]
+    assert alarm["page"] == f"/scope?end=5000&tick=4000&at={alarm['since_s']:.3f}"
+
+
+def test_an_order_that_rests_leads_to_its_roll_and_a_lost_record_to_the_machine() -> None:
+    resting = row() | {"unwind.unwind_2x.state": float(Trend.CLAMPED)}
+    lossy = RecorderReport(folder="/r", rows=5, rows_lost=3, alive=True)
+    moment = seen(resting, facts=facts(recorder=lossy))
+    pages = {one.key.partition(":")[0]: one.page for one in conditions_of(moment, "ACTIVE")}
+    assert pages == {"unwind": "/rolls#unwind%20unwind", "RECORDER": "/timing"}
+    assert unquote(pages["unwind"]).partition("#")[2] in [
+        roll.key for roll in rolls_part(moment, say_in("en")).rolls
+    ]
+
+
+def test_what_took_the_correction_out_is_kept_as_an_event_once(keeping: Pressed) -> None:
+    heard(keeping, "PLC_STALE", tick=4000, ago_s=0.0)
+    heard(keeping, "TENSION_IMPLAUSIBLE", tick=4007, ago_s=-0.035)
+    for _ in range(6):
+        show(keeping, **STALE)
+    keeping.browser("anna").post("/acknowledge", {"key": "PLC_STALE"})
+    show(keeping)
+    assert part(keeping)["alarms"] == []
+    found = asked(keeping, "/data/events?kind=alarm").said["events"]
+    firsts = [(e["name"], e["tick"], e["text"]) for e in found if "took" in e["text"]]
+    with_it = "took the correction out; with it: TENSION_IMPLAUSIBLE 0.035 s"
+    assert firsts == [("PLC_STALE", 4000, with_it)]
 
 
 def test_high_priority_is_not_put_aside(keeping: Pressed) -> None:

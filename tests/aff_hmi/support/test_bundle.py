@@ -107,7 +107,7 @@ def test_every_file_has_a_bound(keeping: Pressed) -> None:
     assert keeping.hub.rooms is not None
     keeping.show(State.READY)
     rooms = keeping.hub.rooms
-    part = rooms.kept._alarm_part(str)
+    part = rooms.kept.alarms(str)
     files = files_of(
         rooms.support._seen,
         alarms=part,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import asdict, replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -22,6 +23,7 @@ from aff_hmi.watch import Seen
 from aff_hmi.words import say_in
 from aff_runtime.app.hand.may import Action, Person
 from aff_runtime.app.hand.may import may as judge
+from aff_runtime.app.report.metrics.catalogue import BY_NAME, HISTOGRAM
 from aff_runtime.base.machine import machine
 from aff_runtime.base.signals import State
 from aff_runtime.loop.realtime import RealtimeRequest, ask
@@ -51,6 +53,23 @@ def test_every_tick_is_counted_and_what_is_longer_than_the_cycle_is_told() -> No
     assert named["age of the PLC's data"].whole.largest == pytest.approx(4000.0)
     assert sum(whole.counts) == 102
     json.dumps(asdict(part), allow_nan=False)
+
+
+def test_a_monitoring_system_is_told_the_same_ticks_up_to_every_edge() -> None:
+    room = timing()
+    room.look(seen(), Layout())
+    for count, tick_us in ((3, 90.0), (2, 150.0), (1, 60_000.0)):
+        room.listen(news(range(count), tick_us=tick_us))
+    spreads = {one.metric: one for one in room.spreads()}
+    assert {BY_NAME[name].kind for name in spreads} == {HISTOGRAM}
+    whole = spreads["aff_tick_duration_seconds"]
+    below = dict(whole.buckets)
+    edges = list(below)
+    assert edges[:2] == [pytest.approx(50e-6, rel=0.01), 1e-4]
+    assert edges[-2:] == [pytest.approx(50e-3, rel=0.01), math.inf]
+    assert (below[edges[0]], below[1e-4], below[edges[2]]) == (0.0, 3.0, 5.0)
+    assert (below[edges[-2]], below[math.inf]) == (5.0, 6.0)
+    assert whole.total == pytest.approx(3 * 90e-6 + 2 * 150e-6 + 0.06)
 
 
 def test_before_anything_is_known_nothing_is_claimed() -> None:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 from aff_runtime.telemetry.disk_bound import delete_oldest, used_bytes
+from aff_runtime.telemetry.header import RingHeader, RunMeta
+from aff_runtime.telemetry.recorder_messages import NOT_SAID, RunContext
+from aff_runtime.telemetry.run_folder import RunFolder
 
 
 def run(directory: Path, name: str, segments: int) -> Path:
@@ -44,3 +48,24 @@ def test_folders_not_named_like_runs_are_left_alone(tmp_path: Path) -> None:
     new = run(tmp_path, "20260102T000000Z_line", 1)
     delete_oldest(tmp_path, max_bytes=0, keep=new / "signals-0001.csv.gz")
     assert len(names(mine)) == 6
+
+
+def test_a_run_says_what_all_runs_take_once_a_segment_has_ended(tmp_path: Path) -> None:
+    header = RingHeader(
+        columns=("time_s", "tick", "state"),
+        capacity=16,
+        event_capacity=16,
+        signals_at=0,
+        events_at=0,
+        writer_pid=1,
+        start_utc="2026-01-01T00:00:00Z",
+        meta=RunMeta(),
+    )
+    folder = RunFolder(tmp_path, header, RunContext(max_MB=2.0, segment_s=1.0))
+    assert (folder.kept_bytes, folder.max_bytes) == (NOT_SAID, 2_000_000)
+    assert 0 < folder.free_bytes() <= shutil.disk_usage(tmp_path).total
+    folder.add([(0.0, 0.0, 3.0)])
+    folder.add([(1.5, 300.0, 3.0)])
+    folder.finish(ring_overruns=0)
+    files = sum(one.stat().st_size for one in folder.path.iterdir())
+    assert 0 < folder.kept_bytes <= files

@@ -147,9 +147,12 @@ def test_the_recorder_is_told_the_context_and_then_notes() -> None:
 
 
 def test_the_recorder_reports_about_itself_and_others_see_whether_it_lives() -> None:
-    report = RecorderReport(folder="/r/x", rows=10, rows_lost=2, ring_overruns=1, error="full")
+    report = RecorderReport(
+        folder="/r/x", rows=10, rows_lost=2, ring_overruns=1, error="full", free_bytes=900
+    )
     assert report.encode() == (
-        b'{"folder": "/r/x", "rows": 10, "rows_lost": 2, "ring_overruns": 1, "error": "full"}\n'
+        b'{"folder": "/r/x", "rows": 10, "rows_lost": 2, "ring_overruns": 1, "error": "full", '
+        b'"kept_bytes": -1, "max_bytes": -1, "free_bytes": 900}\n'
     )
     assert report_of(report.encode()) == report
     assert report.seen(alive=True) == replace(report, alive=True)

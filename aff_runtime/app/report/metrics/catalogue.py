@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-GAUGE, COUNTER, INFO = "gauge", "counter", "info"
+GAUGE, COUNTER, INFO, HISTOGRAM = "gauge", "counter", "info", "histogram"
 
 
 @dataclass(frozen=True, slots=True)
@@ -18,7 +18,7 @@ class Metric:
     Attributes
     ----------
     name : as it stands in the text, suffix of the unit or kind included.
-    kind : ``GAUGE``, ``COUNTER`` or ``INFO``.
+    kind : ``GAUGE``, ``COUNTER``, ``INFO`` or ``HISTOGRAM``.
     """
 
     name: str
@@ -29,7 +29,7 @@ class Metric:
 
 _ORDER = ("actuator", "roll", "order")
 
-CATALOGUE: tuple[Metric, ...] = (
+OF_SERVICE: tuple[Metric, ...] = (
     Metric("aff_build_info", INFO, ("version", "python"), "what runs"),
     Metric("aff_config_info", INFO, ("revision",), "revision of the running configuration"),
     Metric("aff_control_up", GAUGE, (), "1 while the control process ticks"),
@@ -76,6 +76,52 @@ CATALOGUE: tuple[Metric, ...] = (
     Metric("aff_recorder_rows_total", COUNTER, (), "rows written since the run folder was made"),
     Metric("aff_recorder_rows_lost_total", COUNTER, (), "rows that no file took"),
     Metric("aff_ring_overruns_total", COUNTER, ("reader",), "rows that a reader was too late for"),
+    Metric("aff_recordings_bytes", GAUGE, (), "size of all runs when a segment last ended"),
+    Metric("aff_recordings_limit_bytes", GAUGE, (), "what all runs together may take"),
+    Metric("aff_disk_free_bytes", GAUGE, (), "left on the disk of the runs"),
+    Metric("aff_control_restarts_total", COUNTER, (), "control processes that died and came back"),
+    Metric("aff_audit_records_total", COUNTER, (), "number of the newest line of the audit"),
+    Metric(
+        "aff_probe_timestamp_seconds",
+        GAUGE,
+        ("actuator",),
+        "when the response in force was measured, s since 1970",
+    ),
+    Metric(
+        "aff_probe_coherence_lowest_ratio", GAUGE, ("actuator",), "lowest coherence of its points"
+    ),
+    Metric(
+        "aff_probe_phase_error_highest_radians",
+        GAUGE,
+        ("actuator",),
+        "largest bound of its phase error at a point",
+    ),
+)
+OF_SCREEN: tuple[Metric, ...] = (
+    Metric("aff_tick_duration_seconds", HISTOGRAM, (), "whole tick, every tick"),
+    Metric("aff_tick_wakeup_delay_seconds", HISTOGRAM, (), "how late a tick begins"),
+    Metric("aff_tick_wire_duration_seconds", HISTOGRAM, (), "exchange with the PLC"),
+    Metric("aff_plc_data_age_seconds", HISTOGRAM, (), "age of the PLC's data at every tick"),
+    Metric(
+        "aff_wire_exchanges_total", COUNTER, ("outcome",), "exchanges with the PLC, one a tick"
+    ),
+    Metric("aff_events_total", COUNTER, ("event",), "events of the control process"),
+    Metric("aff_tension_ripple_rms_newtons", GAUGE, ("channel",), "all that moves in 10 s"),
+    Metric("aff_roll_turns_total", COUNTER, ("roll",), "turns of a roll, either way"),
+    Metric("aff_web_meters_total", COUNTER, ("roll",), "surface that a roll has turned by"),
+    Metric(
+        "aff_correction_peak_meters_per_second", GAUGE, ("actuator",), "largest correction of 10 s"
+    ),
+    Metric(
+        "aff_correction_peak_newton_meters", GAUGE, ("actuator",), "largest correction of 10 s"
+    ),
+    Metric(
+        "aff_correction_saturated_seconds_total",
+        COUNTER,
+        ("actuator",),
+        "ACTIVE with a limit that takes something off the correction",
+    ),
+    Metric("aff_active_seconds_total", COUNTER, (), "the guard was ACTIVE"),
     Metric("aff_hmi_sockets", GAUGE, (), "browsers that look at this screen"),
     Metric("aff_hmi_frames_total", COUNTER, (), "frames that the screen has sent"),
     Metric("aff_hmi_frames_skipped_total", COUNTER, (), "frames that slow browsers did without"),
@@ -87,5 +133,11 @@ CATALOGUE: tuple[Metric, ...] = (
         ("action", "result"),
         "bypass and arm: done, refused, or failed for want of a service",
     ),
+    Metric("aff_hmi_frame_delay_seconds", HISTOGRAM, (), "from a tick to a browser's socket"),
+    Metric("aff_hmi_http_requests_total", COUNTER, ("route", "code"), "answers to requests"),
+    Metric("aff_hmi_http_duration_seconds", HISTOGRAM, (), "from a request to its answer"),
 )
+"""What the screen counts: of every tick that it sees, and of itself, since it was started."""
+
+CATALOGUE = (*OF_SERVICE, *OF_SCREEN)
 BY_NAME = {metric.name: metric for metric in CATALOGUE}

@@ -14,7 +14,7 @@ from aff_runtime import __version__
 from aff_runtime.app.report.alarm_table import PRIORITIES
 from aff_runtime.app.report.block_status import SHAPE, at_encoder_zero_deg
 from aff_runtime.app.report.line_facts import VELOCITY, LineFacts, OutputFacts
-from aff_runtime.app.report.status_answer import Live, StatusAnswer
+from aff_runtime.app.report.status_answer import NOT_SAID, Live, StatusAnswer
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State, Status
 from aff_runtime.config.revision import SHORT
@@ -41,6 +41,20 @@ class Sample:
     value: float
 
 
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """A histogram: what was counted up to each edge, and the sum of all.
+
+    Attributes
+    ----------
+    buckets : (upper edge, count of all up to it), by edge; the last edge is infinite.
+    """
+
+    metric: str
+    buckets: tuple[tuple[float, float], ...]
+    total: float
+
+
 def readings(answer: StatusAnswer | None, now_ns: int) -> tuple[Sample, ...]:
     """Return every sample that can be told now.
 
@@ -61,6 +75,16 @@ def _samples(answer: StatusAnswer | None, now_ns: int) -> Iterator[Sample]:
     if answer.config_hash:
         yield Sample("aff_config_info", (answer.config_hash[:SHORT],), 1.0)
     yield Sample("aff_config_differs", (), float(bool(answer.config_differs)))
+    if answer.control_restarts != NOT_SAID:
+        yield Sample("aff_control_restarts_total", (), answer.control_restarts)
+    if answer.audit_records != NOT_SAID:
+        yield Sample("aff_audit_records_total", (), answer.audit_records)
+    for probe in answer.probes:
+        of = (probe.actuator,)
+        yield Sample("aff_probe_timestamp_seconds", of, _known(probe.measured_utc_s))
+        yield Sample("aff_probe_coherence_lowest_ratio", of, probe.coherence_lowest)
+        highest_rad = probe.phase_error_highest_rad
+        yield Sample("aff_probe_phase_error_highest_radians", of, highest_rad)
     yield from _recorder(answer.recorder)
     if live is None:
         return
@@ -90,6 +114,9 @@ def _recorder(recorder: RecorderReport | None) -> Iterator[Sample]:
         yield Sample("aff_recorder_rows_total", (), recorder.rows)
         yield Sample("aff_recorder_rows_lost_total", (), recorder.rows_lost)
         yield Sample("aff_ring_overruns_total", ("recorder",), recorder.ring_overruns)
+        yield Sample("aff_recordings_bytes", (), _said(recorder.kept_bytes))
+        yield Sample("aff_recordings_limit_bytes", (), _said(recorder.max_bytes))
+        yield Sample("aff_disk_free_bytes", (), _said(recorder.free_bytes))
 
 
 def _guard(state: str, live: Live) -> Iterator[Sample]:
@@ -183,6 +210,11 @@ def _unit_of(signal: str) -> str:
     if signal.endswith("_N"):
         return "newtons"
     return "meters_per_second" if signal.endswith("_m_s") else ""
+
+
+def _said(count: int) -> float:
+    """Return a count of the recorder; NaN where it says none."""
+    return math.nan if count == NOT_SAID else float(count)
 
 
 def _known(value: float | None) -> float:

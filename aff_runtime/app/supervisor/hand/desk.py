@@ -112,6 +112,11 @@ class HandDesk:
         self._audit_ails = ""
         self._visits = Visits(folder, selector, self._welcome, self._hear, is_private=is_private)
 
+    @property
+    def audit_records(self) -> int:
+        """Number of the newest line of the audit."""
+        return self._audit.last
+
     def serve(self, key: selectors.SelectorKey) -> bool:
         """Do what a selector's event asks for; False when it is none of the hand's."""
         return self._visits.serve(key)

@@ -6,6 +6,7 @@ import json
 import math
 import re
 from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
@@ -13,9 +14,18 @@ import yaml
 
 from aff_runtime.app.report.alarm_table import EVENTS, PRIORITIES
 from aff_runtime.app.report.line_facts import LineFacts, line_facts
-from aff_runtime.app.report.metrics.catalogue import BY_NAME, CATALOGUE, COUNTER, INFO
+from aff_runtime.app.report.metrics.catalogue import (
+    BY_NAME,
+    CATALOGUE,
+    COUNTER,
+    HISTOGRAM,
+    INFO,
+    OF_SCREEN,
+    OF_SERVICE,
+)
 from aff_runtime.app.report.metrics.exposition import exposition
-from aff_runtime.app.report.metrics.readings import TICK_PATIENCE_S, readings
+from aff_runtime.app.report.metrics.readings import TICK_PATIENCE_S, Spread, readings
+from aff_runtime.app.report.probe_facts import probes_of
 from aff_runtime.app.report.status import live_status
 from aff_runtime.app.report.status_answer import Meeting, StatusAnswer, read_answer
 from aff_runtime.app.report.tick_row import TickRow
@@ -25,6 +35,7 @@ from aff_runtime.base.signals import State, Status
 from aff_runtime.cli.main import main
 from aff_runtime.cli.metrics import write
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.header import Right, RunMeta
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_runtime.app.report.test_status import SHAPE_SITE, shape_record
@@ -74,11 +85,34 @@ def answer(*, age_s: float = 0.004, state: State = State.ACTIVE) -> StatusAnswer
         line="L",
         state=state.name,
         config_hash="ab" * 32,
-        recorder=RecorderReport(folder="/r", rows=10, rows_lost=2, ring_overruns=1, alive=True),
+        recorder=RecorderReport(
+            folder="/r",
+            rows=10,
+            rows_lost=2,
+            ring_overruns=1,
+            alive=True,
+            kept_bytes=70,
+            max_bytes=100,
+            free_bytes=900,
+        ),
+        control_restarts=1,
+        audit_records=8123,
+        probes=tuple(probes_of({"unwind": response(measured_at="2026-01-02T03:04:05+00:00")})),
         meetings=(meeting,),
         facts=line_facts(SHAPE_SITE, NEED),
         live=replace(live, meta=meta),
     )
+
+
+def response(**about: str) -> str:
+    points = [
+        ResponsePoint(
+            frequency_Hz=f, gain=900.0, phase_rad=-0.2 * f, relative_error=e, coherence=c
+        )
+        for f, e, c in ((0.5, 0.01, 0.99), (4.0, 0.05, 0.83), (9.0, 0.02, 0.97))
+    ]
+    provenance = Provenance(actuator="unwind", signal="unwind_tension_N", **about)
+    return Response(points=points, delay_s=0.03, provenance=provenance).to_json()
 
 
 def values(given: StatusAnswer | None, tick_age_s: float = 0.0) -> dict[tuple[str, ...], float]:
@@ -105,8 +139,11 @@ def test_every_name_stands_once_and_in_the_document() -> None:
 
 
 def test_every_sample_is_of_the_catalogue_with_its_labels() -> None:
+    of_service = {metric.name for metric in OF_SERVICE}
     for sample in readings(answer(), START_NS + 10_000_000_000):
         assert len(sample.labels) == len(BY_NAME[sample.metric].labels), sample
+        assert sample.metric in of_service
+    assert not of_service & {metric.name for metric in OF_SCREEN}
 
 
 def test_numbers_are_those_of_the_tick_in_SI() -> None:
@@ -126,6 +163,16 @@ def test_numbers_are_those_of_the_tick_in_SI() -> None:
     assert sum(v for k, v in said.items() if k[0] == "aff_guard_state") == 1.0
     assert said["aff_next_order_meeting_seconds", "unwind"] == 90.0
     assert said["aff_realtime_right_granted", "SCHED_FIFO 80"] == 0.0
+    when = datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC).timestamp()
+    assert said["aff_probe_timestamp_seconds", "unwind"] == when
+    assert said["aff_probe_coherence_lowest_ratio", "unwind"] == 0.83
+    of_worst = Response.from_json(response()).phase_error_bound_rad(4.0)
+    assert said["aff_probe_phase_error_highest_radians", "unwind"] == of_worst
+    assert said["aff_recordings_bytes",] == 70.0
+    assert said["aff_recordings_limit_bytes",] == 100.0
+    assert said["aff_disk_free_bytes",] == 900.0
+    assert said["aff_control_restarts_total",] == 1.0
+    assert said["aff_audit_records_total",] == 8123.0
     (block,) = answer().blocks
     of = ("unwind", block.roll, str(block.order))
     assert block.amplitude is not None
@@ -165,6 +212,26 @@ def test_what_is_not_known_is_no_sample() -> None:
     assert all(math.isfinite(value) for value in said.values())
 
 
+@pytest.mark.parametrize("about", [{}, {"measured_at": "last week"}])
+def test_a_response_that_does_not_say_when_has_no_time_and_a_spoilt_one_no_number(about) -> None:
+    texts = {"unwind": response(**about), "follower": "{", "pull": "[]"}
+    (probe,) = probes_of(texts)
+    assert (probe.actuator, probe.measured_utc_s) == ("unwind", None)
+    said = values(replace(answer(), probes=(probe,)))
+    assert ("aff_probe_timestamp_seconds", "unwind") not in said
+    assert ("aff_probe_coherence_lowest_ratio", "unwind") in said
+
+
+def test_what_an_older_service_does_not_say_is_no_sample() -> None:
+    said = answer().to_json()
+    for name in ("control_restarts", "audit_records", "probes"):
+        del said[name]
+    said["recorder"] = {"rows": 10, "alive": True}
+    names = {name for name, *_ in values(read_answer(json.loads(json.dumps(said))))}
+    assert "aff_recorder_rows_total" in names
+    assert not [name for name in names if re.search("restarts|audit|recordings|disk|probe", name)]
+
+
 def test_facts_and_meetings_pass_the_request_socket() -> None:
     given = answer()
     assert given.facts is not None
@@ -184,6 +251,24 @@ def test_the_text_is_read_back_by_prometheus_own_parser() -> None:
         for s in family.samples
     }
     assert read == values(answer())
+
+
+def test_a_histogram_has_its_sum_its_count_and_every_edge() -> None:
+    parser = pytest.importorskip("prometheus_client.parser")
+    name = "aff_tick_duration_seconds"
+    text = exposition([Spread(name, ((0.001, 2.0), (0.01, 5.0), (math.inf, 6.0)), 0.25)])
+    (family,) = parser.text_string_to_metric_families(text)
+    assert (family.name, family.type) == (name, HISTOGRAM)
+    read = {
+        (one.name.removeprefix(name), one.labels.get("le")): one.value for one in family.samples
+    }
+    assert read == {
+        ("_bucket", "0.001"): 2.0,
+        ("_bucket", "0.01"): 5.0,
+        ("_bucket", "+Inf"): 6.0,
+        ("_count", None): 6.0,
+        ("_sum", None): 0.25,
+    }
 
 
 def test_a_hostile_name_stays_inside_its_label() -> None:
@@ -229,5 +314,6 @@ def test_alerts_and_dashboard_name_what_there_is() -> None:
     exprs = [rule["expr"] for rule in rules]
     exprs += [target["expr"] for panel in board["panels"] for target in panel["targets"]]
     named = {name for expr in exprs for name in re.findall(r"\baff_\w+", expr)}
-    assert named <= set(BY_NAME)
+    known = set(BY_NAME) | {f"{one.name}_bucket" for one in CATALOGUE if one.kind == HISTOGRAM}
+    assert named <= known
     assert all(rule["annotations"]["do"] for rule in rules)
