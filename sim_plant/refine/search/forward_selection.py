@@ -14,11 +14,6 @@ from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.added_effect import rolling_only
-from sim_plant.refine.search.apart_from_spectral_lines import (
-    Apart,
-    apart_from_spectral_lines,
-    own_spectral_lines,
-)
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress, sure_fall
 from sim_plant.refine.search.completeness import (
     explains_own_spectral_lines,
@@ -54,6 +49,7 @@ from sim_plant.refine.search.selection import (
     score,
     standing,
 )
+from sim_plant.refine.search.set_apart import Apart, own_spectral_lines, set_apart
 from sim_plant.refine.search.unexplained import Unknown, what_is_left
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders
 from sim_plant.refine.spectra.coordinates import is_periodic, travel_of
@@ -235,15 +231,15 @@ def next_extensions(
     conflicts = fit_conflicts(objective, selection.fit, names, progress)
     complete: list[Extension] = []
     partial: list[Extension] = []
-    apart: Apart | None = None
+    apart = set_apart(objective, selection, lines=False)
     for group in (plain, resonant, others):
         if group is others:
-            apart = apart_from_spectral_lines(objective, selection)
+            apart = set_apart(objective, selection, lines=True)
             weigh = objective if apart is None else apart.objective
             events = event_candidates(weigh, _looked_from(selection.fit, apart), without, progress)
             extension = best_of(objective, selection, group, progress, conflicts, events, apart)
         else:
-            extension = best_of(objective, selection, group, progress)
+            extension = best_of(objective, selection, group, progress, apart=apart)
         if extension is None:
             continue
         if _explains_own_spectral_lines(objective, selection, extension.fit, apart):
@@ -306,7 +302,7 @@ def best_of(
     """Return the effect of a group that is accepted in addition to those found, or None.
 
     ``rivals`` are fits made already that compete with the group, ``events`` further first looks.
-    With ``apart`` the group is looked at and judged apart from the lines of what was found.
+    With ``apart`` the group is looked at and judged apart from what those found leave by nature.
     """
     base = selection.fit
     weigh, judged = (objective, selection) if apart is None else (apart.objective, apart.selection)
@@ -343,9 +339,10 @@ def _looked_from(fit: Fit, apart: Apart | None) -> Fit:
 def chi2_without_last(objective: Objective, fit: Fit, apart: Apart | None = None) -> float:
     """Return how much the cost rises without the last effect, all else fitted anew from here.
 
-    With ``apart`` that is the cost apart from the lines of what was found. Both at the declared
-    drive tick. A fit that was made again finds a better place for the declared numbers too, and a
-    quick tick moves the speed at which a quantised loop rests: those shares are not the effect's.
+    With ``apart`` that is the cost apart from what those found leave by nature. Both are at the
+    declared drive tick. A fit that was made again finds a better place for the declared numbers
+    too, and a quick tick moves the speed at which a quantised loop rests: those shares are not
+    the effect's.
     """
     there = gauss_newton_fit(
         objective, fit.hypotheses, fit.values, fit.shifts, rounds=2, quick=False

@@ -1,0 +1,77 @@
+"""An effect whose size is not quite constant: its slow changes, as free terms.
+
+How well a roller holds the web varies from minute to minute. A model of constant size leaves some
+of that, where the effect itself shows: in all channels at once, as the line answers to it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from sim_plant.effects.onset import HOLD_S
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.linearisation import Changes
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.twin import Added
+
+WANDERING = CRITERIA.search.wandering
+
+
+def wander_changes(objective: Objective, fit: Fit, at: int) -> list[Changes]:
+    """Return what effect ``at`` changes as its size wanders about its mean, a term each.
+
+    The size is raised for one interval after another. A term is the answer to one of them less
+    that to the one before, so that all terms together leave the mean size alone.
+    """
+    found: list[Changes] = []
+    for record, _ in enumerate(objective.measured):
+        if fit.hypotheses[at].record in (None, record):
+            found += _of_record(objective, fit, at, record)
+    return found
+
+
+def _of_record(objective: Objective, fit: Fit, at: int, record: int) -> list[Changes]:
+    raised = raised_for_a_while(fit, at, record, _duration_s(objective, record))
+    case = fit.case
+    cases = [replace(case, effects=(*case.effects, one)) for one in raised]
+    base, *runs = objective.pool.run([case, *cases])
+    changes = [tuple(y - b for y, b in zip(run, base, strict=True)) for run in runs]
+    return [
+        tuple(y - before for y, before in zip(later, first, strict=True))
+        for first, later in pairwise(changes)
+    ]
+
+
+def raised_for_a_while(fit: Fit, at: int, record: int, duration_s: float) -> list[Added]:
+    """Return effect ``at`` once per interval of a record, there by a share of its size."""
+    h, values = fit.hypotheses[at], fit.values[at]
+    onset = h.effect.onset
+    if onset is None:
+        return []
+    share = WANDERING.share
+    sizes = [
+        absent + share * (value - absent)
+        for value, absent in zip(values[: h.strengths], h.absent, strict=False)
+    ]
+    given = dict(h.added((*sizes, *values[h.strengths :])).parameters)
+    begins_s = max(0.0, float(given[onset.moment])) if h.moment else 0.0
+    count = max(1, round((duration_s - begins_s) / WANDERING.interval_s))
+    edges = np.linspace(begins_s, duration_s, count + 1)
+    return [
+        Added(
+            h.effect.name,
+            h.location,
+            tuple({**given, onset.moment: float(first), HOLD_S: float(last - first)}.items()),
+            record,
+        )
+        for first, last in pairwise(edges)
+    ]
+
+
+def _duration_s(objective: Objective, record: int) -> float:
+    twin = objective.pool.twins[record]
+    return float(twin.speed_m_s.size * twin.declaration.sample_time_s)
