@@ -168,7 +168,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
     leaves more than noise has at best imitated the cause. So are periodic ones that explain little
     of what is left then: what is irregular has a share at every line.
     """
-    selection = _classified(objective, selection)
+    selection = classified(objective, selection)
     if all(u.kind in PERIODIC_KINDS for u in selection.unknown):
         if not selection.accepted:
             return selection
@@ -192,13 +192,16 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
         accepted=tuple(selection.accepted[k] for k in kept),
         after=remaining_spectra(objective, rest, selection.travels),
     )
-    return _classified(objective, periodic)
+    return classified(objective, periodic)
 
 
-def _classified(objective: Objective, selection: Selection) -> Selection:
-    fit = selection.fit
-    unknown = what_is_left(objective, selection.nominal, fit, selection.travels, selection.after)
-    excess = objective.excess(fit.cost, fit.residual)
+def classified(objective: Objective, selection: Selection) -> Selection:
+    """Return the selection with the class of what is left, slow changes of effects apart."""
+    apart = set_apart(objective, selection, lines=False)
+    weigh, seen = (objective, selection) if apart is None else (apart.objective, apart.selection)
+    fit = seen.fit
+    unknown = what_is_left(weigh, selection.nominal, fit, selection.travels, seen.after)
+    excess = weigh.excess(fit.cost, fit.residual)
     nominal_excess = selection.nominal.cost - objective.expected_cost
     if not unknown and imitates(selection.accepted, excess, nominal_excess):
         unknown = [Unknown(kind="broadband", strength=excess, coordinate={})]

@@ -10,9 +10,10 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.completeness import remaining_spectra
-from sim_plant.refine.search.forward_selection import best_of
+from sim_plant.refine.search.forward_selection import best_of, classified
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from sim_plant.refine.search.set_apart import set_apart
+from sim_plant.refine.search.unexplained import what_is_left
 from sim_plant.refine.search.wandering import raised_for_a_while, wander_changes
 from tests.sim_plant.refine.small import (
     STEP_S,
@@ -129,3 +130,12 @@ def test_what_is_too_weak_to_wander_visibly_is_not_set_apart():
     weak = dataclasses.replace(selection.accepted[0], score=1000.0)  # 2 % of it is 20
     there = dataclasses.replace(selection, accepted=(weak,))
     assert set_apart(objective, there, lines=False) is None
+
+
+def test_what_a_wander_leaves_is_nothing_unknown_and_what_stands_beside_it_is():
+    """Half of the slip comes and goes; a drag of 8 is 1.8 64 JUDGED, 9 % of what there was."""
+    objective, selection = found_first(0.0, 0.5)
+    fit, travels = selection.fit, selection.travels
+    assert what_is_left(objective, selection.nominal, fit, travels, selection.after)
+    assert not classified(objective, selection).unknown
+    assert classified(*found_first(8.0, 0.5)).unknown
