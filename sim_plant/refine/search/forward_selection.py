@@ -51,6 +51,7 @@ from sim_plant.refine.search.selection import (
 )
 from sim_plant.refine.search.set_apart import Apart, own_spectral_lines, set_apart
 from sim_plant.refine.search.unexplained import Unknown, what_is_left
+from sim_plant.refine.search.wandering import with_wander_known
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders
 from sim_plant.refine.spectra.coordinates import is_periodic, travel_of
 
@@ -118,7 +119,8 @@ def select(
         if quiet and not own_spectral_lines(selection):
             break
     selection = looked_over(objective, selection, progress)
-    return _with_remainder(objective, selection, progress)
+    selection = _with_remainder(objective, selection, progress)
+    return replace(selection, fit=with_wander_known(objective, selection.fit))
 
 
 def _with_events_placed_anew(

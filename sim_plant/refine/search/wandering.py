@@ -6,6 +6,7 @@ of that, where the effect itself shows: in all channels at once, as the line ans
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from itertools import pairwise
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from sim_plant.effects.onset import HOLD_S
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.gauss_newton import Fit, jacobian
 from sim_plant.refine.fit.linearisation import Changes
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.twin import Added
@@ -34,16 +35,53 @@ def wander_changes(objective: Objective, fit: Fit, at: int) -> list[Changes]:
     return found
 
 
+def with_wander_known(objective: Objective, fit: Fit) -> Fit:
+    """Return the fit with a covariance that knows how much the sizes of its effects wander.
+
+    Two plateaus of speed tell slope and threshold of a slip; what it happens to be off at either
+    is more than any noise.
+    Equation: C + (w / s^2) A B B' A', A the estimate, B the answers to a size raised by the share
+    s for one interval after another, w its mean square as a share of the size squared  [own].
+    """
+    wandering = [k for k, h in enumerate(fit.hypotheses) if h.effect.wander > 0.0]
+    if not wandering or not fit.covariance.size:
+        return fit
+    columns = jacobian(objective, fit.hypotheses, fit.values, fit.shifts)
+    if not np.isfinite(columns).all():
+        return fit
+    covariance, split = fit.covariance, len(columns[0])
+    for at in wandering:
+        answers = objective.whitened_all(
+            [
+                change
+                for record, _ in enumerate(objective.measured)
+                if fit.hypotheses[at].record in (None, record)
+                for change in _answers(objective, fit, at, record)
+            ]
+        )
+        moved = [objective.projector.joint_estimate(b, columns)[-split:] for b in answers.T]
+        spread = np.stack(moved, axis=1) * (
+            math.sqrt(fit.hypotheses[at].effect.wander) / WANDERING.share
+        )
+        covariance = covariance + spread @ spread.T
+    return replace(fit, covariance=covariance)
+
+
 def _of_record(objective: Objective, fit: Fit, at: int, record: int) -> list[Changes]:
-    raised = raised_for_a_while(fit, at, record, _duration_s(objective, record))
-    case = fit.case
-    cases = [replace(case, effects=(*case.effects, one)) for one in raised]
-    base, *runs = objective.pool.run([case, *cases])
-    changes = [tuple(y - b for y, b in zip(run, base, strict=True)) for run in runs]
+    changes = _answers(objective, fit, at, record)
     return [
         tuple(y - before for y, before in zip(later, first, strict=True))
         for first, later in pairwise(changes)
     ]
+
+
+def _answers(objective: Objective, fit: Fit, at: int, record: int) -> list[Changes]:
+    """Return what each interval of a raised size changes."""
+    raised = raised_for_a_while(fit, at, record, _duration_s(objective, record))
+    case = fit.case
+    cases = [replace(case, effects=(*case.effects, one)) for one in raised]
+    base, *runs = objective.pool.run([case, *cases])
+    return [tuple(y - b for y, b in zip(run, base, strict=True)) for run in runs]
 
 
 def raised_for_a_while(fit: Fit, at: int, record: int, duration_s: float) -> list[Added]:

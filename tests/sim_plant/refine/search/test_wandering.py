@@ -14,7 +14,7 @@ from sim_plant.refine.search.forward_selection import best_of, classified
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from sim_plant.refine.search.set_apart import set_apart
 from sim_plant.refine.search.unexplained import what_is_left
-from sim_plant.refine.search.wandering import raised_for_a_while, wander_changes
+from sim_plant.refine.search.wandering import raised_for_a_while, wander_changes, with_wander_known
 from tests.sim_plant.refine.small import (
     STEP_S,
     fit_of,
@@ -139,3 +139,19 @@ def test_what_a_wander_leaves_is_nothing_unknown_and_what_stands_beside_it_is():
     assert what_is_left(objective, selection.nominal, fit, travels, selection.after)
     assert not classified(objective, selection).unknown
     assert classified(*found_first(8.0, 0.5)).unknown
+
+
+def test_a_size_that_wanders_is_known_as_well_as_the_mean_of_its_intervals():
+    """Of n intervals, each off by sqrt(w), the mean is off by sqrt(w / n)."""
+    objective, selection = found_first(0.0, 0.0)
+    fit = with_wander_known(objective, selection.fit)
+    intervals = JUDGED * STEP_S / CRITERIA.search.wandering.interval_s
+    expected = fit.values[0][0] * np.sqrt(BY_NAME["slip"].wander / intervals)
+    assert np.sqrt(fit.covariance[0, 0]) == pytest.approx(expected, rel=0.1)
+    assert np.sqrt(selection.fit.covariance[0, 0]) < 0.1 * expected
+
+
+def test_what_does_not_wander_is_known_as_it_was():
+    objective, selection = found_first(0.0, 0.0)
+    fit = dataclasses.replace(selection.fit, hypotheses=(DRAG,), values=(DRAG.start,))
+    assert with_wander_known(objective, fit) is fit
