@@ -13,6 +13,9 @@ from benchmarks.campaign.fault import Fault
 from benchmarks.campaign.stage import SIZED_BY, Stage, rms
 
 ROUNDS = 5
+HALVINGS = 10
+"""Further rounds where one size is too small and one too large: a limit that is not reached shows
+nothing, and a little lower the line does not follow any more."""
 MOST = 1e4
 
 
@@ -46,13 +49,23 @@ def sized(
     """
     row = BY_NAME[fault.effect]
     form = row.form(fault)
-    share = visible(case, fault) if row.standing and not case.classes else 1.0
+    standing = row.standing and not case.classes
+    share = visible(case, fault) if standing else 1.0
     reached = share * snr_of(at.quiet((fault,)), healthy, floor)
     power, size = 1.0, abs(fault.size)
-    for _ in range(ROUNDS):
-        if case.snr == 0.0 or abs(reached / case.snr - 1.0) < 0.05:
+    small, large = 0.0, math.inf
+    for turn in range(ROUNDS + HALVINGS):
+        bracketed = 0.0 < small < large < math.inf
+        near = case.snr == 0.0 or abs(reached / case.snr - 1.0) < 0.05
+        if near or (turn >= ROUNDS and not bracketed):
             break
+        if reached < case.snr:
+            small = max(small, size)
+        else:
+            large = min(large, size)
         before, size = size, size * (case.snr / max(reached, 1e-9)) ** (1.0 / power)
+        if 0.0 < small < large < math.inf and not small < size < large:
+            size = math.sqrt(small * large)
         size = min(max(size, form.least), form.largest)
         if form.proportional:
             return replace(fault, size=math.copysign(size, fault.size)), reached * size / before
@@ -61,6 +74,8 @@ def sized(
         if size == before:
             break
         fault, last = replace(fault, size=math.copysign(size, fault.size)), reached
+        if last == 0.0 and standing:
+            share = visible(case, fault)  # of nothing no share is told
         reached = share * snr_of(at.quiet((fault,)), healthy, floor)
         # how steeply it really grows, for what is no straight line
         slope = math.log(max(reached, 1e-9) / max(last, 1e-9)) / math.log(size / before)

@@ -127,6 +127,7 @@ class Effect:
         all), the web, zones.
     accepts : every parameter; the keys are the only ones a declaration may give.
     traced : the parameters tracing fits; others keep their default or one of their ``tries``.
+    fitted_later : parameters fitted once the effect is there, where the record tells them.
     traced_per_place : more of them where a location names several places (an S-wrap, ``all``),
         ``{k}`` standing for the number of each but the first.
     apply : returns arrays with the effect added at the index of its place; the arrays given may
@@ -159,6 +160,7 @@ class Effect:
     shows: Signature | None
     remedy: str
     onset: Onset | None = None
+    fitted_later: tuple[str, ...] = ()
     traced_per_place: tuple[str, ...] = ()
     experiment: Experiment | None = None
     sensor_only: bool = False

@@ -48,7 +48,7 @@ EFFECT = Effect(
             typical=20.0,
             low=0.0,
             high=10000.0,
-            role="option",
+            role="shape",
             tries=(20.0,),
         ),
         "frequency_Hz": Parameter(
@@ -72,6 +72,7 @@ EFFECT = Effect(
         "sinn_kg_m": component("kg m", 0.02, 2.0),
     },
     traced=("cos1_kg_m", "sin1_kg_m", "cosn_kg_m", "sinn_kg_m", "frequency_Hz", "damping"),
+    fitted_later=("mass_kg",),  # how far a step of tension moves the roll tells it
     quadratures=(FIRST, OTHER),
     apply=apply,
     text="the roll bounces on its mandrel: a fixed frequency that an order of the roll excites",

@@ -324,6 +324,21 @@ class FreeTermCriteria:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class WanderingCriteria:
+    """How an effect whose size is not quite constant may change."""
+
+    interval_s: float = criterion(
+        2.0,
+        "s",
+        "over which its size is one",
+        "a roller's hold changes with what lies on it, a zone answers within seconds",
+    )
+    share: float = criterion(
+        0.1, "of its size", "that the response to a change is taken from", "it is linear in that"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ExchangeCriteria:
     """Where effects are tried when all others are there, and which are taken out."""
 
@@ -363,4 +378,5 @@ class SearchCriteria:
     unexplained: UnexplainedCriteria = field(default_factory=UnexplainedCriteria)
     free_terms: FreeTermCriteria = field(default_factory=FreeTermCriteria)
     events: EventCriteria = field(default_factory=EventCriteria)
+    wandering: WanderingCriteria = field(default_factory=WanderingCriteria)
     exchange: ExchangeCriteria = field(default_factory=ExchangeCriteria)

@@ -2,6 +2,7 @@
 
 __all__ = [
     "gauss_newton",
+    "linearisation",
     "objective",
     "projection",
     "roll_synchronisation",

@@ -32,6 +32,7 @@ class Linearisation:
     nuisance_changes : per declared number, the change of the channels per unit of it.
     free_bodies : bodies whose shape is free in its low orders.
     shape_changes : per free body, order and component (cos, sin), the change by a typical ripple.
+    wander_changes : slow changes of effects whose size is not quite constant.
     """
 
     point: Case
@@ -40,6 +41,7 @@ class Linearisation:
     nuisance_changes: tuple[Changes, ...]
     free_bodies: tuple[int, ...] = ()
     shape_changes: tuple[Changes, ...] = ()
+    wander_changes: tuple[Changes, ...] = ()
 
 
 def linearised_at(

@@ -16,7 +16,12 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.linearisation import Linearisation, linearised_at, with_free_bodies
+from sim_plant.refine.fit.linearisation import (
+    Changes,
+    Linearisation,
+    linearised_at,
+    with_free_bodies,
+)
 from sim_plant.refine.fit.projection import AT_ONCE, Projector
 from sim_plant.refine.fit.whitening import Whitening, declared_whitening
 from sim_plant.refine.model.nuisances import Nuisance, declared_nuisances
@@ -68,6 +73,7 @@ class Objective:
             )
         taken = [0 if q is None else q.shape[1] for q in self.whitening.basis]
         total -= 2.0 * CRITERIA.fit.free_orders * len(self.linearisation.free_bodies)
+        total -= len(self.linearisation.wander_changes)
         terms = sum(m.shape[0] * k for m, k in zip(self.measured, taken, strict=True))
         return total - float(terms)
 
@@ -201,6 +207,15 @@ def with_free_shapes(objective: Objective, bodies: Sequence[int]) -> Objective:
     return _projected(replace(objective, linearisation=here))
 
 
+def with_free_wander(objective: Objective, changes: Sequence[Changes]) -> Objective:
+    """Return the objective with these changes free in size, each the same in all channels.
+
+    What is then found must explain more than slow changes of what is there already.
+    """
+    here = replace(objective.linearisation, wander_changes=tuple(changes))
+    return _projected(replace(objective, linearisation=here))
+
+
 def conditioned_on(objective: Objective, basis: Sequence[Array]) -> Objective:
     """Return the objective with free terms taken out of every channel first.
 
@@ -263,8 +278,8 @@ def _projector(
 ) -> Projector:
     """Return what takes out nuisances with their priors, zeros of angles and free shapes."""
     sd, rows = prior_sd(nuisances), judged_rows(measured, whitening)
-    shapes = linearisation.shape_changes
-    changes = [*linearisation.nuisance_changes, *_zeros(pool, measured), *shapes]
+    free = (*linearisation.shape_changes, *linearisation.wander_changes)
+    changes = [*linearisation.nuisance_changes, *_zeros(pool, measured), *free]
     columns = _matrix(whitening, changes, len(nuisances))
     for at in range(len(nuisances)):
         columns[rows + at, at] = 1.0 / sd[at]

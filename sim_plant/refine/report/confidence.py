@@ -12,6 +12,7 @@ from sim_plant.refine.fit.spread import SPREAD
 def standard_deviations(fit: Fit) -> list[float]:
     """Return one per fitted number: noise and tolerances, and for sizes the model's own error.
 
+    A size is also what is fitted later, as the mass that bounces: how large an answer is tells it.
     Where no step of any number could be simulated there is no more to say than its bounds.
     """
     noise = [math.sqrt(max(0.0, float(v))) for v in fit.covariance.diagonal()]
@@ -27,10 +28,10 @@ def standard_deviations(fit: Fit) -> list[float]:
         phasors = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
         phasor = math.hypot(*(v for name, v in change.items() if name in phasors))
         for name, value in change.items():
-            strength = h.effect.accepts[name].role == "strength"
+            sized = h.effect.accepts[name].role == "strength" or name in h.effect.fitted_later
             own = phasor if name in phasors else value
             deviations.append(
-                math.hypot(noise[len(deviations)], CRITERIA.report.model_share * own * strength)
+                math.hypot(noise[len(deviations)], CRITERIA.report.model_share * own * sized)
             )
     return deviations
 

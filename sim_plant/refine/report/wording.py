@@ -102,10 +102,10 @@ def tells_size(effect: str, parameter: str) -> bool:
 
 
 def assumed(effect: str, parameter: str) -> bool:
-    """Return whether a number of a finding was set by the library, not found on the record."""
+    """Return whether a number that has no interval was set by the library."""
     known = BY_NAME.get(effect)
     row = known.accepts.get(parameter) if known is not None else None
-    return row is not None and row.role == "option" and len(row.tries) == 1
+    return row is not None and row.role in ("option", "shape") and len(row.tries) == 1
 
 
 def size_of(finding: EffectFinding) -> str:
@@ -116,7 +116,7 @@ def size_of(finding: EffectFinding) -> str:
             continue
         name = "" if isinstance(finding.parameters[number.key], str) else f"{number.name} "
         text = f"{name}{number.value} {number.unit}".rstrip()
-        if assumed(effect, number.key):
+        if not number.low and assumed(effect, number.key):
             text += " (assumed; the others hold for it)"
         if number.low:
             text += f" (95 %: {number.low} to {number.high})"

@@ -14,11 +14,6 @@ from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.added_effect import rolling_only
-from sim_plant.refine.search.apart_from_spectral_lines import (
-    Apart,
-    apart_from_spectral_lines,
-    own_spectral_lines,
-)
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress, sure_fall
 from sim_plant.refine.search.completeness import (
     explains_own_spectral_lines,
@@ -54,7 +49,9 @@ from sim_plant.refine.search.selection import (
     score,
     standing,
 )
+from sim_plant.refine.search.set_apart import Apart, own_spectral_lines, set_apart
 from sim_plant.refine.search.unexplained import Unknown, what_is_left
+from sim_plant.refine.search.wandering import with_wander_known
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders
 from sim_plant.refine.spectra.coordinates import is_periodic, travel_of
 
@@ -122,7 +119,8 @@ def select(
         if quiet and not own_spectral_lines(selection):
             break
     selection = looked_over(objective, selection, progress)
-    return _with_remainder(objective, selection, progress)
+    selection = _with_remainder(objective, selection, progress)
+    return replace(selection, fit=with_wander_known(objective, selection.fit))
 
 
 def _with_events_placed_anew(
@@ -172,7 +170,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
     leaves more than noise has at best imitated the cause. So are periodic ones that explain little
     of what is left then: what is irregular has a share at every line.
     """
-    selection = _classified(objective, selection)
+    selection = classified(objective, selection)
     if all(u.kind in PERIODIC_KINDS for u in selection.unknown):
         if not selection.accepted:
             return selection
@@ -196,13 +194,16 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
         accepted=tuple(selection.accepted[k] for k in kept),
         after=remaining_spectra(objective, rest, selection.travels),
     )
-    return _classified(objective, periodic)
+    return classified(objective, periodic)
 
 
-def _classified(objective: Objective, selection: Selection) -> Selection:
-    fit = selection.fit
-    unknown = what_is_left(objective, selection.nominal, fit, selection.travels, selection.after)
-    excess = objective.excess(fit.cost, fit.residual)
+def classified(objective: Objective, selection: Selection) -> Selection:
+    """Return the selection with the class of what is left, slow changes of effects apart."""
+    apart = set_apart(objective, selection, lines=False)
+    weigh, seen = (objective, selection) if apart is None else (apart.objective, apart.selection)
+    fit = seen.fit
+    unknown = what_is_left(weigh, selection.nominal, fit, selection.travels, seen.after)
+    excess = weigh.excess(fit.cost, fit.residual)
     nominal_excess = selection.nominal.cost - objective.expected_cost
     if not unknown and imitates(selection.accepted, excess, nominal_excess):
         unknown = [Unknown(kind="broadband", strength=excess, coordinate={})]
@@ -235,15 +236,15 @@ def next_extensions(
     conflicts = fit_conflicts(objective, selection.fit, names, progress)
     complete: list[Extension] = []
     partial: list[Extension] = []
-    apart: Apart | None = None
+    apart = set_apart(objective, selection, lines=False)
     for group in (plain, resonant, others):
         if group is others:
-            apart = apart_from_spectral_lines(objective, selection)
+            apart = set_apart(objective, selection, lines=True)
             weigh = objective if apart is None else apart.objective
             events = event_candidates(weigh, _looked_from(selection.fit, apart), without, progress)
             extension = best_of(objective, selection, group, progress, conflicts, events, apart)
         else:
-            extension = best_of(objective, selection, group, progress)
+            extension = best_of(objective, selection, group, progress, apart=apart)
         if extension is None:
             continue
         if _explains_own_spectral_lines(objective, selection, extension.fit, apart):
@@ -306,7 +307,7 @@ def best_of(
     """Return the effect of a group that is accepted in addition to those found, or None.
 
     ``rivals`` are fits made already that compete with the group, ``events`` further first looks.
-    With ``apart`` the group is looked at and judged apart from the lines of what was found.
+    With ``apart`` the group is looked at and judged apart from what those found leave by nature.
     """
     base = selection.fit
     weigh, judged = (objective, selection) if apart is None else (apart.objective, apart.selection)
@@ -343,9 +344,10 @@ def _looked_from(fit: Fit, apart: Apart | None) -> Fit:
 def chi2_without_last(objective: Objective, fit: Fit, apart: Apart | None = None) -> float:
     """Return how much the cost rises without the last effect, all else fitted anew from here.
 
-    With ``apart`` that is the cost apart from the lines of what was found. Both at the declared
-    drive tick. A fit that was made again finds a better place for the declared numbers too, and a
-    quick tick moves the speed at which a quantised loop rests: those shares are not the effect's.
+    With ``apart`` that is the cost apart from what those found leave by nature. Both are at the
+    declared drive tick. A fit that was made again finds a better place for the declared numbers
+    too, and a quick tick moves the speed at which a quantised loop rests: those shares are not
+    the effect's.
     """
     there = gauss_newton_fit(
         objective, fit.hypotheses, fit.values, fit.shifts, rounds=2, quick=False

@@ -40,7 +40,7 @@ def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
     exact = gauss_newton_fit(
         near, fit.hypotheses, exact.values, exact.shifts, rounds=3, quick=False
     )
-    better = with_profile_details(near, exact)
+    better = with_later_numbers(near, with_profile_details(near, exact))
     if better is not exact:
         near = relinearised_at(near, better.case, keep_nuisance_changes=keeps)
     line = near.pool.twins[0].declaration
@@ -76,6 +76,27 @@ def named_profiles(fit: Fit) -> list[int]:
         for k, h in enumerate(fit.hypotheses)
         if h.effect.profiles is not None and h.effect.profiles.size in h.names
     ]
+
+
+def with_later_numbers(objective: Objective, fit: Fit) -> Fit:
+    """Return the fit with those numbers of its effects free that the library sets, where they pay.
+
+    A first look cannot tell them, and beside a weak effect no record does: they would take its
+    size with them.
+    """
+    for at, h in enumerate(fit.hypotheses):
+        for name in h.effect.fitted_later:
+            known = dict(h.fixed)
+            if name not in known or name in fit.hypotheses[at].names:
+                continue
+            wider = with_numbers(objective, fit, at, (name,), {name: float(known[name])})
+            better = gauss_newton_fit(
+                objective, wider.hypotheses, wider.values, fit.shifts, rounds=6, quick=False
+            )
+            pays = better.cost < fit.cost - bic_penalty(objective, 1)
+            if pays and not better.hypotheses[at].at_bound(better.values[at]):
+                fit = better
+    return fit
 
 
 def with_profile_details(objective: Objective, fit: Fit) -> Fit:

@@ -66,6 +66,7 @@ class Selection:
     corrections : declared numbers as re-estimated with the effects, by path: none where structure
         is left that is no line, for they may then have imitated it.
     chi2_of_free_terms : what free terms took up before the search.
+    wander_is_free : ``fit`` is weighed with the sizes of its effects free to change slowly.
     """
 
     nominal: Fit
@@ -77,6 +78,7 @@ class Selection:
     unknown: tuple[Unknown, ...] = ()
     corrections: Mapping[str, float] = field(default_factory=dict)
     chi2_of_free_terms: float = 0.0
+    wander_is_free: bool = False
 
 
 def alike_margin(explained: float) -> float:
@@ -108,11 +110,11 @@ def least_score(selection: Selection, h: Hypothesis, told: float = 0.0) -> float
         least,
         ACCEPTANCE.explained_share * explained,
         ACCEPTANCE.free_term_share * selection.chi2_of_free_terms,
-        sum(_wander(found.hypothesis) * found.score for found in selection.accepted),
+        sum(_wander(selection, f.hypothesis) * f.score for f in selection.accepted),
     )
 
 
-def _wander(h: Hypothesis) -> float:
+def _wander(selection: Selection, h: Hypothesis) -> float:
     """Return the share of what an effect explains that it leaves, not at its own lines alone.
 
     An outline that no profile has is known by its orders on the roll as it is; as the roll gets
@@ -120,7 +122,8 @@ def _wander(h: Hypothesis) -> float:
     """
     own = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
     outlined = h.effect.profiles is not None and not own.isdisjoint(h.names)
-    return max(h.effect.wander, ACCEPTANCE.explained_share if outlined else 0.0)
+    own_wander = 0.0 if selection.wander_is_free else h.effect.wander
+    return max(own_wander, ACCEPTANCE.explained_share if outlined else 0.0)
 
 
 def rank(fitted: Sequence[FittedCandidate]) -> list[FittedCandidate]:

@@ -79,3 +79,26 @@ def test_a_case_without_a_ratio_keeps_its_size(healthy):
     fault = Fault(effect="eccentric_roller", location="R2", size=1e-5)
     case = Case(number=0, group="single", seed=3)
     assert sized(case, *healthy[:1], fault, *healthy[1:])[0] == fault
+
+
+class Brittle:
+    """A line that does not answer up to a size, and hardly runs a third beyond it."""
+
+    def quiet(self, faults=()):
+        size = sum(fault.size for fault in faults)
+        beyond = max(0.0, size / 7.0 - 1.0)
+        return {
+            name: np.full(staging.ROWS, 5.0 * beyond + 1e4 * beyond**4)
+            for name in staging.SIZED_BY
+        }
+
+
+def test_a_limit_that_is_hardly_reached_is_found_between_nothing_and_too_much(monkeypatch):
+    """5 x + 1e4 x^4 = 0.4 at x = 0.0576 beyond the size of 7 at which anything shows."""
+    share = {True: 0.0, False: 0.8}
+    monkeypatch.setattr(sizes, "visible", lambda _, fault: share[fault.size <= 7.0])
+    line, floor = Brittle(), dict.fromkeys(staging.SIZED_BY, 0.8)
+    fault = Fault(effect="rate_limit", location="unwind", size=5.0, form="of the reference")
+    made, reached = sized(CASE, line, fault, line.quiet(), floor)
+    assert reached == pytest.approx(0.4, rel=0.05)
+    assert made.size == pytest.approx(7.0 * 1.0576, rel=0.005)

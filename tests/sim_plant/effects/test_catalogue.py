@@ -125,6 +125,10 @@ def test_a_remedy_says_where_on_the_machine(row: Effect) -> None:
 @pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
 def test_names_beside_the_parameters_are_names_of_parameters(row: Effect) -> None:
     assert {number.parameter for number in row.declared_as} <= set(row.accepts)
+    for name in row.fitted_later:  # the one try is what it is until a record tells
+        assert row.accepts[name].role == "shape"
+        assert len(row.accepts[name].tries) == 1
+        assert name not in row.traced
     if row.profiles is not None:
         assert {row.profiles.size, row.profiles.age} <= set(row.accepts) - set(row.traced)
     if row.name_in_version_1:

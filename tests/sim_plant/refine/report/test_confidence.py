@@ -26,3 +26,10 @@ def test_of_a_number_of_which_no_step_ran_nothing_is_known_but_its_bounds():
     assert found == pytest.approx(
         math.hypot(width / math.sqrt(12.0), 0.2 * CRITERIA.report.model_share)
     )
+
+
+def test_a_mass_is_a_size_and_a_frequency_is_none():
+    bounce = hypothesis(BY_NAME["roll_bounce"], "unwind", (), ("frequency_Hz", "mass_kg"), LINE)
+    fit = replace(fit_of(bounce, values=[(3.4, 30.0)]), covariance=np.diag([0.002, 0.1]) ** 2)
+    mass = math.hypot(0.1, 30.0 * CRITERIA.report.model_share)
+    assert standard_deviations(fit) == pytest.approx([0.002, mass])

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.twin import Case
 from sim_plant.refine.search.profile_detail import (
@@ -12,6 +13,7 @@ from sim_plant.refine.search.profile_detail import (
     knows,
     likeliest_age,
     with_formation_radius,
+    with_later_numbers,
 )
 from tests.sim_plant.refine.small import fit_of, formula_twin, line_with, objective_of, white
 
@@ -130,3 +132,44 @@ def test_an_age_that_may_be_any_is_no_number(sigma_m, known):
     )
     fit = replace(fit_of(h, values=((0.01, 0.005),)), covariance=np.diag([1e-8, sigma_m**2]))
     assert knows(fit, 0, "unwound_m") == known
+
+
+MASS_KG, UNBALANCE_KG_M = 30.0, 0.04
+BOUNCE = hypothesis(
+    BY_NAME["roll_bounce"], "unwind", (("mass_kg", 20.0), ("order", 2.0)), ("cosn_kg_m",)
+)
+BOUNCE_S = np.linspace(0.0, 60.0, 6000)
+"""A record of 60 s; the steps of tension come every 6 s."""
+
+
+def bouncing(steps):
+    """Return two channels that a roll moves: unbalance over mass, and steps of pull over mass."""
+
+    def formula(case):
+        found = np.zeros((2, BOUNCE_S.size))
+        for effect in case.effects:
+            put = dict(effect.parameters)
+            found[0] += 3e4 * put["cosn_kg_m"] / put["mass_kg"] * np.sin(20.0 * BOUNCE_S)
+            found[1] += 300.0 * steps / put["mass_kg"] * np.sign(np.sin(np.pi * BOUNCE_S / 3.0))
+        return found
+
+    return formula
+
+
+@pytest.mark.parametrize(("steps", "told"), [(1.0, True), (0.0, False)])
+def test_a_number_that_the_library_sets_is_fitted_where_the_record_tells_it(steps, told):
+    formula = bouncing(steps)
+    line = formula_twin(formula, ("unwind_tension_N", "rewind_tension_N"), BOUNCE_S.size)
+    put = {"cosn_kg_m": UNBALANCE_KG_M, "mass_kg": MASS_KG}
+    there = Case(effects=(replace(BOUNCE.added(BOUNCE.start), parameters=tuple(put.items())),))
+    objective = objective_of(line, formula(there) + white((2, BOUNCE_S.size), 4))
+    first = gauss_newton_fit(objective, (BOUNCE,), (BOUNCE.start,), {})
+    assert first.values[0][0] / 20.0 == pytest.approx(UNBALANCE_KG_M / MASS_KG, rel=0.01)
+    fit = with_later_numbers(objective, first)
+    if not told:
+        assert fit is first
+        return
+    found = dict(zip(fit.hypotheses[0].names, fit.values[0], strict=True))
+    assert found["mass_kg"] == pytest.approx(MASS_KG, rel=0.02)
+    assert found["cosn_kg_m"] == pytest.approx(UNBALANCE_KG_M, rel=0.02)
+    assert "mass_kg" not in dict(fit.hypotheses[0].fixed)

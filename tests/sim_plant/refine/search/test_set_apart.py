@@ -11,10 +11,10 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.fit.objective import conditioned_on
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.search.apart_from_spectral_lines import apart_from_spectral_lines
 from sim_plant.refine.search.completeness import remaining_spectra
 from sim_plant.refine.search.forward_selection import best_of
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from sim_plant.refine.search.set_apart import set_apart
 from tests.sim_plant.refine.small import formula_twin, objective_of, quiet, travel_at, white
 
 ACCEPTANCE = CRITERIA.search.acceptance
@@ -69,7 +69,7 @@ def found_first(drag):
 def claimed(h, drag, apart=True):
     """Return what is accepted of a group of one, and the effect apart from the line."""
     objective, selection = found_first(drag)
-    there = apart_from_spectral_lines(objective, selection) if apart else None
+    there = set_apart(objective, selection, lines=True) if apart else None
     return best_of(objective, selection, [h], quiet, apart=there)
 
 
@@ -97,9 +97,9 @@ def test_what_only_mends_the_line_explains_nothing_apart_from_it():
 def test_nothing_is_set_apart_where_it_decides_nothing():
     objective, selection = found_first(0.0)
     nothing = replace(selection, nominal=selection.fit)
-    assert apart_from_spectral_lines(objective, nothing) is None  # explains nothing
+    assert set_apart(objective, nothing, lines=True) is None  # explains nothing
     slow = np.ones((JUDGED, 1)) / np.sqrt(JUDGED)
-    assert apart_from_spectral_lines(conditioned_on(objective, [slow]), selection) is None
+    assert set_apart(conditioned_on(objective, [slow]), selection, lines=True) is None
 
 
 @pytest.mark.parametrize("apart", [True, False])
@@ -116,7 +116,7 @@ def test_beside_a_strong_line_first_looks_keep_declared_numbers_where_they_are(a
         there,
         [DRAG],
         quiet,
-        apart=apart_from_spectral_lines(objective, there) if apart else None,
+        apart=set_apart(objective, there, lines=True) if apart else None,
     )
     looked = next(
         case for case in simulated if any(e.effect == "bearing_drag" for e in case.effects)

@@ -1,9 +1,10 @@
-"""Beside strong spectral lines: what an effect without any explains apart from those lines.
+"""Beside strong effects: what another one explains apart from what the models of those leave.
 
 No model is exact: it leaves some per mille of what a strong effect does. But it leaves them where
-that effect shows, at its own spectral lines. So an effect that has none is judged on what remains
-when those lines are free in size and phase in every channel, and change with speed and slowly
-with time.
+that effect shows. So an effect without a spectral line is judged on what remains when the lines of
+those found are free in size and phase in every channel, and change with speed and slowly with
+time. And beside an effect whose size is not quite constant any other is judged on what remains
+when that size may change slowly.
 """
 
 from __future__ import annotations
@@ -13,12 +14,13 @@ from dataclasses import dataclass, replace
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
-from sim_plant.refine.fit.objective import Objective, conditioned_on
+from sim_plant.refine.fit.objective import Objective, conditioned_on, with_free_wander
 from sim_plant.refine.search.candidate import FittedCandidate, sure_fall
 from sim_plant.refine.search.completeness import explains_own_spectral_lines, remaining_spectra
 from sim_plant.refine.search.free_terms import free_term_basis
-from sim_plant.refine.search.selection import Selection
+from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from sim_plant.refine.search.unexplained import Unknown
+from sim_plant.refine.search.wandering import wander_changes
 from sim_plant.refine.spectra.coordinates import orders_of, shown_Hz
 
 ACCEPTANCE = CRITERIA.search.acceptance
@@ -26,11 +28,11 @@ ACCEPTANCE = CRITERIA.search.acceptance
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Apart:
-    """A selection as it is judged apart from the spectral lines of its own effects.
+    """A selection as it is judged apart from what the models of its effects leave.
 
     Attributes
     ----------
-    objective : those lines are free terms.
+    objective : their spectral lines are free terms, and so are slow changes of their sizes.
     selection : the same effects and numbers, weighed by it.
     """
 
@@ -38,11 +40,11 @@ class Apart:
     selection: Selection
 
     def weighed(self, fit: Fit, quick: bool = True) -> Fit:
-        """Return the fit with what it leaves apart from the lines; no number is moved."""
+        """Return the fit with what it leaves apart from all that; no number is moved."""
         return _weighed(self.objective, fit, quick)
 
     def judged(self, candidate: FittedCandidate) -> FittedCandidate:
-        """Return a candidate by what it explains apart from the lines."""
+        """Return a candidate by what it explains apart from all that."""
         left = self.weighed(candidate.fit)
         fall = sure_fall(self.objective, self.selection.fit, left)
         return replace(candidate, chi2_reduction=fall)
@@ -55,11 +57,36 @@ class Apart:
         )
 
 
-def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Apart | None:
-    """Return the selection as judged apart from its effects' spectral lines.
+def set_apart(objective: Objective, selection: Selection, *, lines: bool) -> Apart | None:
+    """Return the selection as judged apart from what its effects leave by nature.
 
-    None where that decides nothing: no effect has a line, they explain too little for their
-    model error to hide another, or free terms are there already.
+    ``lines``: from their spectral lines as well. None where that decides nothing: what their
+    models leave is too little to hide another effect.
+    """
+    apart = apart_from_spectral_lines(objective, selection) if lines else None
+    weigh = objective if apart is None else apart
+    at = [k for k, found in enumerate(selection.accepted) if wanders(found)]
+    if at:
+        changes = [c for k in at for c in wander_changes(objective, selection.fit, k)]
+        weigh = with_free_wander(weigh, changes)
+    if weigh is objective:
+        return None
+    fit = _weighed(weigh, selection.fit, quick=False)
+    there = replace(
+        selection,
+        nominal=_weighed(weigh, selection.nominal, quick=False),
+        fit=fit,
+        after=remaining_spectra(weigh, fit, selection.travels),
+        wander_is_free=bool(at),
+    )
+    return Apart(objective=weigh, selection=there)
+
+
+def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Objective | None:
+    """Return the objective with the spectral lines of what was found as free terms.
+
+    None where no effect has a line, they explain too little for their model error to hide
+    another, or free terms are there already.
     """
     explained = selection.nominal.cost - selection.fit.cost
     lines = own_spectral_lines(selection)
@@ -67,15 +94,12 @@ def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Apa
     if free or not lines or ACCEPTANCE.explained_share * explained <= ACCEPTANCE.score:
         return None
     basis = [free_term_basis(lines, travel) for travel in selection.travels]
-    conditioned = conditioned_on(objective, basis)
-    fit = _weighed(conditioned, selection.fit, quick=False)
-    there = replace(
-        selection,
-        nominal=_weighed(conditioned, selection.nominal, quick=False),
-        fit=fit,
-        after=remaining_spectra(conditioned, fit, selection.travels),
-    )
-    return Apart(objective=conditioned, selection=there)
+    return conditioned_on(objective, basis)
+
+
+def wanders(found: AcceptedEffect) -> bool:
+    """Return whether the size of an effect changes by more than may hide another."""
+    return found.hypothesis.effect.wander * found.score > ACCEPTANCE.score
 
 
 def own_spectral_lines(selection: Selection) -> Sequence[Unknown]:

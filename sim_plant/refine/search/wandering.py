@@ -1,0 +1,115 @@
+"""An effect whose size is not quite constant: its slow changes, as free terms.
+
+How well a roller holds the web varies from minute to minute. A model of constant size leaves some
+of that, where the effect itself shows: in all channels at once, as the line answers to it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from sim_plant.effects.onset import HOLD_S
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit, jacobian
+from sim_plant.refine.fit.linearisation import Changes
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.twin import Added
+
+WANDERING = CRITERIA.search.wandering
+
+
+def wander_changes(objective: Objective, fit: Fit, at: int) -> list[Changes]:
+    """Return what effect ``at`` changes as its size wanders about its mean, a term each.
+
+    The size is raised for one interval after another. A term is the answer to one of them less
+    that to the one before, so that all terms together leave the mean size alone.
+    """
+    found: list[Changes] = []
+    for record, _ in enumerate(objective.measured):
+        if fit.hypotheses[at].record in (None, record):
+            found += _of_record(objective, fit, at, record)
+    return found
+
+
+def with_wander_known(objective: Objective, fit: Fit) -> Fit:
+    """Return the fit with a covariance that knows how much the sizes of its effects wander.
+
+    Two plateaus of speed tell slope and threshold of a slip; what it happens to be off at either
+    is more than any noise.
+    Equation: C + (w / s^2) A B B' A', A the estimate, B the answers to a size raised by the share
+    s for one interval after another, w its mean square as a share of the size squared  [own].
+    """
+    wandering = [k for k, h in enumerate(fit.hypotheses) if h.effect.wander > 0.0]
+    if not wandering or not fit.covariance.size:
+        return fit
+    columns = jacobian(objective, fit.hypotheses, fit.values, fit.shifts)
+    if not np.isfinite(columns).all():
+        return fit
+    covariance, split = fit.covariance, len(columns[0])
+    for at in wandering:
+        answers = objective.whitened_all(
+            [
+                change
+                for record, _ in enumerate(objective.measured)
+                if fit.hypotheses[at].record in (None, record)
+                for change in _answers(objective, fit, at, record)
+            ]
+        )
+        moved = [objective.projector.joint_estimate(b, columns)[-split:] for b in answers.T]
+        spread = np.stack(moved, axis=1) * (
+            math.sqrt(fit.hypotheses[at].effect.wander) / WANDERING.share
+        )
+        covariance = covariance + spread @ spread.T
+    return replace(fit, covariance=covariance)
+
+
+def _of_record(objective: Objective, fit: Fit, at: int, record: int) -> list[Changes]:
+    changes = _answers(objective, fit, at, record)
+    return [
+        tuple(y - before for y, before in zip(later, first, strict=True))
+        for first, later in pairwise(changes)
+    ]
+
+
+def _answers(objective: Objective, fit: Fit, at: int, record: int) -> list[Changes]:
+    """Return what each interval of a raised size changes."""
+    raised = raised_for_a_while(fit, at, record, _duration_s(objective, record))
+    case = fit.case
+    cases = [replace(case, effects=(*case.effects, one)) for one in raised]
+    base, *runs = objective.pool.run([case, *cases])
+    return [tuple(y - b for y, b in zip(run, base, strict=True)) for run in runs]
+
+
+def raised_for_a_while(fit: Fit, at: int, record: int, duration_s: float) -> list[Added]:
+    """Return effect ``at`` once per interval of a record, there by a share of its size."""
+    h, values = fit.hypotheses[at], fit.values[at]
+    onset = h.effect.onset
+    if onset is None:
+        return []
+    share = WANDERING.share
+    sizes = [
+        absent + share * (value - absent)
+        for value, absent in zip(values[: h.strengths], h.absent, strict=False)
+    ]
+    given = dict(h.added((*sizes, *values[h.strengths :])).parameters)
+    begins_s = max(0.0, float(given[onset.moment])) if h.moment else 0.0
+    count = max(1, round((duration_s - begins_s) / WANDERING.interval_s))
+    edges = np.linspace(begins_s, duration_s, count + 1)
+    return [
+        Added(
+            h.effect.name,
+            h.location,
+            tuple({**given, onset.moment: float(first), HOLD_S: float(last - first)}.items()),
+            record,
+        )
+        for first, last in pairwise(edges)
+    ]
+
+
+def _duration_s(objective: Objective, record: int) -> float:
+    twin = objective.pool.twins[record]
+    return float(twin.speed_m_s.size * twin.declaration.sample_time_s)
