@@ -49,7 +49,7 @@ from sim_plant.refine.search.selection import (
     score,
     standing,
 )
-from sim_plant.refine.search.set_apart import Apart, own_spectral_lines, set_apart
+from sim_plant.refine.search.set_apart import Apart, own_spectral_lines, set_apart, wander_of
 from sim_plant.refine.search.unexplained import Unknown, what_is_left
 from sim_plant.refine.search.wandering import with_wander_known
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders
@@ -236,10 +236,11 @@ def next_extensions(
     conflicts = fit_conflicts(objective, selection.fit, names, progress)
     complete: list[Extension] = []
     partial: list[Extension] = []
-    apart = set_apart(objective, selection, lines=False)
+    wander = wander_of(objective, selection)
+    apart = set_apart(objective, selection, lines=False, wander=wander)
     for group in (plain, resonant, others):
         if group is others:
-            apart = set_apart(objective, selection, lines=True)
+            apart = set_apart(objective, selection, lines=True, wander=wander)
             weigh = objective if apart is None else apart.objective
             events = event_candidates(weigh, _looked_from(selection.fit, apart), without, progress)
             extension = best_of(objective, selection, group, progress, conflicts, events, apart)

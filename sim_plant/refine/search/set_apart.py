@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
+from sim_plant.refine.fit.linearisation import Changes
 from sim_plant.refine.fit.objective import Objective, conditioned_on, with_free_wander
 from sim_plant.refine.search.candidate import FittedCandidate, sure_fall
 from sim_plant.refine.search.completeness import explains_own_spectral_lines, remaining_spectra
@@ -57,18 +58,25 @@ class Apart:
         )
 
 
-def set_apart(objective: Objective, selection: Selection, *, lines: bool) -> Apart | None:
+def set_apart(
+    objective: Objective,
+    selection: Selection,
+    *,
+    lines: bool,
+    wander: Sequence[Changes] | None = None,
+) -> Apart | None:
     """Return the selection as judged apart from what its effects leave by nature.
 
-    ``lines``: from their spectral lines as well. None where that decides nothing: what their
-    models leave is too little to hide another effect.
+    ``lines``: from their spectral lines as well. ``wander``: what ``wander_of`` gives of them;
+    simulated here where it is not given. None where that decides nothing: what their models
+    leave is too little to hide another effect.
     """
     apart = apart_from_spectral_lines(objective, selection) if lines else None
     weigh = objective if apart is None else apart
-    at = [k for k, found in enumerate(selection.accepted) if wanders(found)]
-    if at:
-        changes = [c for k in at for c in wander_changes(objective, selection.fit, k)]
-        weigh = with_free_wander(weigh, changes)
+    if wander is None:
+        wander = wander_of(objective, selection)
+    if wander:
+        weigh = with_free_wander(weigh, wander)
     if weigh is objective:
         return None
     fit = _weighed(weigh, selection.fit, quick=False)
@@ -77,9 +85,15 @@ def set_apart(objective: Objective, selection: Selection, *, lines: bool) -> Apa
         nominal=_weighed(weigh, selection.nominal, quick=False),
         fit=fit,
         after=remaining_spectra(weigh, fit, selection.travels),
-        wander_is_free=bool(at),
+        wander_is_free=bool(wander),
     )
     return Apart(objective=weigh, selection=there)
+
+
+def wander_of(objective: Objective, selection: Selection) -> list[Changes]:
+    """Return what the effects of a selection change as their sizes wander, a term each."""
+    at = [k for k, accepted in enumerate(selection.accepted) if wanders(accepted)]
+    return [change for k in at for change in wander_changes(objective, selection.fit, k)]
 
 
 def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Objective | None:

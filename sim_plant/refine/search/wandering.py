@@ -7,6 +7,7 @@ of that, where the effect itself shows: in all channels at once, as the line ans
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 
@@ -28,11 +29,11 @@ def wander_changes(objective: Objective, fit: Fit, at: int) -> list[Changes]:
     The size is raised for one interval after another. A term is the answer to one of them less
     that to the one before, so that all terms together leave the mean size alone.
     """
-    found: list[Changes] = []
-    for record, _ in enumerate(objective.measured):
-        if fit.hypotheses[at].record in (None, record):
-            found += _of_record(objective, fit, at, record)
-    return found
+    return [
+        tuple(y - before for y, before in zip(later, first, strict=True))
+        for changes in _answers(objective, fit, at)
+        for first, later in pairwise(changes)
+    ]
 
 
 def with_wander_known(objective: Objective, fit: Fit) -> Fit:
@@ -52,12 +53,7 @@ def with_wander_known(objective: Objective, fit: Fit) -> Fit:
     covariance, split = fit.covariance, len(columns[0])
     for at in wandering:
         answers = objective.whitened_all(
-            [
-                change
-                for record, _ in enumerate(objective.measured)
-                if fit.hypotheses[at].record in (None, record)
-                for change in _answers(objective, fit, at, record)
-            ]
+            [change for changes in _answers(objective, fit, at) for change in changes]
         )
         moved = [objective.projector.joint_estimate(b, columns)[-split:] for b in answers.T]
         spread = np.stack(moved, axis=1) * (
@@ -67,21 +63,16 @@ def with_wander_known(objective: Objective, fit: Fit) -> Fit:
     return replace(fit, covariance=covariance)
 
 
-def _of_record(objective: Objective, fit: Fit, at: int, record: int) -> list[Changes]:
-    changes = _answers(objective, fit, at, record)
-    return [
-        tuple(y - before for y, before in zip(later, first, strict=True))
-        for first, later in pairwise(changes)
-    ]
-
-
-def _answers(objective: Objective, fit: Fit, at: int, record: int) -> list[Changes]:
-    """Return what each interval of a raised size changes."""
-    raised = raised_for_a_while(fit, at, record, _duration_s(objective, record))
+def _answers(objective: Objective, fit: Fit, at: int) -> Iterator[list[Changes]]:
+    """Yield what each interval of a raised size changes, for each record that has the effect."""
     case = fit.case
-    cases = [replace(case, effects=(*case.effects, one)) for one in raised]
-    base, *runs = objective.pool.run([case, *cases])
-    return [tuple(y - b for y, b in zip(run, base, strict=True)) for run in runs]
+    for record, _ in enumerate(objective.measured):
+        if fit.hypotheses[at].record not in (None, record):
+            continue
+        raised = raised_for_a_while(fit, at, record, _duration_s(objective, record))
+        cases = [replace(case, effects=(*case.effects, one)) for one in raised]
+        base, *runs = objective.pool.run([case, *cases])
+        yield [tuple(y - b for y, b in zip(run, base, strict=True)) for run in runs]
 
 
 def raised_for_a_while(fit: Fit, at: int, record: int, duration_s: float) -> list[Added]:
