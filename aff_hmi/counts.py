@@ -6,6 +6,7 @@ import math
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from itertools import accumulate
 
 from aff_runtime.app.report.metrics.readings import Sample, Spread
 
@@ -31,7 +32,7 @@ class Durations:
 
     def spread(self) -> Spread:
         """Return them as a histogram."""
-        below = [float(sum(self._counts[: n + 1])) for n in range(len(self._counts))]
+        below = map(float, accumulate(self._counts))
         return Spread(self._metric, tuple(zip(self._edges_s, below, strict=True)), self._total_s)
 
 

@@ -97,7 +97,7 @@ def view_of(seen: Seen, layout: Layout, say: Say) -> View:
     seen : what the watch knows. ``say`` : the reader's language.
     """
     facts, row = seen.facts, seen.row
-    site = facts.status.facts if facts is not None else None
+    site = seen.site
     blocked = printable(facts.blocked, 200) if facts is not None else ""
     state = state_of(seen)
     why, to_do = _why(seen, state, blocked, say)
@@ -159,7 +159,7 @@ def _doubted(seen: Seen, layout: Layout, blocked: str) -> Iterator[str]:
         return
     channel = found["channel"]
     yield from (f"{slot}:{channel}" for slot in ("tension", "rms"))
-    facts = seen.facts.status.facts if seen.facts is not None else None
+    facts = seen.site
     for output in facts.outputs if facts is not None else ():
         if channel == output.signal:
             yield from (f"{one}:{output.actuator}" for one in ("now", "without", "reduction"))
@@ -193,7 +193,7 @@ def values_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, f
         yield f"rms:{tension.channel}", window.rms(tension.channel) if window else math.nan
         yield f"reference:{tension.channel}", row.number(tension.reference or None)
     yield "speed", 60.0 * row.number(layout.speed or None)
-    facts = seen.facts.status.facts if seen.facts is not None else None
+    facts = seen.site
     channels = {roll.name: roll.radius_channel for roll in facts.rolls} if facts else {}
     for name, _ in layout.rolls:
         yield f"radius:{name}", 1e3 * row.number(channels.get(name))

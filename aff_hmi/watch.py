@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from aff_hmi.window import Window
 from aff_runtime.app.door.client import DoorClient
 from aff_runtime.app.door.messages import PROTOCOL, Facts, Hello, RingGone, RingPassed, SentAway
+from aff_runtime.app.report.line_facts import LineFacts
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.errors import AffError, WireError
 from aff_runtime.base.ports import Clock
@@ -54,6 +55,11 @@ class Seen:
     unread: int = 0
     events: tuple[tuple[int, float, float], ...] = ()
     trouble: str = ""
+
+    @property
+    def site(self) -> LineFacts | None:
+        """What the site file says of the line; None until the service has told it."""
+        return self.facts.status.facts if self.facts is not None else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -33,7 +33,7 @@ class Scope:
 
     def look(self, seen: Seen, layout: Layout) -> None:
         """Begin anew with a ring that is another one, once the site is known."""
-        site = seen.facts.status.facts if seen.facts is not None else None
+        site = seen.site
         ring, columns = self._news
         if site is None or self.ticks.is_of(ring, columns):
             return

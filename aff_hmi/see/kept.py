@@ -123,8 +123,7 @@ class Kept:
     @property
     def rolls(self) -> tuple[tuple[str, str], ...]:
         """Return every roll of the site with its label."""
-        facts = self._seen.facts
-        site = facts.status.facts if facts is not None else None
+        site = self._seen.site
         return tuple((one.name, label_of(one.name)) for one in site.rolls) if site else ()
 
     @property
@@ -195,7 +194,6 @@ class Kept:
 
     def alarms(self, say: Say) -> AlarmPart:
         """Return what is shown of alarms."""
-        facts = self._seen.facts
-        site = facts.status.facts if facts is not None else None
+        site = self._seen.site
         cycle_s = site.cycle_s if site is not None else math.nan
         return alarm_part(self.book, self.journal.number, self.store.trouble, cycle_s, say)

@@ -130,7 +130,7 @@ def rolls_part(seen: Seen, say: Say, history: History | None = None) -> RollsPar
     history : what was seen of the shapes before; None tells nothing of it.
     """
     status = seen.facts.status if seen.facts is not None else None
-    row, site = seen.row, status.facts if status is not None else None
+    row, site = seen.row, seen.site
     if row is None or status is None or site is None:
         return RollsPart(rolls=(), texts=(), roll_number=None, roll_since_s=None)
     number, since_s = history.roll_since if history is not None else (math.nan, math.nan)

@@ -67,7 +67,7 @@ class ShapeHistory:
 
     def look(self, seen: Seen) -> None:
         """Take note of a moment: of every roll once a turn, while the correction goes out."""
-        site = seen.facts.status.facts if seen.facts is not None else None
+        site = seen.site
         row, meta = seen.row, seen.meta
         if site is None or row is None or not seen.writer_lives:
             return

@@ -92,7 +92,7 @@ class Trends:
         ----------
         columns : of the ring that is followed.
         """
-        site = seen.facts.status.facts if seen.facts is not None else None
+        site = seen.site
         if site is not None and columns and self._of != (columns, layout.ident):
             self._begin(SeriesSet(columns, layout, site), (columns, layout.ident))
         self._turn()

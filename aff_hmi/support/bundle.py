@@ -68,7 +68,7 @@ def files_of(
     utc : of now, as the README shows it.
     """
     answer = answer_of(seen)
-    site = seen.facts.status.facts if seen.facts is not None else None
+    site = seen.site
     meta = seen.meta
     version = {
         "screen": __version__,

@@ -124,7 +124,7 @@ class Timing:
     def look(self, seen: Seen, layout: Layout) -> None:
         """Take note of a moment."""
         self._seen = seen
-        site = seen.facts.status.facts if seen.facts is not None else None
+        site = seen.site
         self._cycle_s = site.cycle_s if site is not None else math.inf
         now_ns = self._clock.now_ns()
         if now_ns - self._machine_ns >= MACHINE_NS:
@@ -134,7 +134,7 @@ class Timing:
         """Return what the page shows of the newest moment."""
         seen = self._seen
         facts = seen.facts
-        site = facts.status.facts if facts is not None else None
+        site = seen.site
         recorder = facts.status.recorder if facts is not None else None
         missed = seen.row.number("missed_count") if seen.row is not None else math.nan
         second = self._clock.now_ns() // 1_000_000_000

@@ -49,7 +49,7 @@ class Tallies:
     def look(self, seen: Seen, layout: Layout) -> None:
         """Take note of a moment."""
         self._seen = seen
-        self._site = seen.facts.status.facts if seen.facts is not None else None
+        self._site = seen.site
 
     def samples(self) -> Iterator[Sample]:
         """Yield every sum, and what the last ten seconds were."""

@@ -29,10 +29,10 @@ def covering() -> Iterator[Cell]:
 def quick() -> list[object]:
     """Return the covering cells; of a fault on several wires one is quick, each wire by turns."""
     chosen: list[object] = []
-    seen: Counter[str] = Counter()
-    turn = {fault: at for at, fault in enumerate(dict.fromkeys(c.fault for c in covering()))}
-    wires = Counter(cell.fault for cell in covering())
-    for cell in covering():
+    every, seen = list(covering()), Counter[str]()
+    wires = Counter(cell.fault for cell in every)
+    turn = {fault: at for at, fault in enumerate(wires)}
+    for cell in every:
         first = turn[cell.fault] % wires[cell.fault]
         marks = () if seen[cell.fault] == first else (pytest.mark.campaign,)
         chosen.append(pytest.param(cell, marks=marks, id=str(cell)))
