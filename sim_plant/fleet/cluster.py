@@ -25,6 +25,15 @@ REPEATS = 2
 """Of a job whose process or worker was lost."""
 ANSWER_S = 10.0
 """For the scheduler to be reached, and for a first worker to be there."""
+QUIET = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "1s",
+    "distributed.admin.system-monitor.interval": "5s",
+    "distributed.admin.system-monitor.disk": False,
+    "distributed.worker.memory.monitor-interval": "5s",
+}
+"""Of a cluster made here: Dask looks at itself fifty times a second, for pages that nobody opens,
+and takes a seventh of a core from the work."""
 
 
 class ClusterError(AffError):
@@ -156,6 +165,7 @@ class Cluster(Generic[Job, Result]):
 def _local(workers: int) -> Client:
     """Return a client of a cluster on this machine's loopback, its web pages too."""
     distributed = _dask()
+    importlib.import_module("dask").config.set(QUIET)
     cluster = distributed.LocalCluster(
         n_workers=workers,
         threads_per_worker=1,

@@ -28,10 +28,10 @@ SEEN = [
 ]
 
 
-@pytest.fixture(scope="module")
-def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
+@pytest.fixture(scope="module", params=["3.0", pytest.param("2.0", marks=pytest.mark.campaign)])
+def fmu(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
     folder = tmp_path_factory.mktemp("fmu")
-    return exported(folder / "coater.fmu", settled_line(LINE), "3.0")
+    return exported(folder / "coater.fmu", settled_line(LINE), request.param)
 
 
 @pytest.fixture
