@@ -12,6 +12,12 @@ from collections import Counter
 
 import pytest
 
+from tests.failed_tries import (  # noqa: F401  (hooks of this suite)
+    pytest_runtest_makereport,
+    pytest_runtest_setup,
+    pytest_terminal_summary,
+)
+
 # before numpy is there: two workers with two threads each would wait for each other on two cores
 for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
     os.environ.setdefault(_name, "1")
@@ -40,7 +46,7 @@ stands beside what computes for long."""
 REAL_TIME = ("wire", "hil", "processes")
 TRIES_AGAIN = 2
 """Of a test in real time that failed: a machine that paused for 100 ms is no defect of ours. A
-defect shows three times; the summary lists each try as RERUN."""
+defect shows three times; the summary lists each try as RERUN and says why."""
 
 
 def _keep_a_few(items: list[pytest.Item]) -> None:

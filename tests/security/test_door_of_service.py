@@ -22,17 +22,21 @@ KEPT = ("state", "config_hash", "control_pid", "line", "probing")
 
 @pytest.fixture(scope="module")
 def _run(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceRun]:
-    run = ServiceRun(tmp_path_factory.mktemp("service"))
-    yield run
-    run.close()
+    with contextlib.closing(ServiceRun(tmp_path_factory.mktemp("service"))) as run:
+        yield run
 
 
 @pytest.fixture
 def service(_run: ServiceRun) -> ServiceRun:
-    """A running service, started anew where a test has ended it and is tried again."""
+    """A running service that records, started anew where a test has ended it and is tried again.
+
+    The recorder is a process of its own: on a busy machine its folder is there seconds after the
+    service has its first signals.
+    """
     if _run.has_ended():
         (_run.runtime_dir / "door.sock").unlink(missing_ok=True)
         _run.start_again()
+    until("the service records", lambda: bool(_run.status()["recorder"]["folder"]))
     return _run
 
 
@@ -74,21 +78,18 @@ def knock(path: Path, said: bytes = b"") -> socket.socket | None:
 def test_a_flood_of_the_deaf_and_of_the_talkative_changes_nothing(service: ServiceRun) -> None:
     path = service.runtime_dir / "door.sock"
     before = standing(service)
-    deaf: list[socket.socket] = []
-    for n in range(600):
-        end = knock(path, b'{"do": "ar' if n % 3 == 0 else b"")
-        if end is not None and n % 10 == 1:
-            deaf.append(end)
-        elif end is not None:
-            end.close()
-    assert deaf
-    ticks(service, 20)
-    assert standing(service) == before
-    assert service.ask("shadow", on=True)["ok"]
-    assert service.ask("shadow", on=False)["ok"]
-    until("no more are in than may be", lambda: 1 < ends_at(path) <= 1 + MAX_VISITORS)
-    for end in deaf:
-        end.close()
+    with contextlib.ExitStack() as deaf:
+        for n in range(600):
+            end = knock(path, b'{"do": "ar' if n % 3 == 0 else b"")
+            if end is not None and n % 10 == 1:
+                deaf.enter_context(end)
+            elif end is not None:
+                end.close()
+        ticks(service, 20)
+        assert standing(service) == before
+        assert service.ask("shadow", on=True)["ok"]
+        assert service.ask("shadow", on=False)["ok"]
+        until("no more are in than may be", lambda: 1 < ends_at(path) <= 1 + MAX_VISITORS)
     until("all are let go", lambda: ends_at(path) == 1)
     assert not service.said("CONTROL_DIED")
     assert not service.said("Traceback")
@@ -97,28 +98,27 @@ def test_a_flood_of_the_deaf_and_of_the_talkative_changes_nothing(service: Servi
 
 def test_a_door_that_is_taken_away_takes_only_the_sight(service: ServiceRun) -> None:
     path = service.runtime_dir / "door.sock"
-    watch = Watch(path, MonotonicClock())
+    with contextlib.closing(Watch(path, MonotonicClock())) as watch:
 
-    def sees_ticks() -> bool:
+        def sees_ticks() -> bool:
+            watch.poll()
+            return watch.seen().tick_age_s is not None
+
+        until("the screen sees ticks", sees_ticks)
+        before = standing(service)
+        path.unlink()
+        path.write_text("somebody's own")
+        ticks(service, 20)
+        assert standing(service) == before
+        with contextlib.closing(Watch(path, MonotonicClock())) as late:
+            late.poll()
+            assert "no service opens this door" in late.seen().trouble
         watch.poll()
-        return watch.seen().tick_age_s is not None
-
-    until("the screen sees ticks", sees_ticks)
-    before = standing(service)
-    path.unlink()
-    path.write_text("somebody's own")
-    ticks(service, 20)
-    assert standing(service) == before
-    with contextlib.closing(Watch(path, MonotonicClock())) as late:
-        late.poll()
-        assert "no service opens this door" in late.seen().trouble
-    watch.poll()
-    assert watch.seen().trouble == ""  # who was in stays in
-    service.ask("stop")
-    assert service.process.wait(30) == 0, "who looks on must not turn a stop into a failure"
-    assert service.said("stopped; the correction reached zero")
-    assert not service.said("Traceback")
-    assert path.read_text() == "somebody's own"
-    watch.poll()
-    assert "closed the door" in watch.seen().trouble
-    watch.close()
+        assert watch.seen().trouble == ""  # who was in stays in
+        service.ask("stop")
+        assert service.process.wait(30) == 0, "who looks on must not turn a stop into a failure"
+        assert service.said("stopped; the correction reached zero")
+        assert not service.said("Traceback")
+        assert path.read_text() == "somebody's own"
+        watch.poll()
+        assert "closed the door" in watch.seen().trouble

@@ -269,13 +269,12 @@ def test_a_caller_who_hangs_up_with_a_question_open_is_forgotten(desk: Desk) -> 
 
 
 def test_a_full_queue_is_told_as_busy_and_not_as_no_service(desk: Desk) -> None:
-    queue = [socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) for _ in range(BACKLOG + 1)]
-    for one in queue:
-        one.connect(str(desk.path))
-    with pytest.raises(WireError, match=r"busy: its queue stayed full .* try again"):
-        ServiceClient(desk.path, timeout_s=0.05)
-    for one in queue:
-        one.close()
+    with contextlib.ExitStack() as queue:
+        for _ in range(BACKLOG + 1):
+            one = queue.enter_context(socket.socket(socket.AF_UNIX, socket.SOCK_STREAM))
+            one.connect(str(desk.path))
+        with pytest.raises(WireError, match=r"busy: its queue stayed full .* try again"):
+            ServiceClient(desk.path, timeout_s=0.05)
 
 
 @pytest.mark.parametrize(

@@ -75,26 +75,24 @@ def test_the_watchdog_goes_hungry_when_the_control_process_hangs(service: Servic
 
 
 def test_who_looks_through_the_door_sees_every_tick_and_the_facts(service: ServiceRun) -> None:
-    door = DoorClient(service.runtime_dir / "door.sock")
     heard: list[DoorMessage] = []
+    with contextlib.closing(DoorClient(service.runtime_dir / "door.sock")) as door:
 
-    def is_told() -> bool:
-        heard.extend(filter(None, [door.receive()]))
-        facts = [one for one in heard if isinstance(one, Facts)]
-        return bool(facts) and facts[-1].blocked.startswith("unwind: no measured response")
+        def is_told() -> bool:
+            heard.extend(filter(None, [door.receive()]))
+            facts = [one for one in heard if isinstance(one, Facts)]
+            return bool(facts) and facts[-1].blocked.startswith("unwind: no measured response")
 
-    until("the facts, with what blocks", is_told)
-    (passed,) = [one for one in heard if isinstance(one, RingPassed)]
-    facts = [one for one in heard if isinstance(one, Facts)][-1]
-    ring = RingReader(passed.descriptor)
-    first = ring.signals.written_count()
-    until("ticks", lambda: ring.signals.written_count() > first + 20)
-    assert ring.writer_alive()
-    assert facts.status.line == service.status()["line"]
-    assert facts.status.facts is not None
-    assert facts.status.facts.outputs[0].limit == 0.05
-    ring.close()
-    door.close()
+        until("the facts, with what blocks", is_told)
+        (passed,) = [one for one in heard if isinstance(one, RingPassed)]
+        facts = [one for one in heard if isinstance(one, Facts)][-1]
+        with contextlib.closing(RingReader(passed.descriptor)) as ring:
+            first = ring.signals.written_count()
+            until("ticks", lambda: ring.signals.written_count() > first + 20)
+            assert ring.writer_alive()
+        assert facts.status.line == service.status()["line"]
+        assert facts.status.facts is not None
+        assert facts.status.facts.outputs[0].limit == 0.05
 
 
 def test_arming_without_a_measured_response_is_refused_by_name(service: ServiceRun) -> None:

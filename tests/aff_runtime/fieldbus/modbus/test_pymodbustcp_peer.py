@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import threading
 from collections.abc import Iterator
 
@@ -125,16 +126,16 @@ def plant() -> Iterator[tuple[PlantService, int]]:
 def test_its_client_reads_and_writes_the_simulated_plc(plant: tuple[PlantService, int]) -> None:
     service, port = plant
     client = ModbusClient(host="127.0.0.1", port=port, unit_id=1, timeout=5.0)
-    words = client.read_holding_registers(0, 15)
-    assert words is not None
-    assert words[4:7] == [9000, 1000, 7500]  # 90 N, 1 m/s, 0.15 m
-    block = write_block(7, unwind=100)
-    assert client.write_multiple_registers(100, block)
-    assert service.plant.registers.write_words == block
-    again = client.write_read_multiple_registers(100, write_block(8, unwind=-3), 0, 15)
-    assert again is not None
-    assert again[4:7] == [9000, 1000, 7500]
-    assert service.plant.registers.write_words == write_block(8, unwind=-3)
-    assert client.read_holding_registers(5000, 1) is None
-    assert client.last_except == 2
-    client.close()
+    with contextlib.closing(client):
+        words = client.read_holding_registers(0, 15)
+        assert words is not None
+        assert words[4:7] == [9000, 1000, 7500]  # 90 N, 1 m/s, 0.15 m
+        block = write_block(7, unwind=100)
+        assert client.write_multiple_registers(100, block)
+        assert service.plant.registers.write_words == block
+        again = client.write_read_multiple_registers(100, write_block(8, unwind=-3), 0, 15)
+        assert again is not None
+        assert again[4:7] == [9000, 1000, 7500]
+        assert service.plant.registers.write_words == write_block(8, unwind=-3)
+        assert client.read_holding_registers(5000, 1) is None
+        assert client.last_except == 2
