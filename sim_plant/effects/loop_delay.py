@@ -37,7 +37,8 @@ EFFECT = Effect(
             high=0.5,
             step=0.01,
             tries=(0.01, 0.02, 0.03, 0.045, 0.06, 0.08, 0.11),
-        )  # a whole number of any usual drive tick
+            known_to="drive tick",  # scans and ticks are not in step: a correction waits up to one
+        )  # the step is a whole number of any usual drive tick
     },
     traced=("delay_s",),
     apply=apply,

@@ -1,6 +1,7 @@
 """The weighted least-squares objective and its minimum."""
 
 __all__ = [
+    "block_covariance",
     "gauss_newton",
     "linearisation",
     "objective",
