@@ -1,11 +1,11 @@
 """The weighted least-squares objective and its minimum."""
 
 __all__ = [
-    "block_covariance",
     "gauss_newton",
     "linearisation",
     "objective",
     "projection",
+    "real_covariance",
     "roll_synchronisation",
     "spread",
     "start_angles",

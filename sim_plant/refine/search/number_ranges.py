@@ -11,9 +11,9 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.base.signatures import Frequency
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.block_covariance import block_covariance
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, jacobian
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.real_covariance import block_covariance, realised_covariance
 from sim_plant.refine.fit.spread import SPREAD, model_errors
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.likely_range import LikelyRange, likely_range, values_of
@@ -56,17 +56,20 @@ def with_covariance(
 ) -> Fit:
     """Return the fit with a covariance of noise, tolerances, what the model leaves, and wander.
 
-    What is left pulls a number in one part of a record more than in another
-    (``block_covariance``). And the answer to an effect may be wrong by the share e anywhere: that
+    Noise moves a number by more than the weighing says (``realised_covariance``), and what is
+    left pulls it in one part of a record more than in another (``block_covariance``): the largest
+    of the three counts. And the answer to an effect may be wrong by the share e anywhere: that
     moves any number of it by e sqrt(X) of its standard deviations, where X is the chi-square that
     the effect explains; a size, alone, by e of it (``model_errors``, which is not in here).
     """
     blocks = block_covariance(objective, columns, fit.residual).diagonal()
+    runs = realised_covariance(objective, columns).diagonal()
     chi2 = np.repeat(np.maximum(explained, 0.0), [len(row) for row in fit.values])
     plain = np.maximum(noise.diagonal(), 0.0)
     own = np.square(model_errors(fit))
     wrong = np.maximum(REPORT.model_share**2 * chi2 * plain - own, 0.0)
-    scale = np.sqrt((np.maximum(plain, blocks) + wrong) / np.where(plain > 0.0, plain, 1.0))
+    most = np.maximum.reduce([plain, blocks, runs])
+    scale = np.sqrt((most + wrong) / np.where(plain > 0.0, plain, 1.0))
     known = replace(fit, covariance=noise * np.outer(scale, scale))
     return with_wander_known(objective, known)
 

@@ -1,4 +1,4 @@
-"""How far numbers move where a model is wrong in one part of a record and not in another."""
+"""How far numbers really move: with noise as it is, and with what a model has wrong in places."""
 
 from __future__ import annotations
 
@@ -30,6 +30,25 @@ def block_covariance(objective: Objective, columns: Array, residual: Array) -> A
     middle = pulls.T @ pulls + tolerances.T @ tolerances
     inverse = np.linalg.pinv(unit.T @ unit, rcond=1e-9, hermitian=True)
     found: Array = inverse @ middle @ inverse / np.outer(size, size)
+    return found
+
+
+def realised_covariance(objective: Objective, columns: Array) -> Array:
+    """Return the covariance of numbers, told by how noise of seeded runs of the line moves them.
+
+    The weighing takes channels one by one. Noise of a drive moves them together, and where it
+    meets a limit it is no longer what it was: both move numbers by more than it says.
+
+    Equation: mean of d d' over the runs, d what each one's noise is taken for  [parametric
+    bootstrap, one linear step].
+    """
+    runs, numbers = objective.whitening.realisations, columns.shape[1]
+    nothing = np.zeros(len(objective.nuisances))
+    moved = []
+    for each in zip(*runs, strict=True):
+        noise = np.concatenate([objective.whitening.vector(each), nothing])
+        moved.append(objective.projector.joint_estimate(noise, columns)[-numbers:])
+    found: Array = np.mean([np.outer(d, d) for d in moved], axis=0)
     return found
 
 

@@ -1,10 +1,12 @@
 """How far a size moves where what is left is noise, and where the model is wrong in one part."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.block_covariance import block_covariance, blocks
+from sim_plant.refine.fit.real_covariance import block_covariance, blocks, realised_covariance
 from tests.sim_plant.refine.small import STEP_S, formula_twin, objective_of, white
 
 CHANNELS, SAMPLES = ("unwind_tension_N", "rewind_tension_N"), 6000
@@ -59,3 +61,22 @@ def test_blocks_hold_all_rows_once():
     sums = blocks(objective, rows)[:, 0]
     assert sums.sum() == objective.rows
     assert sums[0] == 2 * BLOCK
+
+
+def test_noise_that_moves_two_channels_together_moves_a_number_by_more():
+    """The variance of a sum is twice that of two that move on their own."""
+    judged = SAMPLES - 1500
+    fast = np.sin(0.7 * np.arange(judged))
+    found, plain = [], []
+    for shared in (False, True):
+        objective = quiet_objective()
+        column = rows_of(objective, np.stack([fast, fast]))[:, None]
+        noise = white((12, 2, SAMPLES), 8)
+        noise[:, 1] = noise[:, 0] if shared else noise[:, 1]
+        whitening = dataclasses.replace(objective.whitening, realisations=(noise,))
+        objective = dataclasses.replace(objective, whitening=whitening)
+        found.append(realised_covariance(objective, column)[0, 0])
+        plain.append(objective.projector.linear_fit(column[:, 0], column).covariance[0, 0])
+    # of 12 runs a variance is known to sqrt(2 / 12) = 0.4
+    assert found[0] == pytest.approx(plain[0], rel=1.0)
+    assert 1.2 < found[1] / found[0] < 3.5
