@@ -151,6 +151,10 @@ def _hidden_walk(
     h = fit.hypotheses[at]
     row, value = h.effect.accepts[name], float(dict(h.fixed)[name])
     wider = with_numbers(objective, fit, at, (name,), {name: value})
+    free = wider.hypotheses[at]
+    sizes = zip(free.names, free.start, strict=True)
+    free = replace(free, start=tuple(row.typical if n == name else s for n, s in sizes))
+    wider = wider.with_effect_at(at, free, wider.values[at])
     columns = jacobian(objective, wider.hypotheses, wider.values, wider.shifts)
     k = numbers_of(wider).index((at, name))
     scale = abs(row.typical - float(row.default))

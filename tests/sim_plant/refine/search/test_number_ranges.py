@@ -13,13 +13,14 @@ from sim_plant.refine.fit.spread import SPREAD
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.twin import Case
 from sim_plant.refine.search.number_ranges import hidden, with_number_ranges
+from sim_plant.refine.search.profile_detail import with_numbers
 from sim_plant.refine.search.selection import (
     AcceptedEffect,
     Selection,
     withdrawn,
     without_accepted,
 )
-from tests.sim_plant.refine.small import LINE, formula_twin, objective_of, one_peak, white
+from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, objective_of, one_peak, white
 
 CHANNELS, SAMPLES = ("unwind_tension_N", "rewind_tension_N"), 6000
 STEPS = np.sign(np.sin(2.0 * np.pi * np.arange(SAMPLES) / 1700.0))
@@ -97,6 +98,21 @@ def test_play_that_no_record_shows_may_be_anything_up_to_where_it_would_show():
     assert high > SLACK
     # what play would take the spring would have to give: it reaches as far
     assert found.ranges[0]["compliance_rad_N_m"][1] >= 0.003
+
+
+def test_an_effect_of_one_record_stays_in_it_when_more_of_its_numbers_are_free():
+    effect = BY_NAME["splice"]
+    seam = hypothesis(effect, "web", (("EA_factor", 1.0),), ("step_m", "at_length_m"), LINE)
+    fit = fit_of(replace(seam, record=1), values=((5e-4, 20.0),))
+    drag = hypothesis(BY_NAME["bearing_drag"], "R2", (), ("constant_N_m",), LINE)
+    objective, _ = selected(drag, (0.2,))
+    wider = with_numbers(objective, fit, 0, ("EA_factor",), {"EA_factor": 1.0})
+    assert wider.hypotheses[0].record == 1
+    assert dict(zip(wider.hypotheses[0].names, wider.values[0], strict=True)) == {
+        "EA_factor": 1.0,
+        "step_m": 5e-4,
+        "at_length_m": 20.0,
+    }
 
 
 def test_numbers_that_explain_more_are_taken_when_a_walk_comes_by_them():
