@@ -55,6 +55,8 @@ class Parameter:
         chosen, not fitted.
     step : finite difference to take, where the line answers in steps; 0: chosen by the search.
     tries : values worth a candidate each, where a search by slope is hopeless; empty otherwise.
+    known_to : a record tells the number no better than this, in its unit, whatever its noise; or
+        than one drive tick, or one sample of the record (a length: the web that passes in it).
     words : what a word may be; empty for a number.
     detail : says nothing of how much of the effect there is; a report's summary leaves it out.
     """
@@ -68,6 +70,7 @@ class Parameter:
     role: Literal["strength", "shape", "angle", "option"] = "strength"
     step: float = 0.0
     tries: tuple[Value, ...] = ()
+    known_to: float | Literal["drive tick", "sample"] = 0.0
     words: tuple[str, ...] = ()
     detail: bool = False
 

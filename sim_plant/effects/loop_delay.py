@@ -12,7 +12,10 @@ from sim_plant.base.effects import Effect, Parameter, Value
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
     """Delay every correction (tension loop and AFF) to drive ``place`` by whole drive ticks.
 
-    Phase -2 pi f delay, magnitude unchanged.
+    Phase -2 pi f delay, magnitude unchanged. It counts from the scan that works a correction out
+    to the tick that takes it; without delay that is the tick at the scan's own instant. Where
+    scans are not in step with ticks a correction waits for the next one, up to a tick and half a
+    tick on average: a record shows that as delay.
     """
     ticks = round(float(parameters["delay_s"]) / float(arrays.timing["drive_tick_s"][0]))
     total = int(arrays.drives["delay_ticks"][place]) + ticks
@@ -37,7 +40,8 @@ EFFECT = Effect(
             high=0.5,
             step=0.01,
             tries=(0.01, 0.02, 0.03, 0.045, 0.06, 0.08, 0.11),
-        )  # a whole number of any usual drive tick
+            known_to="drive tick",  # scans and ticks are not in step: a correction waits up to one
+        )  # the step is a whole number of any usual drive tick
     },
     traced=("delay_s",),
     apply=apply,

@@ -26,6 +26,7 @@ FROM = Parameter(
     high=FOREVER_S,
     role="shape",
     step=0.01,
+    known_to="sample",  # what begins waits up to one until it is read
 )
 RISE = Parameter(default=0.0, unit="s", typical=0.0, low=0.0, high=1000.0, role="shape", step=0.05)
 HOLD = Parameter(
@@ -36,6 +37,7 @@ HOLD = Parameter(
     high=FOREVER_S,
     role="shape",
     step=0.05,
+    known_to="sample",
 )
 
 

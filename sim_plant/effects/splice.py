@@ -46,10 +46,23 @@ EFFECT = Effect(
             default=0.0, unit="m", typical=2e-4, low=-0.005, high=0.005, linear=True
         ),
         "piece_m": Parameter(
-            default=0.05, unit="m", typical=0.05, low=0.005, high=1.0, role="shape"
+            default=0.05,
+            unit="m",
+            typical=0.05,
+            low=0.005,
+            high=1.0,
+            role="shape",
+            known_to=0.01,  # web bridges sqrt(2 R step) at either edge: 6 mm of 0.5 mm at 40 mm
         ),
         "at_length_m": Parameter(
-            default=0.0, unit="m", typical=30.0, low=0.0, high=100000.0, role="shape"
+            default=0.0,
+            unit="m",
+            typical=30.0,
+            low=0.0,
+            high=1e5,
+            role="shape",
+            step=0.003,  # an edge of a seam is 10 mm long
+            known_to="sample",
         ),
     },
     traced=(),

@@ -44,6 +44,24 @@ class JudgeCriteria:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class RangeCriteria:
+    """How the ends of an interval are found for what a line does not answer to in proportion."""
+
+    looks: int = criterion(
+        7, "values", "at which a number is held on the way to one end", "64 of the first width"
+    )
+    near_share: float = criterion(
+        0.3, "of the rise of the cost at an end", "closer is near enough", "15 % of the width"
+    )
+    corrections: int = criterion(
+        2, "steps", "by which all other numbers follow one that is held", "the slopes are known"
+    )
+    passes: int = criterion(
+        2, "passes", "as a walk may come by numbers that explain more", "one mends, one confirms"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReportCriteria:
     """What a report says of numbers that were found."""
 
@@ -57,6 +75,13 @@ class ReportCriteria:
         "lines that other code simulated, one record each: a flat spot 1.2 %, a delay 0.8 %, a "
         "modulus 0.5 %, an eccentricity 0.3 % off; noise alone would promise a hundredth of that",
     )
+    block_s: float = criterion(
+        2.0,
+        "s",
+        "within which what a model leaves pulls a number one way",
+        "a zone answers within seconds; a minute has 30 of them, enough for a variance",
+    )
+    ranges: RangeCriteria = field(default_factory=RangeCriteria)
     above_noise: float = criterion(
         1.1, "after over floor", "a channel from here on holds more than noise", NOT_RECORDED
     )

@@ -5,6 +5,7 @@ __all__ = [
     "linearisation",
     "objective",
     "projection",
+    "real_covariance",
     "roll_synchronisation",
     "spread",
     "start_angles",

@@ -103,16 +103,10 @@ def jacobian(
     Where the line does not run a step further on (a web that cannot follow a shape), the step is
     taken back instead.
     """
-    steps = [
-        (at, k, increment)
-        for at, (h, v) in enumerate(zip(hypotheses, values, strict=True))
-        for k, increment in enumerate(h.increments(v))
-    ]
+    steps = _increments(hypotheses, values)
 
     def moved(at: int, k: int, increment: float) -> Case:
-        there = list(values)
-        there[at] = tuple(x + increment * (j == k) for j, x in enumerate(values[at]))
-        return case_of(hypotheses, there, shifts)
+        return _stepped_case(hypotheses, values, shifts, at, k, increment)
 
     base, *runs = objective.pool.run(
         [case_of(hypotheses, values, shifts), *(moved(*step) for step in steps)]
@@ -126,6 +120,29 @@ def jacobian(
     rows = objective.projector.nuisances.shape[0]
     increments = [increment for _, _, increment in steps]
     return objective.columns(runs, base, increments) if runs else np.zeros((rows, 0))
+
+
+def _increments(hypotheses: Sequence[Hypothesis], values: Values) -> list[tuple[int, int, float]]:
+    """Return the finite-difference steps: effect, number of it, step."""
+    return [
+        (at, k, increment)
+        for at, (h, v) in enumerate(zip(hypotheses, values, strict=True))
+        for k, increment in enumerate(h.increments(v))
+    ]
+
+
+def _stepped_case(
+    hypotheses: Sequence[Hypothesis],
+    values: Values,
+    shifts: Mapping[str, float],
+    at: int,
+    k: int,
+    increment: float,
+) -> Case:
+    """Return the simulation with number ``k`` of effect ``at`` one step further on."""
+    there = list(values)
+    there[at] = tuple(x + increment * (j == k) for j, x in enumerate(values[at]))
+    return case_of(hypotheses, there, shifts)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -158,18 +175,18 @@ def gauss_newton_fit(
     """
     hypotheses = tuple(hypotheses)
     values = tuple(tuple(float(x) for x in v) for v in start)
-    here = _simulated(objective, hypotheses, values, dict(shifts), quick)
+    here = _simulated(objective, hypotheses, values, dict(shifts), quick, slopes=rounds > 0)
     covariance = np.zeros((0, 0))
     if not np.isfinite(here.cost):
         rounds, here = 0, replace(here, residual=np.zeros_like(here.residual))
-    for _ in range(rounds):
+    for turn in range(1, rounds + 1):
         columns = jacobian(objective, hypotheses, here.values, here.shifts)
         if not np.isfinite(columns).all():
             break
         step = objective.projector.joint_estimate(here.residual, columns)
         if columns.size:
             covariance = objective.projector.linear_fit(here.residual, columns).covariance
-        better = _stepped(objective, hypotheses, here, step, quick)
+        better = _stepped(objective, hypotheses, here, step, quick, slopes=turn < rounds)
         if better is None:
             break
         gained, here = here.cost - better.cost, better
@@ -191,15 +208,33 @@ def _simulated(
     values: Values,
     shifts: dict[str, float],
     quick: bool,
+    *,
+    slopes: bool = False,
 ) -> _Point:
-    run = objective.pool.one(case_of(hypotheses, values, shifts, quick))
+    """Return a point; with ``slopes`` what its slopes need is simulated beside it.
+
+    One line alone takes nearly as long as four in lanes, and a point that is kept needs them next.
+    """
+    case = case_of(hypotheses, values, shifts, quick)
+    if slopes and quick:
+        steps = _increments(hypotheses, values)
+        beside = [_stepped_case(hypotheses, values, shifts, *step) for step in steps]
+        run = objective.pool.run([case, *beside])[0]
+    else:
+        run = objective.pool.one(case)
     residual = objective.residual(run, shifts, quick)
     cost = objective.projector.cost(residual)
     return _Point(values=values, shifts=shifts, residual=residual, cost=cost)
 
 
 def _stepped(
-    objective: Objective, hypotheses: Sequence[Hypothesis], here: _Point, step: Array, quick: bool
+    objective: Objective,
+    hypotheses: Sequence[Hypothesis],
+    here: _Point,
+    step: Array,
+    quick: bool,
+    *,
+    slopes: bool,
 ) -> _Point | None:
     """Return the first point along ``step`` (nuisances, then numbers) that costs less, or None.
 
@@ -208,7 +243,7 @@ def _stepped(
     They go where linearly nothing is left beyond noise, or where going explains a fair share of
     what is: then it is they.
     """
-    there = _shortened(objective, hypotheses, here, step, quick)
+    there = _shortened(objective, hypotheses, here, step, quick, slopes=slopes)
     split = objective.projector.nuisances.shape[1]
     if there is None or _within_tolerances(objective, here.shifts, step[:split]):
         return there
@@ -250,7 +285,13 @@ def is_tolerance(z: Array) -> bool:
 
 
 def _shortened(
-    objective: Objective, hypotheses: Sequence[Hypothesis], here: _Point, step: Array, quick: bool
+    objective: Objective,
+    hypotheses: Sequence[Hypothesis],
+    here: _Point,
+    step: Array,
+    quick: bool,
+    *,
+    slopes: bool = False,
 ) -> _Point | None:
     """Return the first point along ``step`` that costs less, or None."""
     split = objective.projector.nuisances.shape[1]
@@ -262,7 +303,8 @@ def _shortened(
         if _astray(objective, here.shifts, shifts):
             continue
         try:
-            there = _simulated(objective, hypotheses, values, shifts, quick)
+            first = slopes and share == SHARES[0]
+            there = _simulated(objective, hypotheses, values, shifts, quick, slopes=first)
         except PlantError:
             continue
         if there.cost < here.cost:

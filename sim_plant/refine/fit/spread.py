@@ -2,9 +2,30 @@
 
 from __future__ import annotations
 
+import math
+
 from scipy.special import ndtri
 
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit
 
 SPREAD = float(ndtri(0.5 + 0.5 * CRITERIA.report.confidence))
 """Standard deviations on either side of a number between which it lies."""
+
+
+def model_errors(fit: Fit) -> list[float]:
+    """Return, per number, the standard deviation of sizes because no model is exact; else 0.
+
+    A size is also what is fitted later, as the mass that bounces: how large an answer is tells it.
+    Of a cosine and a sine part it is their phasor's.
+    """
+    errors: list[float] = []
+    for h, values in zip(fit.hypotheses, fit.values, strict=True):
+        change = {n: v - a for n, v, a in zip(h.names, values, h.absent, strict=True)}
+        phasors = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
+        phasor = math.hypot(*(v for name, v in change.items() if name in phasors))
+        for name, value in change.items():
+            sized = h.effect.accepts[name].role == "strength" or name in h.effect.fitted_later
+            own = phasor if name in phasors else abs(value)
+            errors.append(CRITERIA.report.model_share * own * sized)
+    return errors

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 
-from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
-from sim_plant.refine.fit.spread import SPREAD
+from sim_plant.refine.fit.spread import SPREAD, model_errors
 
 
 def standard_deviations(fit: Fit) -> list[float]:
     """Return one per fitted number: noise and tolerances, and for sizes the model's own error.
 
-    A size is also what is fitted later, as the mass that bounces: how large an answer is tells it.
     Where no step of any number could be simulated there is no more to say than its bounds.
     """
     noise = [math.sqrt(max(0.0, float(v))) for v in fit.covariance.diagonal()]
@@ -22,18 +20,7 @@ def standard_deviations(fit: Fit) -> list[float]:
             for h in fit.hypotheses
             for low, high in zip(h.low, h.high, strict=True)
         ]
-    deviations: list[float] = []
-    for h, values in zip(fit.hypotheses, fit.values, strict=True):
-        change = {n: v - a for n, v, a in zip(h.names, values, h.absent, strict=True)}
-        phasors = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
-        phasor = math.hypot(*(v for name, v in change.items() if name in phasors))
-        for name, value in change.items():
-            sized = h.effect.accepts[name].role == "strength" or name in h.effect.fitted_later
-            own = phasor if name in phasors else value
-            deviations.append(
-                math.hypot(noise[len(deviations)], CRITERIA.report.model_share * own * sized)
-            )
-    return deviations
+    return [math.hypot(*both) for both in zip(noise, model_errors(fit), strict=True)]
 
 
 def _anywhere(low: float, high: float) -> float:

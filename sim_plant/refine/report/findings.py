@@ -19,7 +19,7 @@ from sim_plant.refine.report.verdict import (
     UnknownFinding,
     Verdict,
 )
-from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from sim_plant.refine.search.selection import AcceptedEffect, Ranges, Selection
 
 
 def verdict_of(selection: Selection, evaluation: Evaluation | None, holdout: str) -> Verdict:
@@ -75,18 +75,24 @@ def effect_findings(selection: Selection) -> tuple[EffectFinding, ...]:
     findings, at = [], 0
     sd = standard_deviations(selection.fit)
     fit = selection.fit
-    for accepted, h, values in zip(selection.accepted, fit.hypotheses, fit.values, strict=True):
-        findings.append(_finding(accepted, h, values, sd[at : at + len(values)]))
+    ranges = selection.ranges or ({},) * len(fit.hypotheses)
+    rows = zip(selection.accepted, fit.hypotheses, fit.values, ranges, strict=True)
+    for accepted, h, values, known in rows:
+        findings.append(_finding(accepted, h, values, sd[at : at + len(values)], known))
         at += len(values)
     return tuple(findings)
 
 
 def _finding(
-    accepted: AcceptedEffect, h: Hypothesis, values: Sequence[float], sd: Sequence[float]
+    accepted: AcceptedEffect,
+    h: Hypothesis,
+    values: Sequence[float],
+    sd: Sequence[float],
+    known: Ranges,
 ) -> EffectFinding:
     rows = list(zip(h.names, values, sd, strict=True))
     parameters: dict[str, Value] = dict(h.fixed) | {name: value for name, value, _ in rows}
-    intervals = {name: interval(value, spread) for name, value, spread in rows}
+    intervals = {name: interval(value, spread) for name, value, spread in rows} | dict(known)
     for pair in h.effect.quadratures:
         if pair.amplitude and pair.cos in parameters:
             cos, sin = float(parameters[pair.cos]), float(parameters[pair.sin])

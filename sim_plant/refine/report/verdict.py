@@ -25,7 +25,7 @@ class EffectFinding:
     place : effect and location; an effect that version 1 (keys and words of ``verdict.json``) does
         not know goes by its name in the catalogue.
     parameters : as a declaration takes them; a cosine and a sine part also as amplitude and angle.
-    interval95 : low and high of the fitted ones, 95 %.
+    interval95 : low and high of the fitted ones, and of such that no record shows, 95 %.
     score, margin : chi-square less the penalty of the numbers, and by how much the next is behind.
     runner_up : the next best explanation, if there is one.
     cancel : whether a drive can cancel it by feed-forward.

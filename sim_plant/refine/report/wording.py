@@ -13,6 +13,7 @@ from sim_plant.refine.records.units import suffix_of
 from sim_plant.refine.report.verdict import EffectFinding
 
 SMALL_M, SMALL_S = 0.1, 1.0
+NOT_SHOWN = "not shown"
 TOLD_ORDERS = 6
 """Orders of an outline that are told: the largest; the file has all."""
 
@@ -59,7 +60,10 @@ def remedy(effect: str, place: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NumberRow:
-    """One parameter of a finding as text; ``low`` and ``high`` (95 %) are empty where assumed."""
+    """One parameter of a finding as text; ``low`` and ``high`` (95 %) are empty where assumed.
+
+    ``value`` is ``NOT_SHOWN`` where the records do not tell the number from its absence.
+    """
 
     key: str
     name: str
@@ -84,11 +88,19 @@ def _number_row(
     name = label(key, unit)
     if isinstance(value, str):
         return NumberRow(key=key, name=name, value=value)
-    factor, shown = scaled(value, unit)
+    hidden = interval is not None and not_shown(effect, key, value)
+    largest = max(interval, key=abs) if interval is not None and hidden else value
+    factor, shown = scaled(largest, unit)
     low, high = (f"{factor * end:.4g}" for end in interval) if interval else ("", "")
-    return NumberRow(
-        key=key, name=name, value=f"{factor * value:.4g}", unit=shown, low=low, high=high
-    )
+    text = NOT_SHOWN if hidden else f"{factor * value:.4g}"
+    return NumberRow(key=key, name=name, value=text, unit=shown, low=low, high=high)
+
+
+def not_shown(effect: str, parameter: str, value: float) -> bool:
+    """Return whether a strength that has an interval is absent: no record shows it."""
+    known = BY_NAME.get(effect)
+    row = known.accepts.get(parameter) if known is not None else None
+    return row is not None and row.role == "strength" and value == row.default
 
 
 def tells_size(effect: str, parameter: str) -> bool:
@@ -102,7 +114,7 @@ def tells_size(effect: str, parameter: str) -> bool:
 
 
 def assumed(effect: str, parameter: str) -> bool:
-    """Return whether a number that has no interval was set by the library."""
+    """Return whether the library sets a number, unless the record tells it."""
     known = BY_NAME.get(effect)
     row = known.accepts.get(parameter) if known is not None else None
     return row is not None and row.role in ("option", "shape") and len(row.tries) == 1
@@ -115,13 +127,21 @@ def size_of(finding: EffectFinding) -> str:
         if not tells_size(effect, number.key):
             continue
         name = "" if isinstance(finding.parameters[number.key], str) else f"{number.name} "
-        text = f"{name}{number.value} {number.unit}".rstrip()
-        if not number.low and assumed(effect, number.key):
-            text += " (assumed; the others hold for it)"
-        if number.low:
-            text += f" (95 %: {number.low} to {number.high})"
-        sizes.append(text)
+        sizes.append(f"{name}{_told(effect, number, finding.parameters[number.key])}")
     return ", ".join([*sizes, *_orders_of(finding)])
+
+
+def _told(effect: str, number: NumberRow, value: Value) -> str:
+    """Return a number with unit and interval, as far as records tell it."""
+    if number.value == NOT_SHOWN:
+        return f"{NOT_SHOWN}: between {number.low} and {number.high} {number.unit}".rstrip()
+    text = f"{number.value} {number.unit}".rstrip()
+    taken = assumed(effect, number.key) and value == BY_NAME[effect].accepts[number.key].tries[0]
+    if taken and number.low:
+        return f"{text} (assumed; it may be {number.low} to {number.high})"
+    if taken:
+        return f"{text} (assumed; the others hold for it)"
+    return f"{text} (95 %: {number.low} to {number.high})" if number.low else text
 
 
 def _orders_of(finding: EffectFinding) -> list[str]:

@@ -30,6 +30,7 @@ from sim_plant.refine.search.free_terms import (
     explained_by_free_term,
     free_term_basis,
 )
+from sim_plant.refine.search.number_ranges import with_number_ranges
 from sim_plant.refine.search.outside_prior import fit_conflicts, told_by_record, total_shifts
 from sim_plant.refine.search.profile_detail import joint_refit
 from sim_plant.refine.search.screening import (
@@ -51,7 +52,6 @@ from sim_plant.refine.search.selection import (
 )
 from sim_plant.refine.search.set_apart import Apart, own_spectral_lines, set_apart, wander_of
 from sim_plant.refine.search.unexplained import Unknown, what_is_left
-from sim_plant.refine.search.wandering import with_wander_known
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders
 from sim_plant.refine.spectra.coordinates import is_periodic, travel_of
 
@@ -120,7 +120,9 @@ def select(
             break
     selection = looked_over(objective, selection, progress)
     selection = _with_remainder(objective, selection, progress)
-    return replace(selection, fit=with_wander_known(objective, selection.fit))
+    if selection.accepted:
+        progress("between which ends the numbers lie")
+    return with_number_ranges(objective, selection)
 
 
 def _with_events_placed_anew(

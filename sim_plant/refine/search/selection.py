@@ -17,6 +17,8 @@ from sim_plant.refine.search.unexplained import Unknown, periodic_left
 from sim_plant.refine.spectra.coordinates import Travel, is_periodic, orders_of
 
 ACCEPTANCE = CRITERIA.search.acceptance
+Ranges = Mapping[str, tuple[float, float]]
+"""Low and high of numbers by name."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -67,6 +69,8 @@ class Selection:
         is left that is no line, for they may then have imitated it.
     chi2_of_free_terms : what free terms took up before the search.
     wander_is_free : ``fit`` is weighed with the sizes of its effects free to change slowly.
+    ranges : intervals of the numbers of each effect, also of such that no record shows; empty
+        before they are known.
     """
 
     nominal: Fit
@@ -79,6 +83,7 @@ class Selection:
     corrections: Mapping[str, float] = field(default_factory=dict)
     chi2_of_free_terms: float = 0.0
     wander_is_free: bool = False
+    ranges: tuple[Ranges, ...] = ()
 
 
 def alike_margin(explained: float) -> float:
@@ -216,7 +221,12 @@ def withdrawn(selection: Selection) -> Selection:
     Where something is unknown already, that is what it is.
     """
     bare = replace(
-        selection, fit=selection.nominal, after=selection.before, accepted=(), corrections={}
+        selection,
+        fit=selection.nominal,
+        after=selection.before,
+        accepted=(),
+        corrections={},
+        ranges=(),
     )
     if selection.unknown:
         return bare
@@ -230,7 +240,9 @@ def withdrawn(selection: Selection) -> Selection:
 def without_accepted(selection: Selection, at: int) -> Selection:
     """Return the selection without effect ``at``, nothing else fitted again."""
     kept = (*selection.accepted[:at], *selection.accepted[at + 1 :])
-    return replace(selection, fit=selection.fit.without_effect_at(at), accepted=kept)
+    ranges = (*selection.ranges[:at], *selection.ranges[at + 1 :])
+    fit = selection.fit.without_effect_at(at)
+    return replace(selection, fit=fit, accepted=kept, ranges=ranges)
 
 
 def also_explained_by(extension: Extension, places: Sequence[EffectAt]) -> Extension:

@@ -60,6 +60,22 @@ def test_a_number_that_the_library_set_is_not_told_as_found():
     )
 
 
+def test_a_number_that_the_library_set_may_be_what_the_record_admits():
+    numbers = {"mass_kg": 20.0, "frequency_Hz": 3.4}
+    found = finding("roll_bounce", "unwind", numbers, interval95={"mass_kg": (15.0, 32.0)})
+    assert size_of(found) == "mass 20 kg (assumed; it may be 15 to 32), frequency 3.4 Hz"
+
+
+def test_a_strength_that_no_record_shows_is_told_by_what_it_may_be():
+    found = finding(
+        "shaft_compliance_backlash",
+        "rewind",
+        {"backlash_rad": 0.0, "compliance_rad_N_m": 0.003},
+        interval95={"backlash_rad": (0.0, 0.004), "compliance_rad_N_m": (0.0029, 0.0031)},
+    )
+    assert size_of(found).startswith("backlash not shown: between 0 and 0.2292 deg, compliance")
+
+
 def test_components_and_angles_are_no_size():
     found = finding(
         "eccentric_roller",

@@ -1,0 +1,208 @@
+"""Between which ends every number that is told lies, once the search is over."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.base.signatures import Frequency
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, jacobian
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.real_covariance import block_covariance, realised_covariance
+from sim_plant.refine.fit.spread import SPREAD, model_errors
+from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.search.likely_range import LikelyRange, likely_range, values_of
+from sim_plant.refine.search.profile_detail import with_numbers
+from sim_plant.refine.search.selection import Ranges, Selection
+from sim_plant.refine.search.wandering import with_wander_known
+
+REPORT = CRITERIA.report
+
+
+def with_number_ranges(objective: Objective, selection: Selection) -> Selection:
+    """Return the selection with an interval for each of its numbers.
+
+    Those to which the line does not answer in proportion are held elsewhere, all others fitted
+    again. Where that finds numbers that explain more, they are taken.
+    """
+    for _ in range(REPORT.ranges.passes):
+        fit = selection.fit
+        columns = jacobian(objective, fit.hypotheses, fit.values, fit.shifts)
+        if not fit.hypotheses or not np.isfinite(columns).all():
+            return selection
+        noise = objective.projector.linear_fit(fit.residual, columns).covariance
+        explained = [a.score for a in selection.accepted]
+        known = with_covariance(objective, fit, columns, noise, explained)
+        ends = _Ends(known)
+        walks = _walks(objective, known, columns, noise.diagonal(), ends)
+        better = _better(objective, known, walks)
+        if better is not None:
+            selection = replace(selection, fit=better)
+            continue
+        for at, h in enumerate(fit.hypotheses):
+            for name in hidden(h):
+                ends.take_hidden(*_hidden_walk(objective, known, at, name, explained[at]))
+        return replace(selection, fit=known, ranges=ends.ranges(objective))
+    return selection
+
+
+def with_covariance(
+    objective: Objective, fit: Fit, columns: Array, noise: Array, explained: Sequence[float]
+) -> Fit:
+    """Return the fit with a covariance of noise, tolerances, what the model leaves, and wander.
+
+    Noise moves a number by more than the weighing says (``realised_covariance``), and what is
+    left pulls it in one part of a record more than in another (``block_covariance``): the largest
+    of the three counts. And the answer to an effect may be wrong by the share e anywhere: that
+    moves any number of it by e sqrt(X) of its standard deviations, where X is the chi-square that
+    the effect explains; a size, alone, by e of it (``model_errors``, which is not in here).
+    """
+    blocks = block_covariance(objective, columns, fit.residual).diagonal()
+    runs = realised_covariance(objective, columns).diagonal()
+    chi2 = np.repeat(np.maximum(explained, 0.0), [len(row) for row in fit.values])
+    plain = np.maximum(noise.diagonal(), 0.0)
+    own = np.square(model_errors(fit))
+    wrong = np.maximum(REPORT.model_share**2 * chi2 * plain - own, 0.0)
+    most = np.maximum.reduce([plain, blocks, runs])
+    scale = np.sqrt((most + wrong) / np.where(plain > 0.0, plain, 1.0))
+    known = replace(fit, covariance=noise * np.outer(scale, scale))
+    return with_wander_known(objective, known)
+
+
+class _Ends:
+    """Ends of the intervals of all numbers of a fit, as they are found."""
+
+    def __init__(self, fit: Fit) -> None:
+        self.fit = fit
+        self.found = np.array([x for row in fit.values for x in row])
+        known = np.maximum(fit.covariance.diagonal(), 0.0)
+        self.sd = np.hypot(np.sqrt(known), model_errors(fit))
+        self.low, self.high = self.found - SPREAD * self.sd, self.found + SPREAD * self.sd
+        self.hidden: list[tuple[int, str, tuple[float, float]]] = []
+
+    def take(self, walk: LikelyRange, k: int) -> None:
+        """Take the ends of number ``k``; all others reach where they were at those."""
+        self._reach(walk.lowest, walk.highest)
+        self.low[k], self.high[k] = walk.low, walk.high
+
+    def take_hidden(self, at: int, name: str, walk: LikelyRange, k: int) -> None:
+        """Take the ends of a number of effect ``at`` that is not fitted, ``k`` where it is."""
+        self.hidden.append((at, name, (walk.low, walk.high)))
+        self._reach(np.delete(walk.lowest, k), np.delete(walk.highest, k))
+
+    def _reach(self, lowest: Array, highest: Array) -> None:
+        self.low = np.minimum(self.low, lowest)
+        self.high = np.maximum(self.high, highest)
+
+    def ranges(self, objective: Objective) -> tuple[Ranges, ...]:
+        """Return the intervals by effect and name, no narrower than a record can tell."""
+        found: list[dict[str, tuple[float, float]]] = [{} for _ in self.fit.hypotheses]
+        for k, (at, name) in enumerate(numbers_of(self.fit)):
+            grain = SPREAD * known_to(objective, self.fit.hypotheses[at], name) / math.sqrt(3.0)
+            value = float(self.found[k])
+            below = math.hypot(value - float(self.low[k]), grain)
+            found[at][name] = value - below, value + math.hypot(float(self.high[k]) - value, grain)
+        for at, name, interval in self.hidden:
+            found[at][name] = interval
+        return tuple(found)
+
+
+def _walks(
+    objective: Objective, fit: Fit, columns: Array, noise: Array, ends: _Ends
+) -> list[LikelyRange]:
+    """Return the walks of all numbers that the line answers to unevenly, and take their ends."""
+    walks = []
+    for k, (at, name) in enumerate(numbers_of(fit)):
+        if not (uneven(fit.hypotheses[at], name) and noise[k] > 0.0):
+            continue
+        width = SPREAD * float(ends.sd[k])
+        walk = likely_range(
+            objective, fit, columns, k, width=width, rise=width**2 / float(noise[k])
+        )
+        ends.take(walk, k)
+        walks.append(walk)
+    return walks
+
+
+def _better(objective: Objective, fit: Fit, walks: Sequence[LikelyRange]) -> Fit | None:
+    """Return a fit from the best numbers that the walks came by, where it surely costs less."""
+    least = fit.cost - CRITERIA.search.acceptance.margin
+    for walk in sorted(walks, key=lambda w: w.best.cost):
+        there = values_of(fit, walk.best.values)
+        if walk.best.cost > least or there == fit.values:
+            return None
+        found = gauss_newton_fit(
+            objective, fit.hypotheses, there, fit.shifts, rounds=4, quick=False
+        )
+        if found.cost < least:
+            return found
+    return None
+
+
+def _hidden_walk(
+    objective: Objective, fit: Fit, at: int, name: str, explained: float
+) -> tuple[int, str, LikelyRange, int]:
+    """Return the walk of a number of effect ``at`` that is not fitted, and which number it is."""
+    h = fit.hypotheses[at]
+    row, value = h.effect.accepts[name], float(dict(h.fixed)[name])
+    wider = with_numbers(objective, fit, at, (name,), {name: value})
+    free = wider.hypotheses[at]
+    sizes = zip(free.names, free.start, strict=True)
+    free = replace(free, start=tuple(row.typical if n == name else s for n, s in sizes))
+    wider = wider.with_effect_at(at, free, wider.values[at])
+    columns = jacobian(objective, wider.hypotheses, wider.values, wider.shifts)
+    k = numbers_of(wider).index((at, name))
+    scale = abs(row.typical - float(row.default))
+    width, rise = scale, SPREAD**2 * (1.0 + REPORT.model_share**2 * max(explained, 0.0))
+    if np.isfinite(columns).all():
+        noise = float(objective.projector.linear_fit(fit.residual, columns).covariance[k, k])
+        width = min(max(math.sqrt(max(rise * noise, 0.0)), 0.05 * scale), scale)
+    else:
+        columns = np.where(np.isfinite(columns), columns, 0.0)
+    walk = likely_range(objective, wider, columns, k, width=width, rise=rise)
+    return at, name, walk, k
+
+
+def numbers_of(fit: Fit) -> list[tuple[int, str]]:
+    """Return the numbers of a fit in a row: which effect, and their names."""
+    return [(at, name) for at, h in enumerate(fit.hypotheses) for name in h.names]
+
+
+def uneven(h: Hypothesis, name: str) -> bool:
+    """Return whether the line answers to a number of an effect not in proportion.
+
+    What stands still over an angle, or at a frequency, is known by its turns: straight enough.
+    """
+    row = h.effect.accepts[name]
+    steady = h.effect.order_locked or isinstance(h.effect.shows, Frequency)
+    return not (steady or row.linear) and row.role in ("strength", "shape")
+
+
+def hidden(h: Hypothesis) -> list[str]:
+    """Return the numbers of an effect that the search left out for no record showed them.
+
+    A strength that is absent, and what is fitted once the effect is there.
+    """
+    return [
+        name
+        for name, value in h.fixed
+        if name in h.effect.fitted_later
+        or (h.effect.accepts[name].role == "strength" and value == h.effect.accepts[name].default)
+    ]
+
+
+def known_to(objective: Objective, h: Hypothesis, name: str) -> float:
+    """Return how well a record tells a number at best, in its unit."""
+    row = h.effect.accepts[name]
+    twin = objective.pool.twins[h.record or 0]
+    if row.known_to == "drive tick":
+        return float(twin.declaration.control.drive_sample_time_s)
+    if row.known_to == "sample":
+        sample_s = float(twin.declaration.sample_time_s)
+        return sample_s * (float(np.mean(np.abs(twin.speed_m_s))) if row.unit == "m" else 1.0)
+    return row.known_to
