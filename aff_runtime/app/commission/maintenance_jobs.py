@@ -56,7 +56,7 @@ def maintenance(where: Paths, asked: Request, talk: Talk) -> Answer:
     except ConfigError as error:
         view = MaintenanceView(store=str(folder), nothing=str(error))
         return MaintenanceShown(maintenance=view)
-    return MaintenanceShown(maintenance=_view(folder, store))
+    return MaintenanceShown(maintenance=maintenance_view(folder, store))
 
 
 def add_runs(where: Paths, asked: Request, talk: Talk) -> Answer:
@@ -83,7 +83,8 @@ def exchange(where: Paths, asked: Request, talk: Talk) -> Answer:
 # --- the view -----------------------------------------------------------------------------------
 
 
-def _view(folder: Path, store: Store) -> MaintenanceView:
+def maintenance_view(folder: Path, store: Store) -> MaintenanceView:
+    """Return what a screen is shown of a store."""
     found = findings(store)
     times = store.hours["time_utc"]
     return MaintenanceView(
