@@ -1,11 +1,14 @@
 """The whole way from files: what is read, and how often."""
 
 import json
+from dataclasses import asdict
 
 import numpy as np
 import pytest
 import yaml
+from pydantic import TypeAdapter
 
+from aff_runtime.base.refinement import Summary
 from benchmarks.campaign.line import declaration
 from sim_plant.cli.main import main
 from sim_plant.line import load
@@ -52,7 +55,9 @@ def test_line_file_and_sidecar_are_each_parsed_once(files, monkeypatch, capsys):
     assert "cannot be claimed: no held-out record" in said
     assert "verdict: nothing" in said
     assert (files / "out" / "verdict.json").exists()
-    told = json.loads((files / "out" / "summary.json").read_text())
+    text = (files / "out" / "summary.json").read_text()
+    told = json.loads(text)
+    assert json.loads(json.dumps(asdict(TypeAdapter(Summary).validate_json(text)))) == told
     assert (told["kind"], told["held_out"], told["judged_on"]) == ("nothing", False, "a.csv")
     assert told["headline"].startswith("Nothing found")
     assert set(told["limits"]) <= {
