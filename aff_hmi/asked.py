@@ -57,6 +57,7 @@ class Entry:
     needs_token: bool | None = True
 
 
+WINDOWS: dict[str, type] = {"windows": str, "holdout": str, "without": str}
 TABLE = {
     "/login": Entry(role=None, keys={"name": str, "password": str}, needs_token=False),
     "/logout": Entry(role=Role.VIEW, keys={}),
@@ -86,6 +87,16 @@ TABLE = {
     ),
     "/card/sign": Entry(
         role=Role.COMMISSION, keys={"step": int, "measured": str, "reason": str, "password": str}
+    ),
+    "/refine/lacks": Entry(role=Role.COMMISSION, keys=WINDOWS),
+    "/refine/start": Entry(role=Role.COMMISSION, keys=WINDOWS),
+    "/refine/try": Entry(
+        role=Role.COMMISSION, keys={"number": int, "measured": str, "seconds": int, "reason": str}
+    ),
+    "/refine/stop": Entry(role=Role.COMMISSION, keys={}),
+    "/maintenance/read": Entry(role=Role.COMMISSION, keys={}),
+    "/maintenance/exchange": Entry(
+        role=Role.COMMISSION, keys={"roll": str, "on": str, "reason": str}
     ),
 }
 

@@ -18,7 +18,7 @@ VENDORED = {
     "uPlot.iife.min.js": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.iife.min.js",
     "uPlot.min.css": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.min.css",
 }
-STYLES = ("overview.css", "hand.css", "see.css", "card.css", "uPlot.min.css")
+STYLES = ("overview.css", "hand.css", "see.css", "card.css", "refine.css", "uPlot.min.css")
 STYLE = "screen.css"
 # name of a page: its own modules, in this order; what they take names from comes before them
 PAGES = {
@@ -31,6 +31,8 @@ PAGES = {
     "timing": ("overview.js", "timing.js"),
     "card": ("overview.js", "card.js"),
     "commission": ("overview.js", "commission.js"),
+    "refine": ("overview.js", "refine.js"),
+    "maintenance": ("overview.js", "maintenance.js"),
 }
 HAND, NO_HAND = "hand.js", ("login",)
 SCRIPT, CSS = "text/javascript; charset=utf-8", "text/css; charset=utf-8"

@@ -11,6 +11,7 @@ from starlette.websockets import WebSocket
 
 from aff_hmi.bundles import FOLDER, served
 from aff_hmi.commission.routes import CommissionData
+from aff_hmi.commission.run_routes import RunData
 from aff_hmi.hand_routes import HandRoutes, place_of
 from aff_hmi.hub import Hub
 from aff_hmi.rooms import PAGES as SEEN
@@ -20,7 +21,12 @@ from aff_runtime import __version__
 from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE
 from aff_runtime.base.ports import Clock
 
-COMMISSIONED = {"/commission": "commission.html", "/card": "card.html"}
+COMMISSIONED = {
+    "/commission": "commission.html",
+    "/card": "card.html",
+    "/refine": "refine.html",
+    "/maintenance": "maintenance.html",
+}
 
 
 class Pages:
@@ -72,7 +78,8 @@ class Pages:
         if self.presses is not None and self._hub.commission is not None:
             routes += [Route(path, self.commissioned) for path in COMMISSIONED]
             data = CommissionData(self._hub.commission, self.presses.session_of, self._say_of)
-            routes += data.routes()
+            of_runs = RunData(self._hub.commission, self.presses.session_of, self._say_of)
+            routes += [*data.routes(), *of_runs.routes()]
         app = Starlette(routes=routes)
         app.router.redirect_slashes = False  # a path that is in no table is 404, and no other path
         return app

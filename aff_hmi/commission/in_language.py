@@ -45,6 +45,11 @@ JOBS = {
     "keep": N_("keep what is tried"),
     "undo": N_("take back what is tried"),
     "words": N_("find the PLC's words"),
+    "lacks": N_("see what the windows lack"),
+    "refine": N_("refine"),
+    "try_refined": N_("try what refine proposes"),
+    "add_runs": N_("read new runs"),
+    "exchange": N_("note an exchange"),
 }
 # what a probe identifies of a drive: its words, its unit
 DRIVE_NUMBERS = {
@@ -142,6 +147,10 @@ def state_in(state: State, say: Say, *, sees_all: bool, is_open: bool) -> ShownS
         card=state.card,
         job=_job(state.job, say, sees_all=sees_all) if state.job is not None else None,
         last=_last(state.last, say, sees_all=sees_all) if state.last is not None else None,
+        long=_job(state.long, say, sees_all=sees_all) if state.long is not None else None,
+        long_last=_last(state.long_last, say, sees_all=sees_all)
+        if state.long_last is not None
+        else None,
         is_open=is_open,
         may=sees_all,
     )
@@ -150,13 +159,14 @@ def state_in(state: State, say: Say, *, sees_all: bool, is_open: bool) -> ShownS
 def _job(job: JobView, say: Say, *, sees_all: bool) -> ShownJob | JobInShort:
     name = say(JOBS[job.do])
     if not sees_all:
-        return JobInShort(do=job.do, name=name)
+        return JobInShort(do=job.do, name=name, seconds=job.seconds)
     return ShownJob(
         do=job.do,
         step=job.step,
         said=tuple(replace(one, text=sentence(one.text, say)) for one in job.said),
         ask=_question(job.ask, say) if job.ask is not None else None,
         name=name,
+        seconds=job.seconds,
     )
 
 

@@ -49,6 +49,12 @@ class CommissionPresses:
             "/card/settings": partial(self._answer, self._settings),
             "/card/step": partial(self._answer, self._step),
             "/card/sign": partial(self._answer, _sign),
+            "/refine/lacks": partial(self._answer, partial(_of_windows, "lacks")),
+            "/refine/start": partial(self._answer, partial(_of_windows, "refine")),
+            "/refine/try": partial(self._answer, self._try_refined),
+            "/refine/stop": partial(self._answer, partial(_plain, "stop_long")),
+            "/maintenance/read": partial(self._answer, partial(_plain, "add_runs")),
+            "/maintenance/exchange": partial(self._answer, _exchange),
         }
 
     async def _answer(self, press: Press, asked: Asked) -> Response:
@@ -96,6 +102,20 @@ class CommissionPresses:
             return await commission.press(session, Request(do=do, reason=reason))
         return NO_SENSE
 
+    async def _try_refined(self, commission: Commission, session: Session, asked: Asked) -> Answer:
+        """Try what a refinement proposes: it changes what goes out."""
+        if not self._has_hand(session):
+            return NO_HAND
+        said = asked.said
+        tried = Request(
+            do="try_refined",
+            number=int(said["number"]),
+            measured=str(said["measured"]),
+            seconds=int(said["seconds"]),
+            reason=str(said["reason"]),
+        )
+        return await commission.press(session, tried)
+
     def _has_hand(self, session: Session) -> bool:
         held = self._sessions.holder()
         return held is not None and held.session is session
@@ -113,6 +133,30 @@ async def _do(commission: Commission, session: Session, asked: Asked) -> Answer:
     if do in PLAIN:
         return await commission.press(session, Request(do=do))
     return NO_SENSE
+
+
+async def _plain(do: str, commission: Commission, session: Session, asked: Asked) -> Answer:
+    return await commission.press(session, Request(do=do))
+
+
+async def _of_windows(do: str, commission: Commission, session: Session, asked: Asked) -> Answer:
+    """Pass on parts of runs: to look what they lack, or to refine with them."""
+    said = asked.said
+    named = Request(
+        do=do,
+        windows=str(said["windows"]),
+        holdout=str(said["holdout"]),
+        without=str(said["without"]),
+    )
+    return await commission.press(session, named)
+
+
+async def _exchange(commission: Commission, session: Session, asked: Asked) -> Answer:
+    said = asked.said
+    told = Request(
+        do="exchange", roll=str(said["roll"]), on=str(said["on"]), reason=str(said["reason"])
+    )
+    return await commission.press(session, told)
 
 
 async def _reply(commission: Commission, session: Session, asked: Asked) -> Answer:

@@ -52,7 +52,7 @@ class CommissionData:
         """Return the card as it stands."""
         say = self._say_of(request)
         if self._session_of(request) is None:
-            return _stranger(say)
+            return stranger(say)
         shown = await self._commission.look(Asked(do="card"), CardShown)
         if isinstance(shown, Refusal):
             return JSONResponse({"ok": False, "text": refusal_in(shown, say)})
@@ -62,7 +62,7 @@ class CommissionData:
         """Return the site file as it was checked, the probe's bounds, and what was found."""
         say = self._say_of(request)
         if self._session_of(request) is None:
-            return _stranger(say)
+            return stranger(say)
         shown = await self._commission.look(Asked(do="line"), LineShown)
         if isinstance(shown, Refusal):
             return JSONResponse({"ok": False, "text": refusal_in(shown, say)})
@@ -72,7 +72,7 @@ class CommissionData:
         """Return the card as one page that prints, as a file: it has a style of its own."""
         say = self._say_of(request)
         if self._session_of(request) is None:
-            return _stranger(say)
+            return stranger(say)
         paper = "letter" if request.query_params.get("paper") == "letter" else "a4"
         printed = await self._commission.look(Asked(do="page", paper=paper), Printed)
         if isinstance(printed, Refusal):
@@ -84,7 +84,7 @@ class CommissionData:
         """Return how commissioning stands."""
         say, session = self._say_of(request), self._session_of(request)
         if session is None:
-            return _stranger(say)
+            return stranger(say)
         stands = await self._commission.look(Asked(do="state"), State)
         if isinstance(stands, Refusal):
             return JSONResponse({"ok": False, "text": refusal_in(stands, say)})
@@ -93,5 +93,6 @@ class CommissionData:
         return JSONResponse(asdict(state_in(stands, say, sees_all=sees_all, is_open=is_open)))
 
 
-def _stranger(say: Say) -> Response:
+def stranger(say: Say) -> Response:
+    """Return the answer to who has not logged in."""
     return JSONResponse({"ok": False, "text": say(WORDS[Code.LOGGED_OUT])}, 401)

@@ -11,6 +11,7 @@ from __future__ import annotations
 import re
 from functools import cache
 
+from aff_hmi.commission.run_sentences import RUNS
 from aff_hmi.commission.setup_sentences import SETUP
 from aff_hmi.words import N_, Say
 
@@ -37,6 +38,7 @@ PATTERNS = (
     N_("no service answers that records now; name a window with --run RUN_DIR@FROM..TO"),
     N_("its process ended without an answer; see the log of the commissioner"),
     *SETUP,
+    *RUNS,
 )
 _PLACE = re.compile(r"\\\{(\w+)\\\}")
 _NESTED = ("what", "why")

@@ -54,6 +54,7 @@ class JobInShort:
     said: tuple[SaidLine, ...] = ()
     ask: None = None
     name: str
+    seconds: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,6 +66,7 @@ class ShownJob:
     said: tuple[SaidLine, ...]
     ask: ShownQuestion | None
     name: str
+    seconds: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -98,5 +100,7 @@ class ShownState:
     card: bool
     job: ShownJob | JobInShort | None
     last: ShownLast | None
+    long: ShownJob | JobInShort | None
+    long_last: ShownLast | None
     is_open: bool
     may: bool

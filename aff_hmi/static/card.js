@@ -1,5 +1,6 @@
 // The commissioning card: every step with its figures, what it waits for, and its signature.
 import { ask, byId, number, part, put, words } from "/static/see.js";
+import { showTried } from "/static/trying.js";
 import { LONG_MS, act, button, field, lookAfter, post } from "/static/work.js";
 
 const EVERY_MS = 2500;
@@ -220,17 +221,10 @@ lookAfter((state) => {
   isBusy = state?.ok === true && state.job !== null;
   isOpen = state?.ok === true && state.is_open;
   if ((wasBusy && !isBusy) || wasOpen !== isOpen) look();
-  const tried = state?.ok === true ? (state.service.trying ?? "") : "";
-  byId("trying").hidden = !(isOpen && tried);
-  put(byId("tried"), tried);
+  showTried(state);
 });
 look();
 setInterval(look, EVERY_MS);
-byId("trying").onsubmit = (event) => {
-  event.preventDefault();
-  const said = { do: event.submitter.value, step: 0, measured: "", seconds: 0 };
-  post("/card/settings", { ...said, reason: byId("tried-why").value });
-};
 byId("begin").onclick = () => act("begin");
 byId("verify").onclick = () => act("verify");
 byId("print").onclick = () => window.print();

@@ -271,7 +271,7 @@ let page_key_ms = -Infinity; // when `g` was pressed: the digit after it is a pa
 function isPageKey({ key }) {
   const isSecond = performance.now() - page_key_ms < PAGE_KEY_MS;
   page_key_ms = key === "g" ? performance.now() : -Infinity;
-  const page = isSecond ? document.querySelectorAll("nav.pages a")[Number(key) - 1] : undefined;
+  const page = isSecond ? document.querySelectorAll("nav.pages a")[(Number(key) + 9) % 10] : undefined;
   page?.click();
   return key === "g" || page !== undefined;
 }

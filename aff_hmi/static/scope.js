@@ -1,15 +1,17 @@
 // Every tick, as it arrives or around a trigger; two cursors; windows that are kept.
 import { isOpen, isText, openBox } from "/static/box.js";
-import { css, figure, legendLine, look, row, short } from "/static/curves.js";
+import { legendLine } from "/static/curves.js";
 import { laidOver, savePicture } from "/static/overlay.js";
-import { at, byId, number, part, press, put, words } from "/static/see.js";
+import { HIGH, apartOf, holed, lookOf, marks, options } from "/static/picture.js";
+import { orderTable, readOut } from "/static/readout.js";
+import { at, byId, number, press, put, words } from "/static/see.js";
+import { fetchShot } from "/static/ticks.js";
 import { factorOf, unitName } from "/static/units.js";
+import { listWindows } from "/static/windows.js";
 
 const EVERY_MS = 500;
-const PATIENCE_MS = 4000;
 const AUTO_MS = 3000;
 const MOST = 8;
-const HIGH = 340;
 const LEVELED = ["rise", "fall", "above", "below"];
 const root = document.documentElement;
 let shot = null; // what is drawn: head, x, columns, turns
@@ -22,7 +24,6 @@ let fired_ms = performance.now();
 let after = -1; // tick after which a trigger counts
 let ended = null; // last tick of a picture that stands
 let kept = null; // the window that is shown, null for what arrives
-let sure = null;
 let overlay = null; // a kept window over it: window, what it was asked with, what came
 let about = null; // the tick that a link has asked for, and its wall time
 
@@ -52,44 +53,6 @@ function query() {
 function levelOf(text) {
   const factor = factorOf(byId("of").selectedOptions[0]?.dataset.of ?? "");
   return factor === 1 || text.trim() === "" || Number.isNaN(Number(text)) ? text : String(Number(text) / factor);
-}
-
-async function fetchShot(said) {
-  const asked = new URLSearchParams({ ...said, lang: root.lang });
-  try {
-    const answer = await fetch(`/data/scope?${asked}`, { signal: AbortSignal.timeout(PATIENCE_MS) });
-    if (!answer.ok) return { text: (await answer.json()).text };
-    return decode(await answer.arrayBuffer());
-  } catch {
-    return { text: words.failed };
-  }
-}
-
-/** Length of the head, head, times, then four bytes a number. */
-function decode(bytes) {
-  const length = new DataView(bytes).getUint32(0, true);
-  const head = JSON.parse(new TextDecoder().decode(new Uint8Array(bytes, 4, length)));
-  if (head.n < 0) return { head };
-  let from = 4 + length;
-  const t = new Float64Array(bytes, from, head.n);
-  from += 8 * head.n;
-  const columns = [];
-  for (let n = 0; n < head.signals.length + (head.turns ? 1 : 0); n += 1) {
-    columns.push(new Float32Array(bytes, from, head.n));
-    from += 4 * head.n;
-  }
-  const turns = head.turns ? columns.pop() : null;
-  head.signals.forEach((one, n) => {
-    const factor = factorOf(one.unit);
-    one.unit = unitName(one.unit);
-    if (factor === 1) return;
-    columns[n] = columns[n].map((value) => value * factor);
-    const of = head.orders[n];
-    if (!of) return;
-    of.amplitudes = of.amplitudes.map((size) => size && size * factor);
-    of.floor = of.floor && of.floor * factor;
-  });
-  return { head, t, turns, columns };
 }
 
 async function renew() {
@@ -177,72 +140,11 @@ function buttons() {
 
 // --- the picture -------------------------------------------------------------------------------
 
-/** Horizontal axis and curves with holes where ticks are missing. */
-function holed({ head, t, turns, columns }) {
-  const source = turns ?? t;
-  const x = [];
-  const curves = columns.map(() => []);
-  let furthest = -Infinity;
-  for (let n = 0; n < head.n; n += 1) {
-    if (Number.isNaN(source[n])) continue;
-    if (n && t[n] - t[n - 1] > 1.5 * head.cycle_s) {
-      x.push(furthest);
-      for (const curve of curves) curve.push(null);
-    }
-    furthest = Math.max(furthest, source[n]); // a roll that stands trembles
-    x.push(furthest);
-    columns.forEach((column, c) => curves[c].push(Number.isNaN(column[n]) ? null : column[n]));
-  }
-  return [x, ...curves];
-}
-
-function options(signals) {
-  const grid = { stroke: () => css("--line"), width: 0.5 };
-  const axis = { stroke: () => css("--text"), grid, size: 60 };
-  const units = [...new Set(signals.map((one) => one.unit))];
-  const values = (u, splits) => splits.map((v) => short(v));
-  const axes = units.slice(0, 2).map((unit, n) => ({
-    ...axis,
-    scale: unit,
-    side: n ? 1 : 3,
-    grid: n ? { show: false } : grid,
-    label: unit,
-    labelSize: 20,
-    values,
-  }));
-  const xLabel = shot.turns ? words.turns : "s";
-  return {
-    width: byId("chart").clientWidth,
-    height: HIGH,
-    legend: { show: false },
-    cursor: { show: false },
-    scales: { x: { time: false } },
-    axes: [{ ...axis, size: 40, label: xLabel, labelSize: 20, values, space: 60 }, ...axes],
-    series: [{}, ...signals.map((one, n) => line(one, n))],
-    hooks: { draw: [marks] },
-  };
-}
-
-function line(one, n) {
-  const { tone, dash } = lookOf(one, n);
-  return { scale: one.unit, stroke: tone, width: 1.5, dash, points: { show: false }, spanGaps: false };
-}
-
-/** What lies over it has the tone of its own signal, and is dotted. */
-function lookOf(one, n) {
-  return one.over === undefined ? look(n) : { tone: look(one.over).tone, dash: [2, 4] };
-}
-
 /** Signals of the overlay, if what there is of it belongs to this picture. */
 function overSignals() {
   if (overlay?.found === undefined) return [];
   const name = (one) => words.overlaid.replace("{signal}", one.label).replace("{name}", overlay.one.name);
   return overlay.found.head.signals.map((one, n) => ({ ...one, label: name(one), over: n }));
-}
-
-/** How far two neighbours of the picture are apart, and half as much again. */
-function apartOf(x) {
-  return x.length > 1 ? (1.5 * (x.at(-1) - x[0])) / (x.length - 1) : 0;
 }
 
 /** Ask for the overlay of these signals, over this length and this roll. */
@@ -262,35 +164,6 @@ async function renewOverlay() {
     put(byId("kept-said"), found.text ?? words.nothing);
   }
   if (shot !== null) show(shot);
-}
-
-/** The two cursors, the trigger, and what happened, as lines across the picture. */
-function marks(u) {
-  const { ctx } = u;
-  const { left, top, width, height } = u.bbox;
-  const stroke = (x, tone, dash, name, high) => {
-    const place = u.valToPos(x, "x", true);
-    if (!(place >= left && place <= left + width)) return;
-    ctx.save();
-    ctx.strokeStyle = ctx.fillStyle = tone;
-    ctx.lineWidth = 2 * devicePixelRatio;
-    ctx.setLineDash(dash.map((d) => d * devicePixelRatio));
-    ctx.beginPath();
-    ctx.moveTo(place, top);
-    ctx.lineTo(place, top + height);
-    ctx.stroke();
-    ctx.font = `${13 * devicePixelRatio}px sans-serif`;
-    ctx.fillText(name, place + 4, top + high * 14 * devicePixelRatio);
-    ctx.restore();
-  };
-  const { head } = shot;
-  const of = (n) => (shot.turns ?? shot.t)[n];
-  head.marks.forEach((mark, n) => {
-    const place = shot.t.findIndex((t) => t >= mark.at_s);
-    if (place >= 0) stroke(of(place), css("--muted"), [2, 3], mark.name, 3 + (n % 4));
-  });
-  if (head.trigger !== null) stroke(of(head.trigger), css("--high"), [8, 3], "T", 2);
-  for (const [name, n] of Object.entries(cursors())) stroke(of(n), css("--text"), [], name, 1);
 }
 
 /** Where the cursors are, as places in the columns. */
@@ -314,7 +187,7 @@ function show(found) {
   if (now !== drawn || chart === null) {
     chart?.destroy();
     byId("chart").replaceChildren();
-    chart = new window.uPlot(options(signals), data, byId("chart"));
+    chart = new window.uPlot(options(shot, signals, (u) => marks(u, shot, cursors())), data, byId("chart"));
     drawn = now;
   } else {
     chart.setData(data);
@@ -324,9 +197,11 @@ function show(found) {
   byId("curves").replaceChildren(...lines);
   tell();
   read();
-  orders();
+  orderTable(shot.head);
   buttons();
 }
+
+const read = () => readOut(shot, cursors(), overSignals(), overlay?.found);
 
 function tell() {
   const { head } = shot;
@@ -343,102 +218,16 @@ function tell() {
   put(byId("shot"), text);
 }
 
-// --- what is read off --------------------------------------------------------------------------
-
-function read() {
-  const { head, t, turns, columns } = shot;
-  const table = byId("readout");
-  if (!head.n) {
-    table.tBodies[0].replaceChildren();
-    return;
-  }
-  const { A, B } = cursors();
-  const apart_s = t[B] - t[A];
-  let text = `${words.between}: ${figure(1000 * apart_s)} ms`;
-  if (apart_s) text += `, ${figure(1 / Math.abs(apart_s))} Hz`;
-  if (turns) text += `, ${figure(turns[B] - turns[A])} ${words.turns}`;
-  put(byId("between"), text);
-  const names = [words.signal, "A", "B", "B − A", words.least, words.mean, words.largest];
-  table.tHead.replaceChildren(row(names, "th"));
-  const source = turns ?? t;
-  const overlaid = overSignals();
-  const apart = apartOf(source);
-  const under = overlaid.length ? [A, B].map((n) => valuesUnder(source, n, apart)) : [];
-  const rows = [...head.signals, ...overlaid].map((one, n) => {
-    const column = one.over === undefined ? columns[n] : overlay.found.columns[one.over];
-    const known = column.filter((v) => !Number.isNaN(v));
-    const sum = known.reduce((a, v) => a + v, 0);
-    const least = known.reduce((a, v) => Math.min(a, v), Infinity);
-    const largest = known.reduce((a, v) => Math.max(a, v), -Infinity);
-    const [a, b] = one.over === undefined ? [column[A], column[B]] : under.map((all) => all[one.over] ?? NaN);
-    const whole = known.length ? [least, sum / known.length, largest] : [null, null, null];
-    return row([`${one.label} [${one.unit}]`, ...[a, b, b - a, ...whole].map(figure)]);
-  });
-  table.tBodies[0].replaceChildren(...rows);
-}
-
-/** Values of the overlay under a place of the picture. */
-function valuesUnder(source, n, apart) {
-  return laidOver([source[n]], source[0], holed(overlay.found), apart).map(([value]) => value);
-}
-
-function orders() {
-  const found = shot.head.orders;
-  byId("orders").hidden = found.length === 0;
-  if (found.length === 0) return;
-  const table = byId("order-table");
-  const names = shot.head.signals.map((one) => `${one.label} [${one.unit}]`);
-  table.tHead.replaceChildren(row([words.order, ...names], "th"));
-  const count = found[0].amplitudes.length;
-  const rows = Array.from({ length: count }, (_, n) =>
-    row([`${n + 1}x`, ...found.map((one) => figure(one.amplitudes[n]))]),
-  );
-  rows.push(row([words.floor, ...found.map((one) => figure(one.floor))]));
-  if (found.every((one) => one.floor === null)) rows.push(row([words.few, ...found.map(() => "")]));
-  table.tBodies[0].replaceChildren(...rows);
-}
-
 // --- kept windows ------------------------------------------------------------------------------
 
-async function list() {
-  try {
-    const answer = await fetch(`/data/windows?lang=${root.lang}`, { signal: AbortSignal.timeout(PATIENCE_MS) });
-    const found = await answer.json();
-    const lines = found.ok ? found.windows.map(windowLine) : [part("li", "", found.text)];
-    byId("windows").replaceChildren(...(lines.length ? lines : [part("li", "", words.noWindow)]));
-  } catch {
-    put(byId("kept-said"), words.failed);
-  }
-}
+const list = () => listWindows({ open: showKept, lay, isLaid });
+const isLaid = (one) => overlay?.one.number === one.number;
 
-function windowLine(one) {
-  const made = part("li");
-  made.append(part("strong", "", one.name));
-  if (one.note) made.append(part("p", "", one.note));
-  const of = words.of.replace("{seconds}", number(one.seconds, 1)).replace("{time}", at(one.utc_s));
-  made.append(part("p", "note", of.replace("{name}", one.who)));
-  const where = words.where.replace("{run}", one.run || "—").replace("{first}", String(one.first));
-  made.append(part("p", "note", where.replace("{last}", String(one.last)).replace("{config}", one.config || "—")));
-  const buttons = part("p", "buttons");
-  const open = part("button", "", words.open);
-  open.type = "button";
-  open.onclick = () => showKept(one);
-  const over = part("button", "", overlay?.one.number === one.number ? words.layOff : words.layOver);
-  over.type = "button";
-  over.onclick = () => {
-    overlay = overlay?.one.number === one.number ? null : { one };
-    list();
-    if (shot !== null) show(shot);
-  };
-  buttons.append(open, over);
-  if (byId("keep")) {
-    const go = part("button", "", words.letGo);
-    go.type = "button";
-    go.onclick = () => letGo(one, go);
-    buttons.append(go);
-  }
-  made.append(buttons);
-  return made;
+/** Lay a kept window over the picture, or take it off. */
+function lay(one) {
+  overlay = isLaid(one) ? null : { one };
+  list();
+  if (shot !== null) show(shot);
 }
 
 async function showKept(one) {
@@ -450,17 +239,6 @@ async function showKept(one) {
   buttons();
   await renew();
   byId("shot").scrollIntoView({ block: "center" });
-}
-
-async function letGo(one, button) {
-  if (sure !== one.number) {
-    sure = one.number;
-    put(button, words.sure);
-    return;
-  }
-  sure = null;
-  put(byId("kept-said"), await press("/let-go", { number: one.number }));
-  list();
 }
 
 const dialog = byId("keep");

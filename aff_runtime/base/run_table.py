@@ -90,7 +90,7 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
     about = _about(folder)
     names: list[str] = about.data["columns"]
     wanted = [k for k, name in enumerate(names) if keep is None or k == 0 or keep(name)]
-    segments = _segments(folder)
+    segments = segments_of(folder)
     lost = few(list(_missing([number for number, _ in segments])))
     lost += _summary_losses(folder)
     torn: list[str] = []
@@ -144,7 +144,7 @@ def first_rows(folder: Path) -> tuple[Section, tuple[FirstRow, ...]]:
     """
     about = _about(folder)
     names: list[str] = about.data["columns"]
-    found = ((number, _first_row(path, len(names))) for number, path in _segments(folder))
+    found = ((number, _first_row(path, len(names))) for number, path in segments_of(folder))
     return about, tuple(
         FirstRow(number=number, values=dict(zip(names, row, strict=True)))
         for number, row in found
@@ -152,7 +152,8 @@ def first_rows(folder: Path) -> tuple[Section, tuple[FirstRow, ...]]:
     )
 
 
-def _segments(folder: Path) -> list[tuple[int, Path]]:
+def segments_of(folder: Path) -> list[tuple[int, Path]]:
+    """Return the segments of a run that are there, each with its number."""
     return sorted((int(m[1]), p) for p in folder.iterdir() if (m := _SEGMENT.fullmatch(p.name)))
 
 

@@ -45,8 +45,33 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         help="folder of the socket for screens of another user, aff-hmi (default: the runtime "
         "directory, for our own user alone)",
     )
+    _add_of_runs(parser)
     add_state_dir(parser)
     parser.set_defaults(command=commission)
+
+
+def _add_of_runs(parser: argparse.ArgumentParser) -> None:
+    """Add where recorded runs are, and what is made of them."""
+    parser.add_argument(
+        "--record-dir",
+        type=Path,
+        metavar="DIR",
+        help="folder of all records, as of the service (default: recording.directory of the "
+        "site file)",
+    )
+    parser.add_argument(
+        "--line",
+        type=Path,
+        metavar="LINE.yaml",
+        help="declaration of the line, for `sim-plant refine` from the screen",
+    )
+    parser.add_argument(
+        "--watch",
+        type=Path,
+        metavar="STORE",
+        help="store of `aff-runtime watch`, for the screen's maintenance page (default: one in "
+        "the service's state)",
+    )
 
 
 def commission(options: argparse.Namespace) -> int:
@@ -70,6 +95,9 @@ def commission(options: argparse.Namespace) -> int:
         state=options.state_dir,
         socket=paths.socket,
         card=options.card.absolute(),
+        line=None if options.line is None else options.line.absolute(),
+        runs=None if options.record_dir is None else options.record_dir.absolute(),
+        watch=None if options.watch is None else options.watch.absolute(),
     )
     audit = Audit(kept_folder(where.site, where.state, "commissioning"))
     accounts, farthest = Accounts(options.accounts), Place(options.farthest)

@@ -4,20 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.base.effort import bounded_effort
-from aff_runtime.base.errors import AffError, ConfigError
+from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.run_window import names_a_run
 from aff_runtime.base.units import UnitError, read_number
 from aff_runtime.cli.terminal import complain, say
-
-LONGEST_S = 600.0
-MEMORY_BYTES = 2 << 30
-"""Of one run: what it is read from may be somebody else's."""
 
 
 def add(commands: Any, _service: argparse.ArgumentParser) -> None:
@@ -65,35 +60,13 @@ def _add_limits(act: argparse.ArgumentParser) -> None:
 
 def add_runs(options: argparse.Namespace) -> int:
     """Take runs into the store; 1 where none could be read."""
-    from aff_runtime.app.report.watching import findings, run_hours, sentences  # noqa: PLC0415
-    from aff_runtime.app.report.watching import store as stores  # noqa: PLC0415 - numpy, pyarrow
+    from aff_runtime.app.report.watching import findings, sentences  # noqa: PLC0415
+    from aff_runtime.app.report.watching.taking import take_runs  # noqa: PLC0415 - numpy, pyarrow
 
-    runs = list(_runs(options.runs))
-    refused = 0
-    with stores.alone(options.store):
-        store = stores.load_store(options.store, begin=True)
-        for folder in runs:
-            shown = printable(str(folder))
-            try:
-                with bounded_effort(
-                    shown, ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES
-                ):
-                    run = run_hours.run_hours(folder)
-                    taken = store.add(run)
-            except AffError as error:
-                refused += 1
-                complain(f"left out: {error}")
-                continue
-            say(f"{shown}: {sentences.taken(taken)}")
-            for lost in run.lost if taken.new else ():
-                say(f"{shown}: {lost}")
-            if taken.new:
-                stores.save_store(options.store, store)
-        if store.line:
-            stores.save_store(options.store, store)
-    for line in sentences.notes(findings.findings(store, dict(options.limit))):
+    taken = take_runs(options.store, list(_runs(options.runs)), say, complain)
+    for line in sentences.notes(findings.findings(taken.store, dict(options.limit))):
         say(line)
-    return 1 if refused == len(runs) else 0
+    return 1 if taken.refused == taken.runs else 0
 
 
 def trend(options: argparse.Namespace) -> int:
@@ -117,13 +90,9 @@ def trend(options: argparse.Namespace) -> int:
 
 def exchange(options: argparse.Namespace) -> int:
     """Begin a new life of a roller."""
-    from aff_runtime.app.report.watching import store as stores  # noqa: PLC0415
+    from aff_runtime.app.report.watching import taking  # noqa: PLC0415 - numpy, pyarrow
 
-    stores.load_store(options.store)  # before a folder is made for one that is not there
-    with stores.alone(options.store):
-        store = stores.load_store(options.store)
-        store.exchange(options.roll, options.on, printable(options.why, 200))
-        stores.save_store(options.store, store)
+    taking.exchange(options.store, options.roll, options.on, options.why)
     say(f"{printable(options.roll)}: a new life from {options.on:%Y-%m-%d %H:%M} UTC")
     return 0
 
@@ -172,10 +141,9 @@ def _day(text: str) -> datetime:
     argparse.ArgumentTypeError
         It is none.
     """
+    from aff_runtime.app.report.watching.taking import moment  # noqa: PLC0415 - numpy, pyarrow
+
     try:
-        found = datetime.fromisoformat(text)
-    except ValueError:
-        raise argparse.ArgumentTypeError(
-            f"read {text!r}, expected a date such as 2026-03-02 or 2026-03-02T14:30"
-        ) from None
-    return found.astimezone(UTC) if found.tzinfo else found.replace(tzinfo=UTC)
+        return moment(text)
+    except ConfigError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import argparse
+import json
 import os
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.cli.output import say
 
 if TYPE_CHECKING:
+    from sim_plant.line.load import LineFile
     from sim_plant.refine.report.outcome import Outcome, Plan
     from sim_plant.refine.without_line.verdict import RecordVerdict
 
@@ -76,6 +78,11 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         help="leave an effect out of the library; may be given again",
     )
     parser.add_argument(
+        "--lacking",
+        action="store_true",
+        help="say what each record lacks, before any work, write lacking.json and end",
+    )
+    parser.add_argument(
         "--workers",
         type=int,
         default=min(2, os.cpu_count() or 1),
@@ -114,12 +121,38 @@ def run(arguments: argparse.Namespace) -> int:
         except OSError as error:
             raise PlantError(f"--out {plan.out}: cannot be written ({error})") from error
         plan = replace(plan, records=(first,), holdout=(second,))
+    if arguments.lacking:
+        if is_record_declaration(source):
+            raise PlantError(f"{plan.line}: declares records; --lacking needs a line")
+        return tell_lacking(plan, line_in(source))
     if is_record_declaration(source):
         found = refine_records(plan, record_declaration_in(source), say)
         say(record_summary(found, plan.out, held=bool(plan.holdout)))
     else:
         say(summary(refine(plan, line_in(source), say)))
     return 0
+
+
+def tell_lacking(plan: Plan, line: LineFile) -> int:
+    """Say what the records lack, and write it; 2 where one cannot be used."""
+    from aff_runtime.base.refinement import LACKING  # noqa: PLC0415
+    from sim_plant.refine.lacking import lacking  # noqa: PLC0415 - heavy imports
+
+    found = lacking(plan, line.declaration)
+    for one in found.records:
+        if one.refused:
+            say(f"{one.name}: cannot be used: {one.refused}")
+        for text in (*one.lacks, *one.said):
+            say(f"{one.name}: {text}")
+    for text in found.together:
+        say(text)
+    try:
+        plan.out.mkdir(parents=True, exist_ok=True)
+        text = f"{json.dumps(asdict(found), indent=1)}\n"
+        (plan.out / LACKING).write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise PlantError(f"--out {plan.out}: cannot be written ({error})") from error
+    return 0 if found.can_begin else 2
 
 
 def plan_of(arguments: argparse.Namespace) -> Plan:

@@ -54,7 +54,7 @@ def run_live(
         stack.enter_context(service)
         accounts = bench.folder / "accounts"
         password = _account(accounts)
-        commissioner = _commissioner(bench, accounts)
+        commissioner = _commissioner(bench, accounts, plan.line)
         stack.enter_context(commissioner)
         screen = _screen(bench, listen, accounts)
         stack.enter_context(screen)
@@ -102,11 +102,12 @@ def _screen(bench: Bench, listen: str, accounts: Path) -> Child:
     return Child("screen", command, bench.folder / "screen.log", piped=True)
 
 
-def _commissioner(bench: Bench, accounts: Path) -> Child:
+def _commissioner(bench: Bench, accounts: Path, line: Path) -> Child:
     """Start what lets the screen commission."""
     command = [*RUNTIME, "commission", str(bench.site), "--card", str(bench.folder / "card")]
     command += ["--accounts", str(accounts), "--runtime-dir", str(bench.runtime_dir)]
     command += ["--state-dir", str(bench.folder / "state")]
+    command += ["--record-dir", str(bench.folder / "runs"), "--line", str(line)]
     return Child("commissioner", command, bench.folder / "commissioner.log", "ready")
 
 

@@ -21,9 +21,10 @@ from sim_plant.refine.judge.refutation import (
     refuted,
     takes_little,
 )
+from sim_plant.refine.lacking import limits_of
 from sim_plant.refine.model.hypotheses import library
-from sim_plant.refine.model.record_match import limits, twin_of
-from sim_plant.refine.model.run_limits import lines_of, run_limits
+from sim_plant.refine.model.record_match import twin_of
+from sim_plant.refine.model.run_limits import lines_of
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case, Twin
@@ -38,6 +39,7 @@ from sim_plant.refine.report.outcome import Outcome, Plan
 from sim_plant.refine.report.page import write_report
 from sim_plant.refine.report.site_edit import FILE as SITE
 from sim_plant.refine.report.site_edit import Proposal, SiteFile, proposed
+from sim_plant.refine.report.summary import write_summary
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
 from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
@@ -69,8 +71,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     check_folder(plan)
     site = SiteFile.read(plan.site) if plan.site is not None else None
     fitted, held = read_all(plan, line.declaration)
-    cannot = list(dict.fromkeys(text for f in fitted for text in limits(f.twin)))
-    cannot += dict.fromkeys(text for f in fitted for text in run_limits(f.record, f.twin))
+    cannot = limits_of([(f.record, f.twin) for f in fitted])
     cannot += holdout_limits([h.record for h in held])
     records = tuple(recorded.record for recorded in (*fitted, *held))
     cannot += lines_of(records)
@@ -107,7 +108,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
 
 
 def proposal_of(outcome: Outcome, site: SiteFile, progress: Progress) -> Proposal | None:
-    """Return the site file with the AFF blocks; None where it takes none, which is said."""
+    """Return the site file with the AFF blocks, and what is said of it; None without a block."""
     line, first = outcome.line.declaration, outcome.records[0]
     blocks = started_blocks(outcome.verdict.effects, line, first)
     if not blocks:
@@ -115,7 +116,7 @@ def proposal_of(outcome: Outcome, site: SiteFile, progress: Progress) -> Proposa
     proposal = proposed(site, blocks, line, outcome.selection.corrections)
     for text in proposal.said:
         progress(f"{site.path.name}: {text}")
-    return proposal if proposal.text != site.text else None
+    return proposal
 
 
 def read_all(plan: Plan, line: Declaration) -> tuple[list[Recorded], list[Recorded]]:
@@ -256,7 +257,8 @@ def write_all(outcome: Outcome, command: str) -> None:
             outcome.declared.effects,
         )
     block = write_block(out, outcome.verdict.effects, outcome.line.declaration, first)
-    if outcome.proposal is not None:
+    if outcome.proposal is not None and outcome.proposal.adds:
         (out / SITE).write_text(outcome.proposal.text, encoding="utf-8")
     (out / "verdict.json").write_text(outcome.verdict.to_json(), encoding="utf-8")
+    write_summary(outcome, is_block=block is not None)
     write_report(outcome, command, amended, block)

@@ -202,10 +202,13 @@ def test_every_file_of_ours_is_in_what_is_served_once_and_no_name_is_taken_from_
 
 def test_a_joined_module_comes_after_those_that_it_takes_names_from() -> None:
     text = joined(("scope.js",))
-    places = [text.index(f"// {name}") for name in ("see.js", "curves.js", "scope.js")]
+    places = [
+        text.index(f"// {name}")
+        for name in ("see.js", "curves.js", "picture.js", "readout.js", "scope.js")
+    ]
     assert places == sorted(places)
     assert "return { byId, words, put, part, number, at, ask, press, send, onPart };" in text
-    assert "const { css, figure, legendLine, look, row, short } = of_curves;" in text
+    assert "const { css, look, short } = of_curves;" in text
     assert text.count(source("see.js").splitlines()[0]) == 1
 
 

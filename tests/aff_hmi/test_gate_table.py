@@ -34,6 +34,7 @@ LOOKED = {
     "/data/trend": 400,
 }
 LOGGED_OUT, MAY_NOT = 401, 403
+WINDOWS = {"windows": "run", "holdout": "", "without": ""}
 # what nobody, view, operate and commission get, where place and REMOTE change nothing
 PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
     "/login": ({"name": "bert", "password": PASSWORD}, (200, 200, 200, 200)),
@@ -67,6 +68,18 @@ PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
     ),
     "/card/sign": (
         {"step": 4, "measured": "0" * 64, "reason": "seen there", "password": PASSWORD},
+        (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
+    ),
+    "/refine/lacks": (WINDOWS, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
+    "/refine/start": (WINDOWS, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
+    "/refine/try": (
+        {"number": 1, "measured": "0" * 64, "seconds": 60, "reason": "it is better"},
+        (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
+    ),
+    "/refine/stop": ({}, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
+    "/maintenance/read": ({}, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
+    "/maintenance/exchange": (
+        {"roll": "r6", "on": "2026-03-02", "reason": "bearing"},
         (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
     ),
 }

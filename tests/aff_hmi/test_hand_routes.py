@@ -41,6 +41,12 @@ GOOD: dict[str, dict[str, Any]] = {
     "/card/settings": {"do": "keep", "step": 9, "measured": "", "seconds": 0, "reason": "good"},
     "/card/step": {"step": 4, "typed": "", "plc": "", "leave_out": ""},
     "/card/sign": {"step": 4, "measured": "0" * 64, "reason": "seen", "password": PASSWORD},
+    "/refine/lacks": {"windows": "run", "holdout": "", "without": ""},
+    "/refine/start": {"windows": "run", "holdout": "", "without": ""},
+    "/refine/try": {"number": 1, "measured": "0" * 64, "seconds": 60, "reason": "it is better"},
+    "/refine/stop": {},
+    "/maintenance/read": {},
+    "/maintenance/exchange": {"roll": "r6", "on": "2026-03-02", "reason": "bearing"},
 }
 # what a logged-in role, or nobody, gets: the status of a press that is right in everything else
 MATRIX = {
@@ -60,7 +66,7 @@ MATRIX = {
     **{
         path: {None: 401, Role.VIEW: 403, Role.OPERATE: 403, Role.COMMISSION: 409}
         for path in TABLE
-        if path.startswith(("/commission/", "/card/"))
+        if path.startswith(("/commission/", "/card/", "/refine/", "/maintenance/"))
     },
 }
 CELLS = [(path, role) for path in MATRIX for role in BY_ROLE]

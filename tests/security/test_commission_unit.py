@@ -90,6 +90,8 @@ def test_its_command_is_one_that_the_program_takes_and_meets_service_and_screen(
     options = build_parser().parse_args(words)
     assert options.site == SITE
     assert options.card.is_relative_to(STATE_DIRECTORY)
+    for path in (options.record_dir, options.line, options.watch):
+        assert path.is_relative_to(STATE_DIRECTORY)
     assert options.accounts == INSTALLED_ACCOUNTS
     assert options.runtime_dir == INSTALLED
     assert options.dir == INSTALLED_DOOR.parent

@@ -241,6 +241,18 @@ def test_every_command_and_every_edit_has_its_author_in_log_events_and_record(
     until("the edit is applied", lambda: service.said("settle_s: 6 s -> 9 s"))
     os.kill(service.process.pid, 10)
     until("the signal is told", lambda: service.said("bypass by SIGUSR1; who sent it"))
+    rows = service.status()["commands"]
+    counted = {(row["action"], row["via"], row["result"]): row["count"] for row in rows}
+    assert (
+        counted.items()
+        >= {
+            ("shadow", "cli", "done"): 2,
+            ("forget", "cli", "done"): 1,
+            ("arm", "cli", "refused"): 1,
+            ("bypass", "cli", "done"): 1,
+            ("bypass", "signal", "done"): 1,
+        }.items()
+    )
     service.ask("stop")
     assert service.process.wait(15) == 0
     (folder,) = (service.folder / "runs").iterdir()

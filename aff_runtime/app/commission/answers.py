@@ -9,7 +9,9 @@ from typing import Any, TypeAlias
 
 from pydantic import TypeAdapter
 
+from aff_runtime.app.commission.maintenance_views import MaintenanceView
 from aff_runtime.app.commission.messages import PROTOCOL, Refusal
+from aff_runtime.app.commission.refine_views import RefinedView, RefiningView
 from aff_runtime.app.commission.views import (
     CardView,
     JobView,
@@ -68,6 +70,7 @@ class State:
     ----------
     by : account of who commissions; empty when nobody does. ``card`` : whether one is begun.
     job : None while none is under way. ``last`` : None before the first has ended.
+    long, long_last : the same of what takes minutes to hours, beside it.
     """
 
     protocol: int = PROTOCOL
@@ -77,9 +80,42 @@ class State:
     card: bool
     job: JobView | None
     last: LastJob | None
+    long: JobView | None = None
+    long_last: LastJob | None = None
 
 
-Good: TypeAlias = Done | Opened | CardShown | LineShown | Printed | State
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RefiningShown:
+    """What can be refined, and what was."""
+
+    refining: RefiningView
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RefinedShown:
+    """One refinement."""
+
+    refined: RefinedView
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MaintenanceShown:
+    """The line over weeks."""
+
+    maintenance: MaintenanceView
+
+
+Good: TypeAlias = (
+    Done
+    | Opened
+    | CardShown
+    | LineShown
+    | Printed
+    | State
+    | RefiningShown
+    | RefinedShown
+    | MaintenanceShown
+)
 Answer: TypeAlias = Good | Refusal
 # what a request is answered with where it is not refused; the others with `Done`
 _OF: Mapping[str, TypeAdapter[Any]] = {
@@ -88,6 +124,10 @@ _OF: Mapping[str, TypeAdapter[Any]] = {
     "line": TypeAdapter(LineShown),
     "page": TypeAdapter(Printed),
     "open": TypeAdapter(Opened),
+    "refining": TypeAdapter(RefiningShown),
+    "refined": TypeAdapter(RefinedShown),
+    "refined_page": TypeAdapter(Printed),
+    "maintenance": TypeAdapter(MaintenanceShown),
 }
 _DONE, _REFUSED = TypeAdapter(Done), TypeAdapter(Refusal)
 

@@ -16,10 +16,10 @@ from aff_runtime.app.card.book import NAME as CARD
 from aff_runtime.app.commission.answers import Answer, Done, Opened, State
 from aff_runtime.app.commission.audit_lines import AuditLines
 from aff_runtime.app.commission.looking import Looking
-from aff_runtime.app.commission.messages import LOOKS, Refusal, Request, Why
+from aff_runtime.app.commission.messages import LONG, LOOKS, Refusal, Request, Why
 from aff_runtime.app.commission.people import Holder, People
+from aff_runtime.app.commission.slot import Slot
 from aff_runtime.app.commission.sources import Paths, by_whom
-from aff_runtime.app.commission.views import JobView, LastJob
 from aff_runtime.app.commission.worker import CUT, KEEPS, STOPPED, Worker
 from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.audit import Audit, Entry
@@ -47,9 +47,7 @@ class Commissioner:
         self._where = where
         self._audit = AuditLines(audit, clock)
         self._people = People(accounts, clock, farthest)
-        self._worker: Worker | None = None
-        self._running: asyncio.Task[Answer] | None = None
-        self._last: LastJob | None = None
+        self._short, self._long = Slot(clock), Slot(clock)
         self.looking = Looking(where, clock)
 
     async def answer(self, asked: Request, peer: Peer) -> Answer:
@@ -82,14 +80,14 @@ class Commissioner:
             self._audit.write(_entry(asked, held, peer), "done")
             self._people.close()
             return Done()
-        if asked.do in ("answer", "stop"):
+        if asked.do in ("answer", "stop", "stop_long"):
             return self._steer(asked, held, peer)
         return await self._start(asked, held, peer)
 
     def _tend(self) -> None:
         """Say what was not written; end a job that waits for somebody who is not in any more."""
         self._audit.tend()
-        worker, held = self._worker, self._people.holder
+        worker, held = self._short.worker, self._people.holder
         if worker is None or worker.question is None:
             return
         account = worker.asked.account
@@ -100,8 +98,8 @@ class Commissioner:
 
     def close(self) -> None:
         """End what runs."""
-        if self._worker is not None:
-            self._worker.stop()
+        self._short.stop()
+        self._long.stop()
         self._audit.close()
 
     # --- who ----------------------------------------------------------------------------------
@@ -129,16 +127,17 @@ class Commissioner:
 
     def _steer(self, asked: Request, held: Holder, peer: Peer) -> Answer:
         """Pass an answer on to the job that waits for one, or end the job."""
-        if self._worker is None:
+        worker = (self._long if asked.do == "stop_long" else self._short).worker
+        if worker is None:
             return Refusal(why=Why.CHANGED)
-        if asked.do == "stop":
-            if self._worker.asked.do in AWAITED:
-                self._audit.refuse(_entry(asked, held, peer), Why.RUNNING)
-                return Refusal(why=Why.RUNNING, name=self._worker.asked.called)
-            self._audit.write(_entry(asked, held, peer), "done")
-            self._worker.stop()
-            return Done()
-        return self._pass_on(self._worker, asked, held, peer)
+        if asked.do == "answer":
+            return self._pass_on(worker, asked, held, peer)
+        if worker.asked.do in AWAITED:
+            self._audit.refuse(_entry(asked, held, peer), Why.RUNNING)
+            return Refusal(why=Why.RUNNING, name=worker.asked.called)
+        self._audit.write(_entry(asked, held, peer), "done")
+        worker.stop()
+        return Done()
 
     def _pass_on(self, worker: Worker, asked: Request, held: Holder, peer: Peer) -> Answer:
         """Pass an answer on, once its question stands in the audit; the answer does not."""
@@ -164,19 +163,21 @@ class Commissioner:
                 self._audit.refuse(_entry(asked, held, peer), against.why)
                 return against
             how = "password given for this signature"
-        if self._worker is not None:
-            return Refusal(why=Why.RUNNING, name=self._worker.asked.called)
+        slot = self._long if asked.do in LONG else self._short
+        if slot.worker is not None:
+            return Refusal(why=Why.RUNNING, name=slot.worker.asked.called)
         entry = _entry(asked, held, peer)
         if not self._audit.write(entry, "asked"):
             return Refusal(why=Why.UNRECORDED)
         by = f"{by_whom()}; {held.account}, {how}"
-        self._worker = Worker(asked.for_job(account=held.account, by=by), self._where)
-        self._running = asyncio.create_task(self._run(self._worker, entry))
+        worker = Worker(asked.for_job(account=held.account, by=by), self._where)
+        slot.hold(worker)
+        slot.running = asyncio.create_task(self._run(slot, worker, entry))
         if asked.do in AWAITED:
-            return await asyncio.shield(self._running)
+            return await asyncio.shield(slot.running)
         return Done()
 
-    async def _run(self, worker: Worker, entry: Entry) -> Answer:
+    async def _run(self, slot: Slot, worker: Worker, entry: Entry) -> Answer:
         try:
             answer = await worker.run()
         except OSError as error:
@@ -185,37 +186,27 @@ class Commissioner:
             self._audit.write(entry, "noted", CUT if worker.asked.do in KEEPS else STOPPED)
             raise
         finally:
-            self._worker = None
-        is_done, text = _became(answer)
+            slot.worker = None
+            self.looking.job_ended()
+        is_done, text = slot.ended(worker, answer)
         result = "done" if is_done else "noted" if worker.is_unsure else "refused"
         self._audit.write(entry, result, text)
-        self._last = LastJob(do=worker.asked.do, step=worker.asked.step, ok=is_done, text=text)
         return answer
 
     # --- how it stands ------------------------------------------------------------------------
 
     def _state(self) -> State:
-        held, worker = self._people.holder, self._worker
+        held = self._people.holder
         return State(
             by=held.account if held is not None else "",
             site=self.looking.site(),
             service=self.looking.service(),
             card=(self._where.card / CARD).exists(),
-            job=_shown(worker) if worker is not None else None,
-            last=self._last,
+            job=self._short.shown(),
+            last=self._short.last,
+            long=self._long.shown(),
+            long_last=self._long.last,
         )
-
-
-def _became(answer: Answer) -> tuple[bool, str]:
-    """Return whether a job is done, and what it has said of it."""
-    if isinstance(answer, Refusal):
-        return False, answer.name
-    return True, answer.text if isinstance(answer, Done) else ""
-
-
-def _shown(worker: Worker) -> JobView:
-    asked = worker.asked
-    return JobView(do=asked.do, step=asked.step, said=tuple(worker.said), ask=worker.question)
 
 
 def _entry(asked: Request, held: Holder, peer: Peer) -> Entry:

@@ -7,16 +7,22 @@ would take it for ended, and do the same beside it.
 
 from __future__ import annotations
 
-import ctypes
 import os
-import signal
 import sys
 from collections.abc import Callable
 
-from aff_runtime.app.commission import card_jobs, line_view, settings_jobs, setup_jobs
+from aff_runtime.app.commission import (
+    card_jobs,
+    line_view,
+    maintenance_jobs,
+    refine_jobs,
+    settings_jobs,
+    setup_jobs,
+)
 from aff_runtime.app.commission.answers import Answer
 from aff_runtime.app.commission.job_lines import Ended, Refused, read_start
-from aff_runtime.app.commission.messages import Request
+from aff_runtime.app.commission.messages import LONG, Request
+from aff_runtime.app.commission.own_process import LOWEST, end_with_parent, leave_to_control
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.base.errors import AffError
@@ -34,9 +40,17 @@ JOBS: dict[str, Job] = {
     "try": settings_jobs.try_proposed,
     "keep": settings_jobs.keep,
     "undo": settings_jobs.undo,
+    "refining": refine_jobs.refining,
+    "refined": refine_jobs.refined,
+    "refined_page": refine_jobs.page,
+    "lacks": refine_jobs.lacks,
+    "refine": refine_jobs.refine,
+    "try_refined": refine_jobs.try_refined,
+    "maintenance": maintenance_jobs.maintenance,
+    "add_runs": maintenance_jobs.add_runs,
+    "exchange": maintenance_jobs.exchange,
 }
 NICE = 10
-_PR_SET_PDEATHSIG = 1
 
 
 def main() -> int:
@@ -45,15 +59,15 @@ def main() -> int:
     Nothing is said of it, and 1 is returned, where the commissioner has gone: it had ended before
     the job began, or stdin ends while a job waits for an answer that can do nothing without.
     """
-    ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-    os.nice(NICE)
-    _leave_to_control()
+    end_with_parent()
+    leave_to_control()
     said = os.fdopen(os.dup(1), "w", encoding="utf-8")
     os.dup2(2, 1)  # whatever a library prints is no line of ours
     talk = Talk(sys.stdin, said)
     start = read_start(sys.stdin.readline())
     if os.getppid() != start.parent:  # it had ended before we asked to end with it
         return 1
+    os.nice(LOWEST if start.asked.do in LONG else NICE)
     try:
         talk.tell(Ended(answer=JOBS[start.asked.do](start.where, start.asked, talk)))
     except AffError as error:
@@ -61,13 +75,6 @@ def main() -> int:
     except EOFError:
         return 1
     return 0
-
-
-def _leave_to_control() -> None:
-    """Keep off the last processor, which the control process has to itself where there are two."""
-    allowed = sorted(os.sched_getaffinity(0))
-    if len(allowed) > 1:
-        os.sched_setaffinity(0, allowed[:-1])
 
 
 if __name__ == "__main__":

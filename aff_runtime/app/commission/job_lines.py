@@ -69,7 +69,8 @@ def encode(line: JobLine | Start | Reply) -> str:
         case Refused():
             return json.dumps({"refused": line.text})
         case Start():
-            where = {one.name: os.fspath(getattr(line.where, one.name)) for one in fields(Paths)}
+            named = ((one.name, getattr(line.where, one.name)) for one in fields(Paths))
+            where = {name: os.fspath(path) for name, path in named if path is not None}
             return json.dumps({**line.asked.to_json(), "where": where, "parent": line.parent})
         case Reply():
             return json.dumps(asdict(line))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 from pathlib import Path
 
 from aff_runtime.app.card.book import NAME as CARD
@@ -21,6 +22,11 @@ from aff_runtime.config.yaml_marks import MAX_BYTES
 
 LOOK_S = 1.0
 LEAST_NS = 2_000_000_000
+LONGEST_NS = 30_000_000_000
+"""What looks at recorded runs is made anew after that: they grow by themselves."""
+OF_RUNS = ("refining", "maintenance")
+OF_CARD = ("card", "page")
+MOST_KEPT = 32
 NO_CARD, NO_SITE = "no card is begun", "no site file is there"
 Stamp = tuple[object, ...]
 
@@ -40,6 +46,7 @@ class Looking:
         self._trouble = ""
         self._made: dict[str, tuple[Stamp, int, Answer]] = {}
         self._one = asyncio.Lock()
+        self._jobs = 0
         self._site: tuple[Stamp, str] = ((), "")
 
     async def run(self) -> None:
@@ -78,22 +85,31 @@ class Looking:
             learned=now.learned,
         )
 
+    def job_ended(self) -> None:
+        """Take note that what a job may have changed is to be looked at anew."""
+        self._jobs += 1
+
     async def look(self, asked: Request) -> Answer:
-        """Return the card or the line for a screen, or the page that prints."""
+        """Return what a screen asks to see, as long as nothing is another one the same again."""
         if asked.do == "line" and not self._where.site.exists():
             return Refusal(why=Why.REFUSED, name=NO_SITE)
-        if asked.do != "line" and not (self._where.card / CARD).exists():
+        if asked.do in OF_CARD and not (self._where.card / CARD).exists():
             return Refusal(why=Why.REFUSED, name=NO_CARD)
-        key = f"{asked.do} {asked.paper}"
+        key = f"{asked.do} {asked.paper} {asked.number}"
+        longest_ns = LONGEST_NS if asked.do in OF_RUNS else math.inf
         async with self._one:
             stamp, now_ns = self._stamp(), self._clock.now_ns()
             kept = self._made.get(key)
             if kept is not None:
+                age_ns = now_ns - kept[1]
                 is_same = kept[0] == stamp and not isinstance(kept[2], Refusal)
-                if is_same or now_ns - kept[1] < LEAST_NS:
+                if (is_same and age_ns < longest_ns) or age_ns < LEAST_NS:
                     return kept[2]
             answer = await Worker(asked, self._where).run()
+            self._made.pop(key, None)
             self._made[key] = (stamp, self._clock.now_ns(), answer)
+            while len(self._made) > MOST_KEPT:
+                del self._made[next(iter(self._made))]
             return answer
 
     def _stamp(self) -> Stamp:
@@ -103,7 +119,8 @@ class Looking:
             roll = now.live.tick.number("roll_id") if now.live is not None else -1.0
             standing = now.state in ("ARMED", "ACTIVE")
             service = (now.site_hash, now.config_hash, f"{roll:.0f}", now.trying, standing)
-        return (_stamp(self._where.card / CARD), _stamp(self._where.site), service)
+        card, site = _stamp(self._where.card / CARD), _stamp(self._where.site)
+        return (card, site, service, self._jobs)
 
 
 def _stamp(path: Path) -> Stamp:

@@ -75,6 +75,9 @@ class Request:
     seconds, reason : how long to try something, and why something is done.
     again, number, text : question to be asked once more; which question, and its answer.
     paper : of a page that prints.
+    windows, holdout : parts of runs to fit and to judge on, one a line: ``NAME[@FROM..TO]``.
+    without : effects that are left out of refine's library, a word each.
+    roll, on : a roller that was exchanged, and when.
     by : who has a job done, in words; said by the commissioner alone.
     """
 
@@ -95,6 +98,11 @@ class Request:
     number: int = 0
     text: str = ""
     paper: str = ""
+    windows: str = ""
+    holdout: str = ""
+    without: str = ""
+    roll: str = ""
+    on: str = ""
     by: str = ""
 
     @property
@@ -156,6 +164,7 @@ def _paper(value: Any) -> bool:
 
 
 _PERSON = {"key": _key, "place": _place}
+_WINDOWS = {**_PERSON, "windows": _text, "holdout": _text, "without": _text}
 # what may be asked: its keys, each with what its value must be
 TABLE: Mapping[str, Keys] = {
     "state": {},
@@ -180,9 +189,27 @@ TABLE: Mapping[str, Keys] = {
     "words": {**_PERSON, "again": _text},
     "answer": {**_PERSON, "number": _whole, "text": _text},
     "stop": _PERSON,
+    "refining": {},
+    "refined": {"number": _whole},
+    "refined_page": {"number": _whole},
+    "lacks": _WINDOWS,
+    "refine": _WINDOWS,
+    "try_refined": {
+        **_PERSON,
+        "number": _whole,
+        "measured": _digest,
+        "seconds": _whole,
+        "reason": _text,
+    },
+    "maintenance": {},
+    "add_runs": _PERSON,
+    "exchange": {**_PERSON, "roll": _text, "on": _text, "reason": _text},
+    "stop_long": _PERSON,
 }
-LOOKS = ("state", "card", "page", "line")
+LOOKS = ("state", "card", "page", "line", "refining", "refined", "refined_page", "maintenance")
 """What changes nothing and needs no key."""
+LONG = ("lacks", "refine", "add_runs")
+"""Jobs that take minutes to hours: one at a time, beside the others."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -55,7 +55,8 @@ def try_proposed(where: Paths, asked: Request, talk: Talk) -> Answer:
         return Refusal(why=Why.CHANGED)
     now = parameters_of(where.site, where.state)
     text = text_with(now.site_text, proposed(standing.measured.finding.proposals))
-    answer = _ask(where, act="try", text=text, seconds=float(asked.seconds), why=_why(asked))
+    seconds = float(asked.seconds)
+    answer = ask_settings(where, act="try", text=text, seconds=seconds, why=_why(asked))
     for change in (*answer.remarks, *answer.changes):
         talk.say(str(change))
     return Done(text=f"tried for {asked.seconds} s: {'; '.join(map(str, answer.changes))}")
@@ -72,11 +73,11 @@ def undo(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 
 def _end(where: Paths, asked: Request, act: str) -> Answer:
-    answer = _ask(where, act=act, why=_why(asked))
+    answer = ask_settings(where, act=act, why=_why(asked))
     if not answer.text:
         return Done(text="undone; the former settings run")
     save(where.site, answer)
-    await_saved(partial(_ask, where, act="state"), answer.text, MonotonicClock())
+    await_saved(partial(ask_settings, where, act="state"), answer.text, MonotonicClock())
     return Done(text="kept; saved as the site file" if act == "keep" else "undone; saved")
 
 
@@ -84,7 +85,14 @@ def _why(asked: Request) -> str:
     return f"{asked.reason} ({asked.account} at the screen)"
 
 
-def _ask(where: Paths, **arguments: Any) -> SettingsAnswer:
+def ask_settings(where: Paths, **arguments: Any) -> SettingsAnswer:
+    """Return what the service answers to a request about settings.
+
+    Raises
+    ------
+    AffError
+        None answers, or it refuses.
+    """
     client = ServiceClient(where.socket)
     try:
         answer = client.ask("settings", timeout_s=PATIENCE_S + 5.0, **arguments)

@@ -47,12 +47,18 @@ class Paths:
     ----------
     site : of the site file. ``state`` : folder of what the service learns.
     socket : of the running service. ``card`` : folder of the card.
+    line : declaration of the line, for `sim-plant refine`; None: none was named.
+    runs : folder of the records; None: the one that the site file names.
+    watch : store of `aff-runtime watch`; None: in the service's state.
     """
 
     site: Path
     state: Path
     socket: Path
     card: Path
+    line: Path | None = None
+    runs: Path | None = None
+    watch: Path | None = None
 
 
 def parameters_of(site: Path, state: Path) -> ParameterRecord:

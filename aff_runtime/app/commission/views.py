@@ -291,12 +291,13 @@ class QuestionView:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JobView:
-    """The job that is under way; ``step`` -1 where it is of none."""
+    """The job that is under way; ``step`` -1 where it is of none; for ``seconds`` by now."""
 
     do: str
     step: int
     said: tuple[SaidLine, ...]
     ask: QuestionView | None
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

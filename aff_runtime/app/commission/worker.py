@@ -21,7 +21,7 @@ KEPT_LINES = 40
 DIED = "its process ended without an answer; see the log of the commissioner"
 STOPPED = "stopped"
 CUT = "stopped; look at the card and the site file"  # of a job that may have changed something
-KEEPS = ("begin", "step", "sign", "words", "try", "keep", "undo")
+KEEPS = ("begin", "step", "sign", "words", "try", "keep", "undo", "try_refined", "exchange")
 """Jobs that may have changed what lasts before they said so: a file, the settings that run."""
 
 

@@ -11,6 +11,7 @@ import json
 import os
 import socket
 from collections import deque
+from collections.abc import Callable
 from pathlib import Path
 
 from aff_runtime.app.link.answers import Answer, refusal
@@ -104,14 +105,19 @@ class Asked:
     ----------
     caller : who asked.
     request : what.
+
+    Attributes
+    ----------
+    then : is told of the answer once it is given; None: nobody.
     """
 
-    __slots__ = ("_is_answered", "caller", "request")
+    __slots__ = ("_is_answered", "caller", "request", "then")
 
     def __init__(self, caller: Caller, request: Request) -> None:
         self.caller = caller
         self.request = request
         self._is_answered = False
+        self.then: Callable[[Answer], None] | None = None
         caller.owed += 1
 
     @property
@@ -131,6 +137,8 @@ class Asked:
         self._is_answered = True
         self.caller.owed -= 1
         self.caller.send(answer, self.request.ident)
+        if self.then is not None:
+            self.then(answer)
 
     def refuse(self, error: AffError) -> None:
         """Say no, and why."""

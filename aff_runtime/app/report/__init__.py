@@ -3,6 +3,7 @@
 __all__ = [
     "alarm_table",
     "block_status",
+    "command_counts",
     "comparison",
     "line_facts",
     "metrics",

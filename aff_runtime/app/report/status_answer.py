@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import Any
 
 from aff_runtime.app.report.block_status import BlockStatus
+from aff_runtime.app.report.command_counts import CommandCount
 from aff_runtime.app.report.line_facts import LineFacts
 from aff_runtime.app.report.probe_facts import ProbeFacts
 from aff_runtime.app.report.tick_row import TickRow
@@ -85,6 +86,8 @@ class StatusAnswer:
     control_restarts : how often a control process that had died was started anew; `NOT_SAID` in
         an answer of an older service.
     audit_records : number of the newest line of the audit; `NOT_SAID` where none is kept.
+    audit_ok : 1 while its chain holds and every line was written, else 0; `NOT_SAID` where no
+        screen may do anything. ``commands`` : what was commanded since the service began.
     probes : how good and how old the responses in force are.
     shapes, crossings : what became of shapes; when orders of two rolls will meet.
     meetings : the crossings as numbers. ``facts`` : what a screen needs of the site.
@@ -104,6 +107,8 @@ class StatusAnswer:
     recorder: RecorderReport | None = None
     control_restarts: int = NOT_SAID
     audit_records: int = NOT_SAID
+    audit_ok: int = NOT_SAID
+    commands: tuple[CommandCount, ...] = ()
     probes: tuple[ProbeFacts, ...] = ()
     shapes: tuple[str, ...] = ()
     crossings: tuple[str, ...] = ()
@@ -141,6 +146,8 @@ def read_answer(said: Any) -> StatusAnswer:
         recorder=RecorderReport.from_json(recorder) if recorder else None,
         control_restarts=said.get("control_restarts", NOT_SAID),
         audit_records=said.get("audit_records", NOT_SAID),
+        audit_ok=said.get("audit_ok", NOT_SAID),
+        commands=tuple(CommandCount(**one) for one in said.get("commands", ())),
         probes=tuple(ProbeFacts(**one) for one in said.get("probes", ())),
         shapes=tuple(said.get("shapes", ())),
         crossings=tuple(said.get("crossings", ())),

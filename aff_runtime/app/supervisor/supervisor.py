@@ -12,9 +12,10 @@ import selectors
 import signal
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 from aff_runtime.app.door.messages import Facts
-from aff_runtime.app.link.answers import Done, as_answer, refusal
+from aff_runtime.app.link.answers import Answer, Done, as_answer, refusal
 from aff_runtime.app.link.messages import (
     Arm,
     Blocked,
@@ -29,6 +30,7 @@ from aff_runtime.app.link.messages import (
 )
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.request_socket import Asked, RequestSocket
+from aff_runtime.app.report.command_counts import CommandTally, Result, Via
 from aff_runtime.app.report.line_facts import line_facts
 from aff_runtime.app.report.probe_facts import probes_of
 from aff_runtime.app.report.status import live_status
@@ -54,6 +56,8 @@ from aff_runtime.loop.watchdog import ServiceNotifier
 
 POLL_S = 0.1
 EXIT_ALARM = 5
+COUNTED = ("arm", "bypass", "shadow", "forget", "probe", "stop")
+"""Requests that command something; of those about settings, what is tried, kept or undone."""
 LOG = logging.getLogger("aff_runtime")
 
 
@@ -97,8 +101,11 @@ class Supervisor:
         )
         self._settings = SettingsDesk(self._processes, self._edits, options, self._clock)
         self._probes = Probes(self._processes, self._pending, self._edits, self._settings)
+        self._counts = CommandTally()
+        self._hand_is_wanted = options.hand is not None
         self._hand = open_hand(
-            *(options, self._selector, self._clock, self._processes, self._pending, self._probes)
+            *(options, self._selector, self._clock, self._processes, self._pending, self._probes),
+            self._counts,
         )
         self._stop_asked: list[Asked] = []
         self._stopping = False
@@ -205,6 +212,8 @@ class Supervisor:
     def _serve_request(self, asked: Asked) -> None:
         """Do what one request asks, or say why not."""
         request = asked.request
+        if request.do in COUNTED:
+            asked.then = partial(self._count, request.do)
         match request.do:
             case "status":
                 asked.answer(self._status())
@@ -229,6 +238,11 @@ class Supervisor:
                 self._note_command(asked)
                 self._stop_asked.append(asked)
                 self._stop()
+
+    def _count(self, action: str, answer: Answer) -> None:
+        """Count a command of the console with its answer."""
+        is_done = not isinstance(answer, Done) or answer.ok
+        self._counts.add(action, Via.CLI, Result.DONE if is_done else Result.REFUSED)
 
     def _note_command(self, asked: Asked, *details: str) -> None:
         """Put on record who commands what."""
@@ -259,6 +273,7 @@ class Supervisor:
         act = asked.request.settings.act if asked.request.settings is not None else ""
         if act in ("try", "keep", "undo"):
             self._note_command(asked, act)
+            asked.then = partial(self._count, f"settings-{act}")
         if act == "try" and self._probes.is_under_way:
             raise RefusedError("a probe is under way; try after it")
         self._settings.do(asked)
@@ -312,6 +327,8 @@ class Supervisor:
             recorder=processes.recorder_report(),
             control_restarts=processes.restarts,
             audit_records=self._hand.audit_records if self._hand is not None else NOT_SAID,
+            audit_ok=self._audit_ok(),
+            commands=self._counts.rows(),
             probes=tuple(probes_of(parameters.responses)),
             shapes=tuple(processes.shapes.sentences),
             crossings=tuple(self._forecast.sentences()),
@@ -319,9 +336,15 @@ class Supervisor:
             facts=line_facts(parameters.site, parameters.permissives),
         )
 
+    def _audit_ok(self) -> int:
+        if not self._hand_is_wanted:
+            return NOT_SAID
+        return int(self._hand is not None and self._hand.is_kept)
+
     def _bypass_by_signal(self) -> None:
         """Take the correction back; a signal does not tell who sent it."""
         self._processes.bypass()
+        self._counts.add("bypass", Via.SIGNAL, Result.DONE)
         self._processes.note("OPERATOR", "bypass by SIGUSR1; who sent it is not known")
 
     # --- the end ----------------------------------------------------------------------------

@@ -10,6 +10,7 @@ __all__ = [
     "page",
     "plain",
     "site_edit",
+    "summary",
     "verdict",
     "wording",
 ]

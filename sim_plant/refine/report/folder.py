@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.refinement import SUMMARY
 from sim_plant.refine.model.record_match import sidecar_of
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.outcome import Plan
@@ -22,6 +23,7 @@ from sim_plant.refine.report.outcome import Plan
 FRESH = ".refine-"
 FILES = (
     "verdict.json",
+    SUMMARY,
     "report.html",
     "line_amended.yaml",
     "aff_block.yaml",

@@ -60,7 +60,7 @@ class Outcome:
     line : the line file.
     declared : the line as it was when the first record fitted began: its effects as they stood.
     limits : what cannot be claimed, as sentences.
-    proposal : the site file with the AFF blocks, where one was given and there are any.
+    proposal : the site file with the AFF blocks, where one was given and there are blocks.
     """
 
     plan: Plan

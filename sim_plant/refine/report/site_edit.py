@@ -81,11 +81,12 @@ class Proposal:
     Attributes
     ----------
     text : as the owner's but for the blocks; the owner's own where nothing is to be added.
-    said : per block what was done, or why nothing was.
+    said : per block what was done, or why nothing was. ``adds`` : the text is another one.
     """
 
     text: str
     said: tuple[str, ...]
+    adds: bool
 
 
 def proposed(
@@ -113,7 +114,7 @@ def proposed(
         )
     same = data == {"rolls": site.rolls, "actuators": site.actuators}
     text = site.text if same else with_keys(site.text, data, short=True)
-    return Proposal(text=text, said=tuple(said))
+    return Proposal(text=text, said=tuple(said), adds=text != site.text)
 
 
 def _add(

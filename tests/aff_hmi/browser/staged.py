@@ -10,6 +10,7 @@ from typing import Any
 
 import uvicorn
 
+from aff_hmi.commission.link import Commission
 from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.listening import listening
@@ -87,14 +88,21 @@ class Stage:
     ----------
     folder : None for a screen without a hand; else where its accounts are kept.
     keeps : whether it has history, in memory, and the pages of it.
+    commission : None for a screen without a commissioner.
     """
 
-    def __init__(self, folder: Path | None = None, *, keeps: bool = False) -> None:
+    def __init__(
+        self,
+        folder: Path | None = None,
+        *,
+        keeps: bool = False,
+        commission: Commission | None = None,
+    ) -> None:
         self.watch = Shown()
         self.desk = Desk()
         hand = self._hand(folder) if folder is not None else None
         kept = Kept(None, MonotonicClock(), can_be_seen=hand is not None) if keeps else None
-        self._hub = Hub(self.watch, MonotonicClock(), hand, kept)  # type: ignore[arg-type]
+        self._hub = Hub(self.watch, MonotonicClock(), hand, kept, commission)  # type: ignore[arg-type]
         place = listening(f"127.0.0.1:{free_port()}", (), None, None, None)
         self.url = place.url
         self._server = uvicorn.Server(config_of(place, self._hub, "en"))
@@ -105,6 +113,7 @@ class Stage:
         accounts = folder / "accounts"
         secret = secret_of(PASSWORD)
         names = {"vera": Role.VIEW, "anna": Role.OPERATE, "bert": Role.OPERATE}
+        names["carl"] = Role.COMMISSION
         rows = [Account(name=name, role=role, secret=secret) for name, role in names.items()]
         write_accounts(accounts, rows)
         hand = Hand(folder / "hand.sock", accounts, MonotonicClock())

@@ -99,8 +99,12 @@ def at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, heard: Heard) -> Pressed
     return Pressed(tmp_path, commission=heard)
 
 
-@pytest.mark.parametrize("path", ["/data/card", "/data/card.html", "/data/commissioning"])
-def test_who_has_not_logged_in_sees_no_card(at: Pressed, heard: Heard, path: str) -> None:
+OF_CARD = ("/data/card", "/data/card.html", "/data/commissioning", "/data/line")
+OF_RUNS = ("/data/refining", "/data/refined", "/data/refined.html", "/data/maintenance")
+
+
+@pytest.mark.parametrize("path", [*OF_CARD, *OF_RUNS])
+def test_who_has_not_logged_in_sees_nothing_of_it(at: Pressed, heard: Heard, path: str) -> None:
     assert at.browser().get(path).status == 401
     assert heard.said == []
 
@@ -205,9 +209,12 @@ def test_a_refusal_is_said_in_the_readers_language(at: Pressed, heard: Heard) ->
 def test_pages_of_card_and_commissioning_are_there_where_there_is_a_commissioner(
     at: Pressed, keeping: Pressed
 ) -> None:
-    assert at.browser().get("/card").status == 200
-    assert keeping.browser().get("/card").status == 404
-    assert "/card?" not in keeping.browser().get("/").said["text"]
+    for path in ("/card", "/commission", "/refine", "/maintenance"):
+        assert at.browser().get(path).status == 200
+        assert keeping.browser().get(path).status == 404
+        assert f"{path}?" not in keeping.browser().get("/").said["text"]
+    carl = keeping.browser("carl")
+    assert {carl.get(path).status for path in (*OF_CARD, *OF_RUNS)} == {404}
 
 
 def test_nothing_of_it_is_done_by_a_session_that_went_idle(at: Pressed, heard: Heard) -> None:

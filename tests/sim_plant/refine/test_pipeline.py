@@ -1,9 +1,14 @@
 """The whole way from files: what is read, and how often."""
 
+import json
+from dataclasses import asdict
+
 import numpy as np
 import pytest
 import yaml
+from pydantic import TypeAdapter
 
+from aff_runtime.base.refinement import Summary
 from benchmarks.campaign.line import declaration
 from sim_plant.cli.main import main
 from sim_plant.line import load
@@ -50,3 +55,42 @@ def test_line_file_and_sidecar_are_each_parsed_once(files, monkeypatch, capsys):
     assert "cannot be claimed: no held-out record" in said
     assert "verdict: nothing" in said
     assert (files / "out" / "verdict.json").exists()
+    text = (files / "out" / "summary.json").read_text()
+    told = json.loads(text)
+    assert json.loads(json.dumps(asdict(TypeAdapter(Summary).validate_json(text)))) == told
+    assert (told["kind"], told["held_out"], told["judged_on"]) == ("nothing", False, "a.csv")
+    assert told["headline"].startswith("Nothing found")
+    assert set(told["limits"]) <= {
+        line.removeprefix("cannot be claimed: ") for line in said.splitlines()
+    }
+    error = next(row for row in told["errors"] if row["channel"] == "unwind_tension_N")
+    verdict = json.loads((files / "out" / "verdict.json").read_text())
+    assert error["unit"] == "N"
+    assert error["after"] == verdict["residual_rms"]["unwind_tension_N"]["after"]
+
+
+def test_what_records_lack_is_told_without_work_and_what_cannot_be_used_is_named(files, capsys):
+    (files / "b.csv").write_text("time_s,unwind_tension_N\n0,1\n")
+    arguments = [str(files / "line.yaml"), str(files / "a.csv"), "--holdout", str(files / "b.csv")]
+    assert main(["refine", *arguments, "--lacking", "--out", str(files / "out")]) == 2
+    assert sorted(path.name for path in (files / "out").iterdir()) == ["lacking.json"]
+    first, second = json.loads((files / "out" / "lacking.json").read_text())["records"]
+    assert (first["name"], first["refused"], first["is_held"]) == ("a.csv", "", False)
+    assert first["speed_m_s"] == pytest.approx([0.9, 1.3])
+    assert first["tension_N"] == [89.0, 89.0]
+    assert first["length_s"] == pytest.approx(0.01 * ROWS)
+    assert any("load cell" in text for text in first["lacks"])
+    assert second["is_held"]
+    assert "b.csv" in second["refused"]
+    said = capsys.readouterr().out
+    assert "b.csv: cannot be used" in said
+    assert "simulating" not in said
+
+
+def test_a_record_given_twice_is_said_before_the_work(files):
+    twice = [str(files / "a.csv"), "--holdout", str(files / "a.csv")]
+    out = files / "out"
+    arguments = [str(files / "line.yaml"), *twice, "--lacking", "--out", str(out)]
+    assert main(["refine", *arguments]) == 0
+    told = json.loads((out / "lacking.json").read_text())["together"]
+    assert "same record" in told[0]

@@ -82,6 +82,18 @@ OF_SERVICE: tuple[Metric, ...] = (
     Metric("aff_control_restarts_total", COUNTER, (), "control processes that died and came back"),
     Metric("aff_audit_records_total", COUNTER, (), "number of the newest line of the audit"),
     Metric(
+        "aff_audit_chain_ok",
+        GAUGE,
+        (),
+        "1 while the chain of the audit holds and every line was written",
+    ),
+    Metric(
+        "aff_commands_total",
+        COUNTER,
+        ("action", "via", "result"),
+        "commands of console, screen and signal since the service began",
+    ),
+    Metric(
         "aff_probe_timestamp_seconds",
         GAUGE,
         ("actuator",),

@@ -79,6 +79,10 @@ def _samples(answer: StatusAnswer | None, now_ns: int) -> Iterator[Sample]:
         yield Sample("aff_control_restarts_total", (), answer.control_restarts)
     if answer.audit_records != NOT_SAID:
         yield Sample("aff_audit_records_total", (), answer.audit_records)
+    if answer.audit_ok != NOT_SAID:
+        yield Sample("aff_audit_chain_ok", (), answer.audit_ok)
+    for one in answer.commands:
+        yield Sample("aff_commands_total", (one.action, one.via, one.result), one.count)
     for probe in answer.probes:
         of = (probe.actuator,)
         yield Sample("aff_probe_timestamp_seconds", of, _known(probe.measured_utc_s))

@@ -24,6 +24,7 @@ from aff_runtime.app.hand.messages import (
     read_said,
 )
 from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.report.command_counts import CommandTally, Result, Via
 from aff_runtime.app.supervisor.hand.entries import Now, entry_of
 from aff_runtime.app.supervisor.hand.visits import Caller, Visits
 from aff_runtime.base.errors import RefusedError
@@ -33,6 +34,8 @@ from aff_runtime.base.signals import State
 REMEMBERED_NS = 5 * VALID_NS
 SHOWN_HASH = 12
 LOG = logging.getLogger("aff_runtime")
+
+BECAME = {Code.LATE: Result.LATE, Code.REPEATED: Result.REPEATED}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -100,8 +103,10 @@ class HandDesk:
         rules: HandRules,
         audit: Audit,
         service: Commanded,
+        counts: CommandTally,
     ) -> None:
         self._clock = clock
+        self._counts = counts
         self._rules = rules
         self._audit = audit
         self._service = service
@@ -116,6 +121,11 @@ class HandDesk:
     def audit_records(self) -> int:
         """Number of the newest line of the audit."""
         return self._audit.last
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether the audit's chain held when it was opened, and every line since was written."""
+        return not self._audit_ails
 
     def serve(self, key: selectors.SelectorKey) -> bool:
         """Do what a selector's event asks for; False when it is none of the hand's."""
@@ -182,6 +192,7 @@ class HandDesk:
             number = self._write(entry)
         else:
             number = self._keep(visitor, limits, entry)
+        self._counts.add(command.action, Via.HMI, Result.DONE)
         visitor.tell(Answer(id=command.id, ok=True, audit=number))
 
     def _press(self, visitor: Caller, command: Command, limits: Limits) -> None:
@@ -189,11 +200,14 @@ class HandDesk:
         entry = entry_of(command, visitor, now)
         against = self._against(command, now, limits)
         if against is not None:
+            became = BECAME.get(against.code, Result.REFUSED)
+            self._counts.add(command.action, Via.HMI, became)
             refused = replace(entry, result="refused", why=against.text)
             number = self._keep(visitor, limits, refused)
             visitor.tell(Answer(id=command.id, ok=False, reason=against, audit=number))
         elif not self._write(replace(entry, result="asked")):
             reason = Reason(code=Code.UNRECORDED)
+            self._counts.add(command.action, Via.HMI, Result.REFUSED)
             visitor.tell(Answer(id=command.id, ok=False, reason=reason))
         else:
             self._begin(command.action, lambda reply: self._answered(visitor, command, reply))
@@ -248,8 +262,9 @@ class HandDesk:
     def _answered(self, visitor: Caller, command: Command, reply: Reply) -> None:
         """Put the control process's answer on record and pass it on."""
         entry = entry_of(command, visitor, self._service.now())
-        result = "done" if reply.ok else "refused"
-        number = self._write(replace(entry, result=result, why=reply.message))
+        result = Result.DONE if reply.ok else Result.REFUSED
+        self._counts.add(command.action, Via.HMI, result)
+        number = self._write(replace(entry, result=result.value, why=reply.message))
         reason = None if reply.ok else Reason(code=Code.REFUSED, name=reply.message)
         visitor.tell(Answer(id=command.id, ok=reply.ok, reason=reason, audit=number))
 

@@ -10,6 +10,7 @@ from dataclasses import replace
 from aff_runtime.app.hand.audit import Audit
 from aff_runtime.app.link.answers import Done, as_answer
 from aff_runtime.app.link.messages import Arm, Forget, Question, Reply, Shadow
+from aff_runtime.app.report.command_counts import CommandTally
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules
 from aff_runtime.app.supervisor.hand.entries import Now
@@ -120,6 +121,7 @@ def open_hand(
     processes: Processes,
     pending: Pending,
     probes: Probes,
+    counts: CommandTally,
 ) -> HandDesk | None:
     """Return the hand of a service; None unless it was asked for and its audit can be kept.
 
@@ -144,4 +146,5 @@ def open_hand(
         rules=HandRules(ceiling=options.hand, arms_from=options.hand_from),
         audit=audit,
         service=ServiceEnd(processes, pending, clock, probes),
+        counts=counts,
     )

@@ -6,14 +6,18 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.app.commission import job_lines, views
+from aff_runtime.app.commission import maintenance_views as of_weeks
 from aff_runtime.app.commission.answers import (
     AnswerError,
     CardShown,
     Done,
     Good,
     LineShown,
+    MaintenanceShown,
     Opened,
     Printed,
+    RefinedShown,
+    RefiningShown,
     State,
     decode,
     encode,
@@ -28,7 +32,17 @@ from aff_runtime.app.commission.job_lines import (
     read_start,
 )
 from aff_runtime.app.commission.messages import Refusal, Request
+from aff_runtime.app.commission.refine_views import (
+    AskedOf,
+    LackingView,
+    ProposalView,
+    RefinedRow,
+    RefinedView,
+    RefiningView,
+    RunRow,
+)
 from aff_runtime.app.commission.sources import Paths
+from aff_runtime.base import refinement
 
 SEGMENT = views.SegmentView(name="0.csv", size=7, sha256="0" * 64)
 ENTRY = views.EntryView(
@@ -119,8 +133,119 @@ STATE = State(
     job=views.JobView(do="words", step=-1, said=(SAID,), ask=QUESTION),
     last=views.LastJob(do="begin", step=-1, ok=True, text="begun"),
 )
+OF_RUNS = AskedOf(windows=("a@0..60",), holdout=("b",), without=(), by="carl", utc="u")
+SUMMARY = refinement.Summary(
+    kind="set",
+    headline="Traced: R6.",
+    sure="s",
+    gain="g",
+    next_step="n",
+    effects=(
+        refinement.EffectSaid(
+            place="eccentric roller at R6",
+            text="t",
+            numbers=(
+                refinement.NumberSaid(name="size", value="0.25", unit="mm", low="0.2", high="0.3"),
+            ),
+            can_cancel=True,
+            to_do="true it",
+            others=("R7",),
+            experiments=("turn R6",),
+        ),
+    ),
+    unknown=(),
+    errors=(refinement.ErrorSaid(channel="t_N", unit="N", before=2.0, after=0.5, floor=0.5),),
+    limits=("one speed only",),
+    judged_on="b",
+    held_out=True,
+    site_said=("r6 added",),
+)
+ROW = RefinedRow(number=3, asked=OF_RUNS, kind="set", text="Traced: R6.")
+LACKS = refinement.RecordLacks(
+    name="a",
+    is_held=False,
+    speed_m_s=(0.9, 1.2),
+    tension_N=(89.0, 89.0),
+    lacks=("l",),
+    said=("s",),
+)
+REFINING = RefiningView(
+    missing=("m",),
+    folder="/runs",
+    line="/l.yaml",
+    command="sim-plant refine",
+    runs=(RunRow(name="a", line="Euclid", start_utc="u", from_s=0.0, to_s=None),),
+    lacking=LackingView(
+        asked=OF_RUNS, found=refinement.Lacking(records=(LACKS,), together=("t",))
+    ),
+    refined=(ROW,),
+)
+PROPOSAL = ProposalView(
+    sha256="0" * 64, changes=("c",), remarks=(), lines=("+ - roll: r6",), against=""
+)
+REFINED = RefinedView(row=ROW, summary=SUMMARY, proposal=PROPOSAL, command="sim-plant refine")
+WORST = of_weeks.WorstRow(order=1, size=120.0, error=3.0, unit="um")
+MAINTENANCE = of_weeks.MaintenanceView(
+    store="/watch",
+    line="Euclid",
+    lives=(
+        of_weeks.LifeRow(
+            roll="r6",
+            number=2,
+            since_s=1.0,
+            until_s=None,
+            why="bearing",
+            web_km=36.0,
+            running_h=10.0,
+            turns=None,
+        ),
+    ),
+    trends=(
+        of_weeks.TrendRow(
+            roll="r6",
+            order=1,
+            signal="t_N",
+            quantity="stroke",
+            unit="um",
+            life=2,
+            count=1,
+            left_out=0,
+            speed_m_s=1.0,
+            now=47.0,
+            limit=60.0,
+            stands_out=True,
+            per_1000_km=of_weeks.SlopeRow(value=7.0, low=6.0, high=8.0),
+            line=of_weeks.LineRow(from_size=40.0, to_size=47.0),
+            reached=of_weeks.ReachedRow(at_s=9.0, early_s=8.0, late_s=None),
+            jump_s=None,
+            readings=(of_weeks.Reading(at_s=1.0, size=40.0, error=0.5),),
+        ),
+    ),
+    rankings=(
+        of_weeks.RankingRow(
+            roll="unwind",
+            by="shape",
+            rolls=(
+                of_weeks.WoundRow(
+                    roll_id=41,
+                    first_s=1.0,
+                    last_s=2.0,
+                    hours=3,
+                    shape=WORST,
+                    stroke=None,
+                    ripple=None,
+                    left=None,
+                ),
+            ),
+        ),
+    ),
+)
 ANSWERS = [
     ("state", STATE),
+    ("refining", RefiningShown(refining=REFINING)),
+    ("refined", RefinedShown(refined=REFINED)),
+    ("refined_page", Printed(html="<!doctype html>")),
+    ("maintenance", MaintenanceShown(maintenance=MAINTENANCE)),
     ("card", CardShown(card=CARD)),
     ("line", LineShown(line=LINE)),
     ("page", Printed(html="<!doctype html>")),
@@ -193,7 +318,9 @@ def test_what_is_no_line_of_a_job_is_refused(line):
 
 
 def test_what_a_job_is_told_comes_back_as_it_was_said():
-    where = Paths(site=Path("s"), state=Path("t"), socket=Path("c"), card=Path("k"))
+    where = Paths(
+        site=Path("s"), state=Path("t"), socket=Path("c"), card=Path("k"), runs=Path("r")
+    )
     start = Start(asked=Request(do="step", step=4, by="root"), where=where, parent=17)
     assert read_start(job_lines.encode(start)) == start
     reply = Reply(number=3, text="10.0.0.9")

@@ -15,7 +15,7 @@ from aff_runtime.app.commission.listening import Listener
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.people import IDLE_NS
 from aff_runtime.app.commission.sources import Paths
-from aff_runtime.app.commission.worker import CUT
+from aff_runtime.app.commission.worker import CUT, STOPPED
 from aff_runtime.app.hand import accounts
 from aff_runtime.app.hand.accounts import Account, Accounts, secret_of, write_accounts
 from aff_runtime.app.hand.audit import Audit, verify
@@ -64,12 +64,12 @@ class Line:
         said = {"account": account, "password": PASSWORD, "over": over}
         return (await self.ask("open", **said, **PERSON))["key"]
 
-    async def done(self):
-        """Return the last job once none is under way."""
+    async def done(self, job="job"):
+        """Return the last job, or the last long one, once none is under way."""
         async with asyncio.timeout(60.0):
-            while (state := await self.ask("state"))["job"] is not None:
+            while (state := await self.ask("state"))[job] is not None:
                 await asyncio.sleep(0.02)
-        return state["last"]
+        return state["last" if job == "job" else f"{job}_last"]
 
     async def waits(self, key):
         """Begin an interview and return once it waits for an answer."""
@@ -182,6 +182,53 @@ def test_one_job_at_a_time_and_it_can_be_stopped(line):
     last = asyncio.run(played())
     assert (last["ok"], last["text"]) == (False, CUT)
     assert line.rows()[-1] == ("commissioning: begin", "noted")
+
+
+WINDOWS = {"windows": "a", "holdout": "", "without": ""}
+
+
+def test_what_takes_hours_runs_beside_the_other_jobs_and_when_nobody_is_in(
+    line, clock, monkeypatch
+):
+    release = line.folder / "release"
+    script = "if asked['do'] == 'refine':\n    " + made_jobs.until(release).replace("\n", "\n    ")
+    made_jobs.play(monkeypatch, script + "pass\n" + say(done={"text": "it is done"}))
+
+    async def played():
+        key = await line.open()
+        assert (await line.ask("refine", key=key, **PERSON, **WINDOWS))["ok"]
+        second = await line.ask("lacks", key=key, **PERSON, **WINDOWS)
+        assert (second["why"], second["name"]) == ("running", "refine")
+        assert (await line.ask("begin", key=key, **PERSON))["ok"]
+        assert (await line.done())["do"] == "begin"
+        clock.advance_ns(IDLE_NS + 1)
+        state = await line.ask("state")
+        assert (state["by"], state["long"]["do"]) == ("", "refine")
+        assert state["long"]["seconds"] > 900.0
+        release.touch()
+        return await line.done("long")
+
+    last = asyncio.run(played())
+    assert (last["do"], last["ok"], last["text"]) == ("refine", True, "it is done")
+    assert line.rows()[-1] == ("commissioning: refine", "done")
+
+
+def test_who_is_in_stops_what_takes_hours_and_the_audit_says_so(line, monkeypatch):
+    made_jobs.play(monkeypatch, say(say="at it") + "time.sleep(600)\n")
+
+    async def played():
+        key = await line.open()
+        stop = {"key": key, **PERSON}
+        assert (await line.ask("stop_long", **stop))["why"] == "changed"
+        assert (await line.ask("refine", key=key, **PERSON, **WINDOWS))["ok"]
+        assert (await line.ask("stop", **stop))["why"] == "changed"
+        assert (await line.ask("stop_long", key="", **PERSON))["why"] == "closed"
+        assert (await line.ask("stop_long", **stop))["ok"]
+        return await line.done("long")
+
+    last = asyncio.run(played())
+    assert (last["ok"], last["text"]) == (False, STOPPED)
+    assert ("commissioning: stop_long", "done") in line.rows()
 
 
 def test_a_signature_that_is_asked_for_is_not_stopped(line, monkeypatch):

@@ -6,7 +6,7 @@ import pytest
 
 from aff_runtime.app.commission import looking
 from aff_runtime.app.commission.answers import Done
-from aff_runtime.app.commission.looking import LEAST_NS, Looking
+from aff_runtime.app.commission.looking import LEAST_NS, LONGEST_NS, Looking
 from aff_runtime.app.commission.messages import Refusal, Request
 from aff_runtime.app.commission.sources import Paths
 from tests.doubles.virtual_clock import VirtualClock
@@ -33,9 +33,11 @@ def look(tmp_path, monkeypatch):
 
     monkeypatch.setattr(looking, "Worker", Job)
 
-    def after(wait_ns):
+    def after(wait_ns, do="line", *, ended=False):
         clock.advance_ns(wait_ns)
-        return asyncio.run(found.look(Request(do="line")))
+        if ended:
+            found.job_ended()
+        return asyncio.run(found.look(Request(do=do)))
 
     return after, answers
 
@@ -53,3 +55,19 @@ def test_an_answer_is_kept_as_long_as_nothing_is_another_one(look):
     answers += [MADE]
     assert after(0) == MADE
     assert after(100 * LEAST_NS) == MADE
+
+
+def test_a_job_that_has_ended_has_everything_looked_at_anew(look):
+    after, answers = look
+    answers += [MADE, Done(text="another")]
+    assert after(0) == MADE
+    assert after(LEAST_NS, ended=True).text == "another"
+
+
+@pytest.mark.parametrize("do", ["refining", "maintenance"])
+def test_runs_grow_by_themselves_so_a_look_at_them_is_old_after_half_a_minute(look, do):
+    after, answers = look
+    answers += [MADE, Done(text="more runs")]
+    assert after(0, do) == MADE
+    assert after(LONGEST_NS - 1, do) == MADE
+    assert after(1, do).text == "more runs"

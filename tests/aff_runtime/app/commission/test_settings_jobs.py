@@ -41,7 +41,7 @@ def asked(monkeypatch):
         found.append(arguments)
         return SettingsAnswer()
 
-    monkeypatch.setattr(settings_jobs, "_ask", ask)
+    monkeypatch.setattr(settings_jobs, "ask_settings", ask)
     return found
 
 

@@ -15,6 +15,7 @@ from aff_runtime.app.hand.client import HandClient
 from aff_runtime.app.hand.may import Action, Place, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Command, Said, Welcome
 from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.report.command_counts import CommandTally
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules
 from aff_runtime.app.supervisor.hand.entries import Now
 from aff_runtime.base.signals import State
@@ -72,6 +73,7 @@ class Stand:
         run.mkdir(mode=0o700)
         self.path = run / "hand.sock"
         self.audit = Audit(folder / "audit", **audit)
+        self.counts = CommandTally()
         self.desk = HandDesk(
             run,
             self.selector,
@@ -80,6 +82,7 @@ class Stand:
             rules=rules,
             audit=self.audit,
             service=self.service,
+            counts=self.counts,
         )
         self.clients: list[HandClient] = []
         self._numbers = count()

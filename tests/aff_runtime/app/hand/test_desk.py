@@ -122,6 +122,29 @@ def test_what_does_not_fit_is_refused_and_recorded(
     assert row["why"] == answer.reason.text  # type: ignore[union-attr]
 
 
+def test_every_command_is_counted_once_by_what_became_of_it(stand: Stand) -> None:
+    client = stand.client()
+    first = stand.command()
+    stand.say(client, first)
+    stand.service.answer()
+    client.receive()
+    assert code(stand.say(client, first)) is Code.REPEATED
+    stand.say(client, stand.command())
+    stand.service.answer(ok=False, message="READY: blocked by WEB_INTACT=0")
+    client.receive()
+    stand.say(client, stand.command(valid_until_ns=stand.clock.now_ns() - 1))
+    stand.say(client, stand.command(role=Role.VIEW))
+    stand.say(client, stand.command(Action.BYPASS))
+    counted = {(one.action, one.via, one.result): one.count for one in stand.counts.rows()}
+    assert counted == {
+        ("arm", "hmi", "done"): 1,
+        ("arm", "hmi", "late"): 1,
+        ("arm", "hmi", "refused"): 2,
+        ("arm", "hmi", "repeated"): 1,
+        ("bypass", "hmi", "done"): 1,
+    }
+
+
 def test_an_id_does_nothing_a_second_time_however_it_is_dressed(stand: Stand) -> None:
     client = stand.client()
     command = stand.command()
@@ -279,6 +302,10 @@ def test_without_a_record_nothing_arms_and_a_bypass_is_still_done(
     answer = stand.say(client, stand.command(Action.BYPASS))
     assert answer is not None
     assert (answer.ok, answer.audit, stand.service.bypassed) == (True, 0, 1)
+    assert not stand.desk.is_kept
+    monkeypatch.undo()
+    stand.say(stand.client(), stand.command(Action.BYPASS))
+    assert stand.desk.is_kept
 
 
 @pytest.mark.parametrize("packet", [b"{}", b"\xff", b"x" * 3000, b'{"say":"command"}', b"null"])

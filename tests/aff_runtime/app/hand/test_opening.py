@@ -13,6 +13,7 @@ from aff_runtime.app.hand.audit import NAME
 from aff_runtime.app.hand.may import Role
 from aff_runtime.app.link.messages import Reply, Shadow
 from aff_runtime.app.link.runtime_directory import runtime_paths
+from aff_runtime.app.report.command_counts import CommandTally
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.hand.desk import HandDesk
 from aff_runtime.app.supervisor.hand.opening import ServiceEnd, open_hand
@@ -45,7 +46,8 @@ def opened(tmp_path: Path, hand: Role | None) -> HandDesk | None:
     with selectors.DefaultSelector() as selector:
         clock = VirtualClock(1)
         found = open_hand(
-            *(options, selector, clock, SimpleNamespace(), Pending(clock), NO_PROBE)  # type: ignore[arg-type]
+            *(options, selector, clock, SimpleNamespace(), Pending(clock), NO_PROBE),  # type: ignore[arg-type]
+            CommandTally(),
         )
         if found is not None:
             found.close()

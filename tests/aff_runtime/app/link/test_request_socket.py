@@ -75,8 +75,11 @@ def test_a_request_and_its_answer_pass_as_lines(tmp_path: Path) -> None:
         asked = Asked(caller, read_request(line))
         assert asked.request == Request(do="status", ident=7)
         assert caller.owed == 1
+        told: list[object] = []
+        asked.then = told.append
         asked.answer(Done())
         asked.answer(Done(ok=False))  # one request, one answer
+        assert told == [Done()]
         assert json.loads(caller_socket.recv(100)) == {"ok": True, "id": 7}
         assert caller.owed == 0
     server.close()

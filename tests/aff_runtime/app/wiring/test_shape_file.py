@@ -16,6 +16,7 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import Peer
 from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.app.link.requests import Ident, Request
+from aff_runtime.app.report.command_counts import CommandCount, CommandTally
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
 from aff_runtime.app.supervisor.supervisor import Supervisor
@@ -235,7 +236,7 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
     sent: list[Any] = []
     link = SimpleNamespace(send=lambda message: sent.append(message) or True)
     made = Supervisor.__new__(Supervisor)  # its requests alone, without processes
-    made._pending = Pending(MonotonicClock())
+    made._pending, made._counts = Pending(MonotonicClock()), CommandTally()
     made._processes = SimpleNamespace(  # type: ignore[assignment]
         parameters=about, shapes=shelf, control=SimpleNamespace(link=link), note=lambda *_: None
     )
@@ -245,6 +246,10 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
     before = path.read_text()
     made._pending.resolve(Reply(id=sent[0].id, ok=quiet))
     assert caller.said == [{"ok": quiet}]
+    result = "done" if quiet else "refused"
+    assert made._counts.rows() == (
+        CommandCount(action="forget", via="cli", result=result, count=1),
+    )
     assert (path.read_text() == before) is not quiet
 
 

@@ -13,6 +13,7 @@ import pytest
 import yaml
 
 from aff_runtime.app.report.alarm_table import EVENTS, PRIORITIES
+from aff_runtime.app.report.command_counts import CommandCount
 from aff_runtime.app.report.line_facts import LineFacts, line_facts
 from aff_runtime.app.report.metrics.catalogue import (
     BY_NAME,
@@ -97,6 +98,8 @@ def answer(*, age_s: float = 0.004, state: State = State.ACTIVE) -> StatusAnswer
         ),
         control_restarts=1,
         audit_records=8123,
+        audit_ok=0,
+        commands=(CommandCount(action="arm", via="hmi", result="late", count=3),),
         probes=tuple(probes_of({"unwind": response(measured_at="2026-01-02T03:04:05+00:00")})),
         meetings=(meeting,),
         facts=line_facts(SHAPE_SITE, NEED),
@@ -173,6 +176,8 @@ def test_numbers_are_those_of_the_tick_in_SI() -> None:
     assert said["aff_disk_free_bytes",] == 900.0
     assert said["aff_control_restarts_total",] == 1.0
     assert said["aff_audit_records_total",] == 8123.0
+    assert said["aff_audit_chain_ok",] == 0.0
+    assert said["aff_commands_total", "arm", "hmi", "late"] == 3.0
     (block,) = answer().blocks
     of = ("unwind", block.roll, str(block.order))
     assert block.amplitude is not None
@@ -224,12 +229,14 @@ def test_a_response_that_does_not_say_when_has_no_time_and_a_spoilt_one_no_numbe
 
 def test_what_an_older_service_does_not_say_is_no_sample() -> None:
     said = answer().to_json()
-    for name in ("control_restarts", "audit_records", "probes"):
+    for name in ("control_restarts", "audit_records", "audit_ok", "commands", "probes"):
         del said[name]
     said["recorder"] = {"rows": 10, "alive": True}
     names = {name for name, *_ in values(read_answer(json.loads(json.dumps(said))))}
     assert "aff_recorder_rows_total" in names
-    assert not [name for name in names if re.search("restarts|audit|recordings|disk|probe", name)]
+    assert not [
+        name for name in names if re.search("restarts|audit|commands|recordings|disk|probe", name)
+    ]
 
 
 def test_facts_and_meetings_pass_the_request_socket() -> None:

@@ -1,0 +1,205 @@
+// A line over weeks: what grows, the lives of its rollers, exchanges, rolls of web by rank.
+import { row } from "/static/curves.js";
+import { drawTrend } from "/static/weeks.js";
+import { showLong, stamp } from "/static/long.js";
+import { ask, byId, number, part, put, words } from "/static/see.js";
+import { LONG_MS, button, lookAfter, post } from "/static/work.js";
+
+const EVERY_MS = 10000;
+const root = document.documentElement;
+const day = new Intl.DateTimeFormat(root.lang, { dateStyle: "medium" });
+const days = (at_s) => day.format(new Date(1000 * at_s));
+const short = (value) => new Intl.NumberFormat(root.lang, { maximumSignificantDigits: 3 }).format(value);
+let shown = ""; // the trend whose curve is open
+
+function fill(text, values) {
+  return Object.entries(values).reduce((said, [key, value]) => said.replaceAll(`{${key}}`, value), text);
+}
+
+/** Put the same children only once, so that who reads or types is not disturbed. */
+function renewed(box, said, make) {
+  const text = JSON.stringify(said);
+  if (box.dataset.said === text) return;
+  box.dataset.said = text;
+  box.replaceChildren(...make());
+}
+
+// --- trends ------------------------------------------------------------------------------------
+
+const nameOf = (one) => `${one.roll} ${one.order}x ${one.quantity} ${one.signal}`;
+const sized = (value, unit) => `${short(value)} ${unit}`.trim();
+
+function slope(one) {
+  const found = one.per_1000_km;
+  if (found === null) return words.few;
+  return `${sized(found.value, one.unit)} (${short(found.low)} … ${short(found.high)})`;
+}
+
+function reached(one) {
+  if (one.jump_s !== null) return fill(words.jumped, { day: days(one.jump_s) });
+  if (one.reached === null) return one.stands_out ? "—" : words.no;
+  const late = one.reached.late_s === null ? words.never : days(one.reached.late_s);
+  return `${days(one.reached.at_s)} (${days(one.reached.early_s)} … ${late})`;
+}
+
+function trendRow(one) {
+  const isTold = one.stands_out || one.jump_s !== null;
+  const made = row([
+    `${isTold ? "▲ " : ""}${one.roll} ${one.order}x`,
+    one.quantity,
+    one.signal.replaceAll("_", " "),
+    sized(one.now, one.unit),
+    one.limit === null ? "—" : sized(one.limit, one.unit),
+    slope(one),
+    reached(one),
+    String(one.count),
+  ]);
+  made.dataset.told = isTold ? "yes" : "no";
+  made.dataset.trend = nameOf(one);
+  const cell = part("td");
+  const open = button(words.show, () => openTrend(one));
+  open.setAttribute("aria-label", `${words.show}: ${nameOf(one)}`);
+  cell.append(open);
+  made.append(cell);
+  return made;
+}
+
+function trends(rows) {
+  const heads = [words.roller, words.quantity, words.tension, words.now, words.limit, words.slope];
+  renewed(byId("trends"), rows, () => [
+    row([...heads, words.reached, words.readings, ""], "th"),
+    ...rows.map(trendRow),
+  ]);
+  const open = rows.find((one) => nameOf(one) === shown) ?? rows.find((one) => one.stands_out);
+  if (open) showTrend(open);
+  byId("trend").hidden = open === undefined;
+}
+
+function openTrend(one) {
+  byId("trend").hidden = false;
+  showTrend(one);
+  byId("trend-title").focus();
+}
+
+function showTrend(one) {
+  shown = nameOf(one);
+  for (const line of byId("trends").querySelectorAll("tr")) {
+    line.setAttribute("aria-current", String(line.dataset.trend === shown));
+  }
+  const of = { roll: one.roll, order: one.order, quantity: one.quantity, unit: one.unit || "1" };
+  put(byId("trend-title"), fill(words.of, { ...of, speed: short(one.speed_m_s) }));
+  put(byId("trend-note"), one.left_out ? fill(words.left, { count: one.left_out }) : "");
+  drawTrend(one);
+}
+
+// --- lives, exchanges, rolls -------------------------------------------------------------------
+
+function lives(rows) {
+  const heads = [words.roller, words.life, words.since, words.until, words.km, words.hours];
+  renewed(byId("lives"), rows, () => [
+    row([...heads, words.turns, words.why], "th"),
+    ...rows.map((one) =>
+      row([
+        one.roll,
+        String(one.number),
+        one.since_s === null ? words.before : days(one.since_s),
+        one.until_s === null ? words.today : days(one.until_s),
+        number(one.web_km, 1),
+        number(one.running_h, 0),
+        one.turns === null ? "—" : number(one.turns, 0),
+        one.why,
+      ]),
+    ),
+  ]);
+  const names = [...new Set(rows.map((one) => one.roll))];
+  renewed(byId("exchange-roll"), names, () =>
+    names.map((name) => {
+      const option = part("option", "", name);
+      option.value = name;
+      return option;
+    }),
+  );
+}
+
+const worst = (one) =>
+  one === null ? "—" : `${short(one.size)} ± ${short(one.error)} ${one.unit} (${one.order}x)`;
+
+function ranking(one) {
+  const box = part("div", "ranking");
+  const said = one.by ? fill(words.ranked, { roll: one.roll, quantity: one.by }) : "";
+  box.append(part("h3", "", said || fill(words.unranked, { roll: one.roll })));
+  const table = part("table", "wide");
+  const heads = [words.rank, words.rollId, words.shape, words.stroke, words.ripple, words.remains];
+  const rows = one.rolls.map((roll, n) =>
+    row([
+      String(n + 1),
+      String(roll.roll_id),
+      worst(roll.shape),
+      worst(roll.stroke),
+      worst(roll.ripple),
+      worst(roll.left),
+      `${days(roll.first_s)} – ${days(roll.last_s)}`,
+    ]),
+  );
+  table.append(row([...heads, words.seen], "th"), ...rows);
+  const scroll = part("div", "scroll");
+  scroll.tabIndex = 0;
+  scroll.append(table);
+  box.append(scroll);
+  return box;
+}
+
+function show(view) {
+  const { store, nothing } = view;
+  put(byId("store"), store);
+  byId("nothing").hidden = !nothing;
+  put(byId("nothing"), nothing);
+  const span = view.from_s === null ? null : { from: days(view.from_s), to: days(view.to_s) };
+  const facts = { line: view.line, hours: view.hours, km: number(view.web_km, 1) };
+  put(byId("facts"), span === null ? "" : fill(words.facts, { ...facts, ...span }));
+  renewed(byId("notes"), view.notes, () => view.notes.map((text) => part("li", "", text)));
+  byId("quiet").hidden = view.notes.length > 0 || view.trends.length === 0;
+  put(byId("quiet"), words.quiet);
+  trends(view.trends);
+  lives(view.lives);
+  renewed(byId("rankings"), view.rankings, () =>
+    view.rankings.length ? view.rankings.map(ranking) : [part("p", "", words.noRolls)],
+  );
+}
+
+// --- looking -----------------------------------------------------------------------------------
+
+let isAsking = false;
+let asked_ms = -Infinity;
+async function look() {
+  if (isAsking || document.hidden) return;
+  isAsking = true;
+  asked_ms = performance.now();
+  const found = await ask("/data/maintenance", {}, LONG_MS);
+  isAsking = false;
+  stamp(found?.ok === true);
+  root.dataset.maintenance = found?.ok ? "shown" : "none";
+  if (found?.ok) show(found.maintenance);
+}
+
+let wasBusy = false;
+lookAfter((state) => {
+  const isOpen = state?.ok === true && state.is_open;
+  for (const box of document.querySelectorAll("[data-open]")) box.hidden = !isOpen;
+  const isBusy = state?.ok === true && state.job !== null;
+  const hasEnded = showLong(state) || (wasBusy && !isBusy);
+  wasBusy = isBusy;
+  if (hasEnded || performance.now() - asked_ms > EVERY_MS) look();
+});
+
+byId("read").onclick = () => post("/maintenance/read", {});
+byId("exchange").onsubmit = (event) => {
+  event.preventDefault();
+  const on = new Date(byId("exchange-on").value).toISOString();
+  post("/maintenance/exchange", {
+    roll: byId("exchange-roll").value,
+    on,
+    reason: byId("exchange-why").value,
+  });
+};
+look();

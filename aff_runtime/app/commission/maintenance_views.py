@@ -1,0 +1,145 @@
+"""What a screen is shown of a line over weeks, as frozen records.
+
+Their names and order are those of the JSON that passes through ``commission.sock``. Times are
+Unix seconds; sizes are in ``unit``: um, N, or none for a ratio.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LifeRow:
+    """One life of a roller; ``since_s`` and ``until_s`` None: before the store, or to now."""
+
+    roll: str
+    number: int
+    since_s: float | None
+    until_s: float | None
+    why: str
+    web_km: float
+    running_h: float
+    turns: float | None
+
+
+class Reading(NamedTuple):
+    """One reading of a trend; a row of numbers in JSON."""
+
+    at_s: float
+    size: float
+    error: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SlopeRow:
+    """A slope per 1000 km of web, with its 95 % interval."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LineRow:
+    """A straight line through readings, from its first to its last one."""
+
+    from_size: float
+    to_size: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReachedRow:
+    """When a limit is reached: the day, and its 95 % interval; ``late_s`` None: without end."""
+
+    at_s: float
+    early_s: float
+    late_s: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TrendRow:
+    """One quantity of one order in the present life of a roller.
+
+    Attributes
+    ----------
+    quantity : its word. ``limit`` : None where nobody gave one. ``speed_m_s`` : the like one.
+    left_out : hours at another speed. ``stands_out`` : beyond 4 sigma, by web and by day.
+    line : through the readings by day. ``jump_s`` : when it jumped, None where it did not.
+    """
+
+    roll: str
+    order: int
+    signal: str
+    quantity: str
+    unit: str
+    life: int
+    count: int
+    left_out: int
+    speed_m_s: float
+    now: float
+    limit: float | None
+    stands_out: bool
+    per_1000_km: SlopeRow | None
+    line: LineRow | None
+    reached: ReachedRow | None
+    jump_s: float | None
+    readings: tuple[Reading, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorstRow:
+    """The largest order of a roll of web, with its standard error."""
+
+    order: int
+    size: float
+    error: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WoundRow:
+    """One roll of web; what was never read is None."""
+
+    roll_id: int
+    first_s: float
+    last_s: float
+    hours: int
+    shape: WorstRow | None
+    stroke: WorstRow | None
+    ripple: WorstRow | None
+    left: WorstRow | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RankingRow:
+    """Rolls of one place, the farthest from round first; ``by`` : word of what tells."""
+
+    roll: str
+    by: str
+    rolls: tuple[WoundRow, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MaintenanceView:
+    """A line over weeks.
+
+    Attributes
+    ----------
+    store : its folder. ``nothing`` : why there is none, or nothing in it; empty.
+    hours : that it holds, from ``from_s`` to ``to_s``, with so much web.
+    notes : what to know first, a sentence each.
+    """
+
+    store: str
+    nothing: str = ""
+    line: str = ""
+    hours: int = 0
+    from_s: float | None = None
+    to_s: float | None = None
+    web_km: float = 0.0
+    notes: tuple[str, ...] = ()
+    lives: tuple[LifeRow, ...] = ()
+    trends: tuple[TrendRow, ...] = ()
+    rankings: tuple[RankingRow, ...] = ()

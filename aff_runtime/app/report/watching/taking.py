@@ -1,0 +1,96 @@
+"""Takes what is new of runs into a store, run by run: what was taken is kept whatever comes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from aff_runtime.app.report.watching import sentences
+from aff_runtime.app.report.watching.run_hours import run_hours
+from aff_runtime.app.report.watching.store import Store, alone, load_store, save_store
+from aff_runtime.base.effort import bounded_effort
+from aff_runtime.base.errors import AffError, ConfigError
+from aff_runtime.base.printable import printable
+
+LONGEST_S = 600.0
+MEMORY_BYTES = 2 << 30
+"""Of one run: what it is read from may be somebody else's."""
+Say = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TakenRuns:
+    """What became of runs: ``refused`` of ``runs`` could not be read."""
+
+    store: Store
+    runs: int
+    refused: int
+
+
+def take_runs(folder: Path, runs: Iterable[Path], say: Say, complain: Say) -> TakenRuns:
+    """Take what is new of runs into the store in ``folder``, and save it.
+
+    Raises
+    ------
+    ConfigError
+        The store cannot be read or written, or another command has it.
+    """
+    count = refused = 0
+    with alone(folder):
+        store = load_store(folder, begin=True)
+        for one in runs:
+            count += 1
+            shown = printable(str(one))
+            try:
+                with bounded_effort(
+                    shown, ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES
+                ):
+                    run = run_hours(one)
+                    taken = store.add(run)
+            except AffError as error:
+                refused += 1
+                complain(f"left out: {error}")
+                continue
+            say(f"{shown}: {sentences.taken(taken)}")
+            for lost in run.lost if taken.new else ():
+                say(f"{shown}: {lost}")
+            if taken.new:
+                save_store(folder, store)
+        if store.line:
+            save_store(folder, store)
+    return TakenRuns(store=store, runs=count, refused=refused)
+
+
+def exchange(folder: Path, roll: str, on: datetime, why: str) -> None:
+    """Begin a new life of a roller in the store in ``folder``.
+
+    Raises
+    ------
+    ConfigError
+        There is no store, it knows no such roller, or another command has it.
+    """
+    load_store(folder)  # before a folder is made for one that is not there
+    with alone(folder):
+        store = load_store(folder)
+        store.exchange(roll, on, printable(why, 200))
+        save_store(folder, store)
+
+
+def moment(text: str) -> datetime:
+    """Return a day or a moment, UTC where no zone is said.
+
+    Raises
+    ------
+    ConfigError
+        It is none.
+    """
+    try:
+        found = datetime.fromisoformat(text)
+    except ValueError:
+        shown = printable(text, 40)
+        raise ConfigError(
+            f"read {shown!r}, expected a date such as 2026-03-02 or 2026-03-02T14:30"
+        ) from None
+    return found.astimezone(UTC) if found.tzinfo else found.replace(tzinfo=UTC)

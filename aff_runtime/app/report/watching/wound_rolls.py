@@ -1,0 +1,121 @@
+"""Rolls of web that ran, by the PLC's number of each: which one is how far from round."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from aff_runtime.app.report.parquet import Columns
+from aff_runtime.app.report.watching.findings import QUANTITIES, Quantity
+from aff_runtime.app.report.watching.store import Store
+from aff_runtime.app.report.watching.trend import at_least_small
+
+LEFT = Quantity(
+    name="ripple_N", error="ripple_error_N", unit="N", word="ripple that is left", correcting=True
+)
+RANKED = tuple(one for one in QUANTITIES if one.of_roller)
+"""What a roll may be ranked by, in the order in which it is asked: the shape first."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Worst:
+    """The largest order of a roll in one quantity, with its standard error, SI."""
+
+    order: int
+    size: float
+    error: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WoundRoll:
+    """One roll of web.
+
+    Attributes
+    ----------
+    roll : name of its place. ``roll_id`` : the PLC's number of it.
+    first, last : UTC of what was read of it. ``hours`` : of a run in which it was read.
+    worst : by name of a quantity of ``RANKED``. ``left`` : ripple while it was corrected.
+    """
+
+    roll: str
+    roll_id: int
+    first: np.datetime64
+    last: np.datetime64
+    hours: int
+    worst: dict[str, Worst]
+    left: Worst | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ranking:
+    """Rolls of one place, the farthest from round first.
+
+    Attributes
+    ----------
+    by : quantity that they are ranked by; None where no order of any was read.
+    """
+
+    roll: str
+    by: Quantity | None
+    rolls: tuple[WoundRoll, ...]
+
+
+def rankings(store: Store) -> list[Ranking]:
+    """Return the rolls of each place; those come last of which the quantity is not known."""
+    orders = store.orders
+    places = sorted(set(orders["roll"][orders["is_roll"]]))
+    return [_ranking(orders, place) for place in places]
+
+
+def _ranking(orders: Columns, place: str) -> Ranking:
+    mine = orders["is_roll"] & (orders["roll"] == place)
+    rolls = [
+        _wound(orders, mine & (orders["roll_id"] == number), place, int(number))
+        for number in sorted(set(orders["roll_id"][mine].tolist()))
+    ]
+    known = [(sum(q.name in one.worst for one in rolls), q) for q in RANKED]
+    most = max(count for count, _ in known)
+    by = next((q for count, q in known if count == most), None) if most else None
+    return Ranking(roll=place, by=by, rolls=tuple(sorted(rolls, key=_worst_first(by))))
+
+
+def _worst_first(by: Quantity | None) -> Callable[[WoundRoll], tuple[float, int]]:
+    def key(one: WoundRoll) -> tuple[float, int]:
+        worst = one.worst.get(by.name) if by is not None else None
+        return (-worst.size if worst is not None else np.inf, one.roll_id)
+
+    return key
+
+
+def _wound(orders: Columns, rows: np.ndarray, place: str, number: int) -> WoundRoll:
+    part = {name: values[rows] for name, values in orders.items()}
+    times = part["time_utc"]
+    found = {q.name: _worst(part, q) for q in RANKED}
+    hours = set(zip(part["run_id"], part["hour"].tolist(), strict=True))
+    return WoundRoll(
+        roll=place,
+        roll_id=number,
+        first=times.min(),
+        last=times.max(),
+        hours=len(hours),
+        worst={name: worst for name, worst in found.items() if worst is not None},
+        left=_worst(part, LEFT),
+    )
+
+
+def _worst(part: Columns, quantity: Quantity) -> Worst | None:
+    """Return the largest order, each from all its readings in the tension where it is largest."""
+    known = np.isfinite(part[quantity.name]) & np.isfinite(part[quantity.error])
+    if quantity.correcting is not None:
+        known &= part["correcting"] == quantity.correcting
+    keys = set(zip(part["signal"][known], part["order"][known].tolist(), strict=True))
+    means = []
+    for signal, order in sorted(keys):
+        ours = known & (part["signal"] == signal) & (part["order"] == order)
+        size, error = part[quantity.name][ours], part[quantity.error][ours]
+        weight = 1.0 / at_least_small(error, size) ** 2
+        mean = float(np.average(size, weights=weight))
+        means.append(Worst(order=order, size=mean, error=float(weight.sum()) ** -0.5))
+    return max(means, key=lambda one: one.size, default=None)

@@ -1,0 +1,76 @@
+"""What records lack for a verdict, record by record, without any work on them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.base.printable import printable
+from aff_runtime.base.refinement import Lacking, RecordLacks
+from sim_plant.base.arrays import Array
+from sim_plant.line.declaration import Declaration
+from sim_plant.refine.model.record_match import limits, twin_of
+from sim_plant.refine.model.run_limits import lines_of, run_limits
+from sim_plant.refine.model.run_match import run_on_line
+from sim_plant.refine.model.twin import Twin
+from sim_plant.refine.records.read import read_record
+from sim_plant.refine.records.recording import Recording
+from sim_plant.refine.report.announce import holdout_limits
+from sim_plant.refine.report.folder import check_apart
+from sim_plant.refine.report.outcome import Plan
+
+
+def lacking(plan: Plan, line: Declaration) -> Lacking:
+    """Return what the records of a plan lack; one that cannot be used is named with its reason."""
+    rows: list[RecordLacks] = []
+    fitted: list[Recording] = []
+    held: list[Recording] = []
+    for paths, found in ((plan.records, fitted), (plan.holdout, held)):
+        is_held = found is held
+        for path in paths:
+            try:
+                record = run_on_line(line, read_record(path))
+                twin = twin_of(line, record)
+            except PlantError as error:
+                name = printable(path.name)
+                rows.append(RecordLacks(name=name, is_held=is_held, refused=str(error)))
+                continue
+            found.append(record)
+            rows.append(_row(record, twin, is_held=is_held))
+    together = [*_given_twice(fitted, held), *holdout_limits(held), *lines_of((*fitted, *held))]
+    return Lacking(records=tuple(rows), together=tuple(together))
+
+
+def limits_of(known: Sequence[tuple[Recording, Twin]]) -> list[str]:
+    """Return what cannot be claimed from records and their twins, each sentence once."""
+    said = [text for _, twin in known for text in limits(twin)]
+    said += [text for record, twin in known for text in run_limits(record, twin)]
+    return list(dict.fromkeys(said))
+
+
+def _row(record: Recording, twin: Twin, *, is_held: bool) -> RecordLacks:
+    own = f"{record.path.name}: "
+    return RecordLacks(
+        name=printable(record.path.name),
+        is_held=is_held,
+        length_s=record.samples * record.sample_time_s,
+        speed_m_s=_ends(twin.speed_m_s),
+        tension_N=_ends(twin.tension_N),
+        radius_m=twin.declaration.initial_radii_m.unwind,
+        lacks=tuple(text.removeprefix(own) for text in limits_of([(record, twin)])),
+        said=tuple(map(printable, record.findings)),
+    )
+
+
+def _ends(values: Array) -> tuple[float, float]:
+    return float(np.min(values)), float(np.max(values))
+
+
+def _given_twice(fitted: Sequence[Recording], held: Sequence[Recording]) -> list[str]:
+    try:
+        check_apart(fitted, held)
+    except PlantError as error:
+        return [str(error)]
+    return []

@@ -1,0 +1,95 @@
+"""The verdict in the words of the page, as JSON for a screen."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+
+from aff_runtime.base.refinement import SUMMARY, EffectSaid, ErrorSaid, NumberSaid, Summary
+from sim_plant.refine.model.effect_at import EffectAt
+from sim_plant.refine.records.units import suffix_of
+from sim_plant.refine.report.figures import channels_by_error
+from sim_plant.refine.report.outcome import Outcome
+from sim_plant.refine.report.page import (
+    above_noise,
+    confidence,
+    error_rows,
+    gain,
+    headline,
+    next_step,
+)
+from sim_plant.refine.report.verdict import Ambiguity, EffectFinding, Verdict
+from sim_plant.refine.report.wording import (
+    coordinate_text,
+    location_words,
+    number_rows,
+    place_words,
+    remedy,
+)
+
+
+def write_summary(outcome: Outcome, *, is_block: bool) -> None:
+    """Write ``summary.json`` into the plan's folder.
+
+    Parameters
+    ----------
+    is_block : there is an AFF block to paste.
+    """
+    said = json.dumps(asdict(summary(outcome, is_block=is_block)), indent=1)
+    (outcome.plan.out / SUMMARY).write_text(f"{said}\n", encoding="utf-8")
+
+
+def summary(outcome: Outcome, *, is_block: bool) -> Summary:
+    """Return the verdict in words."""
+    verdict, judged, held = outcome.verdict, outcome.evaluation, outcome.plan.holdout
+    rivals = {a.place: a for a in verdict.ambiguous}
+    above = above_noise(judged, channels_by_error(judged))
+    named = outcome.records[len(outcome.plan.records) if held else 0]
+    return Summary(
+        kind=kind_of(verdict),
+        headline=headline(verdict),
+        sure=confidence(verdict),
+        gain=gain(judged, bool(held)),
+        next_step=next_step(verdict, is_block, above),
+        effects=tuple(_effect(e, rivals) for e in verdict.effects),
+        unknown=tuple(coordinate_text(u.kind, u.coordinate) for u in verdict.unknown),
+        errors=tuple(
+            ErrorSaid(
+                channel=row.name,
+                unit=suffix_of(row.name).replace("_s", "/s"),
+                before=row.before,
+                after=row.after,
+                floor=row.floor,
+            )
+            for row in error_rows(judged)
+        ),
+        limits=outcome.limits,
+        judged_on=named.path.name,
+        held_out=bool(held),
+        site_said=outcome.proposal.said if outcome.proposal is not None else (),
+    )
+
+
+def kind_of(verdict: Verdict) -> str:
+    """Return what a verdict is: an event apart from what else is unknown, a set by its name."""
+    if verdict.answer == "unknown":
+        is_event = all(one.kind == "event" for one in verdict.unknown)
+        return "event" if is_event else "unknown"
+    return "set" if verdict.answer == "not_identifiable" else verdict.answer
+
+
+def _effect(e: EffectFinding, rivals: Mapping[EffectAt, Ambiguity]) -> EffectSaid:
+    rival = rivals.get(e.place)
+    return EffectSaid(
+        place=place_words(e.place),
+        text=e.text,
+        numbers=tuple(
+            NumberSaid(name=n.name, value=n.value, unit=n.unit, low=n.low, high=n.high)
+            for n in number_rows(e)
+        ),
+        can_cancel=e.cancel,
+        to_do=remedy(e.place.effect, location_words(e.place.location)),
+        others=tuple(map(place_words, rival.alternatives)) if rival is not None else (),
+        experiments=rival.experiments if rival is not None else (),
+    )

@@ -1,0 +1,34 @@
+"""The verdict in words for a screen: one kind of five, and the sentences of the page."""
+
+import pytest
+
+from sim_plant.refine.model.effect_at import EffectAt
+from sim_plant.refine.report.summary import kind_of
+from sim_plant.refine.report.verdict import Ambiguity, UnknownFinding, Verdict
+
+EVENT = UnknownFinding(kind="event", coordinate={}, strength=1.0)
+ANGLE = UnknownFinding(kind="angle", coordinate={}, strength=1.0)
+SAME = Ambiguity(place=EffectAt("eccentric_roller", "R6"), alternatives=(), experiments=())
+
+
+@pytest.mark.parametrize(
+    ("answer", "unknown", "ambiguous", "kind"),
+    [
+        ("nothing", (), (), "nothing"),
+        ("traced", (), (), "traced"),
+        ("not_identifiable", (), (SAME,), "set"),
+        ("unknown", (EVENT,), (), "event"),
+        ("unknown", (EVENT, ANGLE), (), "unknown"),
+        ("unknown", (ANGLE,), (SAME,), "unknown"),
+    ],
+)
+def test_an_event_is_told_apart_from_what_else_is_unknown(answer, unknown, ambiguous, kind):
+    verdict = Verdict(
+        answer=answer,
+        effects=(),
+        unknown=unknown,
+        ambiguous=ambiguous,
+        residual_rms={},
+        holdout="b.csv",
+    )
+    assert kind_of(verdict) == kind
