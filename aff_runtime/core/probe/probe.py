@@ -18,13 +18,13 @@ from aff_runtime.core.params import ActuatorParams, ProbeParams, RollParams, Sit
 from aff_runtime.core.phase import Quality
 from aff_runtime.core.probe.drive_record import DriveRecord
 from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones, measured_sign
-from aff_runtime.core.probe.excitation import Waveform, log_grid, spread
+from aff_runtime.core.probe.excitation import Waveform, log_grid, spread, step_Hz
 from aff_runtime.core.probe.strange_ripple import RippleLine
 from aff_runtime.core.response import Provenance, Response
 
 BINS_APART = 1.5
 LOW_SHARE = 0.6
-FILL_PER_S = 8000  # a share of the tick that does not grow when it gets shorter
+LOW_PERIODS = 3.0  # of the lowest tone in what is measured
 MIN_RATIO = 0.5
 RATIO_SPREAD = 0.02
 MIN_GOOD_SHARE = 0.8
@@ -85,7 +85,6 @@ class Probe:
         self._sample = -1
         self._heard_s = 0.0
         self._filling = 0
-        self._fill_per_tick = max(1, round(FILL_PER_S * site.cycle_s))
         self.stage = Stage.LISTENING
         self.reason = ""
 
@@ -124,7 +123,7 @@ class Probe:
     def _prepare(self) -> None:
         if self._filling >= len(self._waves):
             self.stage = Stage.EXCITING
-        elif self._waves[self._filling].fill(self._fill_per_tick):
+        elif self._waves[self._filling].fill():
             self._filling += 1
 
     def _excite(
@@ -159,7 +158,7 @@ class Probe:
         blocks live on. The grids for other speeds and radii share what room is left.
         """
         p = self._p
-        spacing_Hz = BINS_APART / (p.duration_s - 2.0 * p.fade_s - p.settle_s)
+        spacing_Hz = BINS_APART / self._measured_s
         rolls = self._phases.by_name
         turns_Hz = {name: abs(phase.omega_rad_s) / math.tau for name, phase in rolls.items()}
         taken = [n * f for f in turns_Hz.values() for n in range(1, p.nuisance_orders + 1)]
@@ -167,7 +166,9 @@ class Probe:
         for wanted_of in (self._beside_orders_Hz, self._grid_Hz):
             for mine, actuator in zip(plan, self._probed, strict=True):
                 now = [n * turns_Hz[roll] for roll, n in actuator.orders]
-                placed = spread(wanted_of(actuator, now), taken, spacing_Hz)
+                placed = spread(
+                    wanted_of(actuator, now), taken, spacing_Hz, step_Hz(self._site.cycle_s)
+                )
                 taken += placed
                 mine.extend(placed)
         return plan
@@ -179,11 +180,22 @@ class Probe:
         return [*beside, *self._p.extra_frequencies_Hz]
 
     def _grid_Hz(self, actuator: ActuatorParams, now_Hz: list[float]) -> list[float]:
-        """Return a log grid from below the lowest order to the highest it will sweep."""
+        """Return a log grid from below the lowest order to the highest it will sweep.
+
+        The integral time of a speed loop and the inertia show below all orders, where what a
+        drive does about a correction is no more hidden by what it does about the web: for them
+        some tones stand there too.
+        """
         p = self._p
         low_Hz = LOW_SHARE * min((f for f in now_Hz if f > 0.0), default=0.0)
         high_Hz = min(p.f_max_Hz, max([*now_Hz, *self._swept_Hz(actuator)], default=0.0))
-        return log_grid(low_Hz, high_Hz, p.grid_points)
+        lowest_Hz = max(step_Hz(self._site.cycle_s), LOW_PERIODS / self._measured_s)
+        below = log_grid(lowest_Hz, low_Hz, p.low_points + 1)[:-1]
+        return [*below, *log_grid(low_Hz, high_Hz, p.grid_points)]
+
+    @property
+    def _measured_s(self) -> float:
+        return self._p.duration_s - 2.0 * self._p.fade_s - self._p.settle_s
 
     def _swept_Hz(self, actuator: ActuatorParams) -> list[float]:
         """Return the highest frequency of every order: smallest radius, highest speed."""
