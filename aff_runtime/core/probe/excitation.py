@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 PERIOD_S = 10.0
 """Every tone is a whole multiple of one turn in this time: the wave repeats, and has so few
-samples that phases can be found which keep its peak low."""
+samples that phases can be found which keep its peak low. Two waves at once take twice as long."""
 MAX_SHIFTS = 400
 LOUDEST = 1.5
 ROUNDS = 300
@@ -21,9 +21,19 @@ OVERSAMPLED = 4
 NEARLY = 1.0 - 1e-9
 
 
-def step_Hz(cycle_s: float) -> float:
-    """Return the frequency that every tone is a multiple of: once in a whole number of cycles."""
-    return 1.0 / (max(1, round(PERIOD_S / cycle_s)) * cycle_s)
+def step_Hz(cycle_s: float, waves: int = 1) -> float:
+    """Return the frequency that every tone is a multiple of: once in a whole number of cycles.
+
+    Parameters
+    ----------
+    waves : that are played at once: each has tones of its own, and all need room.
+    """
+    return 1.0 / (_period(cycle_s, waves) * cycle_s)
+
+
+def _period(cycle_s: float, waves: int) -> int:
+    """Return after how many samples a wave repeats."""
+    return max(1, round(waves * PERIOD_S / cycle_s))
 
 
 def spread(
@@ -73,12 +83,17 @@ class Waveform:
     times their rms. Clipping the wave and taking the phases of what is left, again and again
     (van der Ouderaa et al. 1988), brings it to 2: four times the power with the same peak.
     ``fill`` does one such round, so that no tick is long; no sample exceeds ``peak``.
+
+    Parameters
+    ----------
+    samples : of the whole excitation.
+    waves : that are played at once, see ``step_Hz``.
     """
 
-    def __init__(self, samples: int, cycle_s: float) -> None:
+    def __init__(self, samples: int, cycle_s: float, waves: int = 1) -> None:
         self._samples = samples
         self._cycle_s = cycle_s
-        self._period = max(1, round(PERIOD_S / cycle_s))
+        self._period = _period(cycle_s, waves)
         self._fade_s = 1.0
         self._at: npt.NDArray[np.int64] = np.zeros(0, dtype=np.int64)
         self._sizes = np.zeros(0)

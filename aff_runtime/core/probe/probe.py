@@ -74,7 +74,9 @@ class Probe:
         self._positions = [site.actuators.index(a) for a in self._probed]
         self._signals = [index[a.signal] for a in self._probed]
         self._samples = round(params.duration_s / site.cycle_s)
-        self._waves = [Waveform(self._samples, site.cycle_s) for _ in self._probed]
+        waves = len(self._probed)
+        self._step_Hz = step_Hz(site.cycle_s, max(1, waves))
+        self._waves = [Waveform(self._samples, site.cycle_s, waves) for _ in self._probed]
         self._record = [_column(self._samples) for _ in self._probed]
         self._ratio = [_column(self._samples) for _ in self._probed]
         self._theta = [_column(self._samples) for _ in site.rolls]
@@ -155,7 +157,8 @@ class Probe:
         """Return tones per actuator, clear of all ripple and of each other.
 
         The tones beside the orders of every actuator find their places first: these are what its
-        blocks live on. The grids for other speeds and radii share what room is left.
+        blocks live on. The grids for other speeds and radii share what room is left; who wants
+        the fewest tones chooses first.
         """
         p = self._p
         spacing_Hz = BINS_APART / self._measured_s
@@ -164,13 +167,14 @@ class Probe:
         taken = [n * f for f in turns_Hz.values() for n in range(1, p.nuisance_orders + 1)]
         plan: list[list[float]] = [[] for _ in self._probed]
         for wanted_of in (self._beside_orders_Hz, self._grid_Hz):
-            for mine, actuator in zip(plan, self._probed, strict=True):
-                now = [n * turns_Hz[roll] for roll, n in actuator.orders]
-                placed = spread(
-                    wanted_of(actuator, now), taken, spacing_Hz, step_Hz(self._site.cycle_s)
-                )
+            wanted = [
+                wanted_of(actuator, [n * turns_Hz[roll] for roll, n in actuator.orders])
+                for actuator in self._probed
+            ]
+            for j in sorted(range(len(plan)), key=lambda j: len(wanted[j])):
+                placed = spread(wanted[j], taken, spacing_Hz, self._step_Hz)
                 taken += placed
-                mine.extend(placed)
+                plan[j] += placed
         return plan
 
     def _beside_orders_Hz(self, _: ActuatorParams, now_Hz: list[float]) -> list[float]:
@@ -184,14 +188,17 @@ class Probe:
 
         The integral time of a speed loop and the inertia show below all orders, where what a
         drive does about a correction is no more hidden by what it does about the web: for them
-        some tones stand there too.
+        some tones stand there too, where the drive turns a roll whose radius is seen.
         """
         p = self._p
         low_Hz = LOW_SHARE * min((f for f in now_Hz if f > 0.0), default=0.0)
         high_Hz = min(p.f_max_Hz, max([*now_Hz, *self._swept_Hz(actuator)], default=0.0))
-        lowest_Hz = max(step_Hz(self._site.cycle_s), LOW_PERIODS / self._measured_s)
-        below = log_grid(lowest_Hz, low_Hz, p.low_points + 1)[:-1]
-        return [*below, *log_grid(low_Hz, high_Hz, p.grid_points)]
+        grid = log_grid(low_Hz, high_Hz, p.grid_points)
+        turned = next((r for r in self._site.rolls if r.name == actuator.turned_roll), None)
+        if turned is None or turned.radius is None:
+            return grid
+        lowest_Hz = max(self._step_Hz, LOW_PERIODS / self._measured_s)
+        return [*log_grid(lowest_Hz, low_Hz, p.low_points + 1)[:-1], *grid]
 
     @property
     def _measured_s(self) -> float:
