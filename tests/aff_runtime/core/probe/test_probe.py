@@ -115,7 +115,10 @@ def test_two_actuators_at_once_on_interleaved_tones():
         steps = probe.step(snapshot(line.tick, y1, y2, *rest), CYCLE_S, permission)
         sent = (steps[0].value, steps[1].value)
         line.advance(0.0)
-    for result, plant in zip(probe.result(ORIGIN), (first, second), strict=True):
+    results = probe.result(ORIGIN)
+    for result, omega_rad_s in zip(results, (line.omega, line.swrap_omega), strict=True):
+        assert result.response.band_Hz[0] < omega_rad_s / math.tau
+    for result, plant in zip(results, (first, second), strict=True):
         for p in result.response.points:
             error = cmath.rect(p.gain, p.phase_rad) / plant.at(p.frequency_Hz)
             assert abs(error - 1) < 0.03
