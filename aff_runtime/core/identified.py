@@ -27,8 +27,10 @@ class Estimate:
         return self.low > 0.0 and self.high <= WIDEST * self.low
 
     def __str__(self) -> str:
-        """Return value and interval, three digits each."""
-        return f"{self.value:.3g} ({self.low:.3g} to {self.high:.3g})"
+        """Return value and interval, three digits each; the interval alone where it is wide."""
+        if self.is_sure:
+            return f"{self.value:.3g} ({self.low:.3g} to {self.high:.3g})"
+        return f"not shown by this probe, between {self.low:.3g} and {self.high:.3g}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

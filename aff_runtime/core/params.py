@@ -205,8 +205,9 @@ class ProbeParams:
 
     ``amplitude`` bounds the whole excitation of each actuator in its unit. Tones stand
     ``offset_Hz`` beside every configured order, on a log grid of ``grid_points`` over the band
-    that the orders sweep (to the smallest radius at ``max_speed_m_s``, up to ``f_max_Hz``) and at
-    ``extra_frequencies_Hz``; above ``louder_from_Hz`` they grow with frequency. ``duration_s``
+    that the orders sweep (to the smallest radius at ``max_speed_m_s``, up to ``f_max_Hz``), on
+    ``low_points`` below it and at ``extra_frequencies_Hz``; above ``louder_from_Hz`` they grow
+    with frequency. ``duration_s``
     counts fades of ``fade_s`` and a wait of ``settle_s`` for transients; ``listen_s`` comes
     before.
     """
@@ -219,6 +220,7 @@ class ProbeParams:
     offset_Hz: float = 0.15
     extra_frequencies_Hz: tuple[float, ...] = field(default=())
     grid_points: int = 12
+    low_points: int = 0
     max_speed_m_s: float = 0.0
     fade_s: float = 1.0
     settle_s: float = 3.0

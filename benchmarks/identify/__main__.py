@@ -16,13 +16,13 @@ from benchmarks.identify.ripple import filled_in, left_N
 from benchmarks.rows import read_row, write_row
 
 FIRST, LINES = 100, 20
-KEYS = ("seed", "web", "true", "found", "ripple_N", "refused")
+KEYS = ("seed", "web", "true", "found", "ripple_N", "refused", "pulled_N")
 
 
 def row_of(seed: int) -> dict[str, Any]:
     """Probe one line and run it with its true and with the identified drive."""
     line = draw(seed)
-    response, refused = measured(line, noise=1)
+    response, refused, pulled_N = measured(line, noise=1)
     found, true = response.drive, line.drive()
     radius_m = found.radius_m if found is not None else line.radius_m
     row: dict[str, Any] = {
@@ -32,6 +32,7 @@ def row_of(seed: int) -> dict[str, Any]:
         "radius_m": radius_m,
         "amplitude_m_s": amplitude_m_s(line),
         "duration_s": line.duration_s,
+        "pulled_N": pulled_N,
         "refused": refused,
         "found": None if found is None else asdict(found),
         "true": {

@@ -7,6 +7,7 @@ from collections import deque
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from aff_runtime.base.signals import Outcome, Permission, Snapshot
 from aff_runtime.core.params import (
@@ -16,6 +17,7 @@ from aff_runtime.core.params import (
     ProbeParams,
     SiteParams,
 )
+from aff_runtime.core.probe.excitation import PERIOD_S
 from aff_runtime.core.probe.probe import Probe, Stage
 from aff_runtime.core.response import Provenance, Response
 from benchmarks.control.lines import Hidden
@@ -28,7 +30,7 @@ from sim_plant.line.kernel import log_frame, step_frame
 CYCLE_S = 0.005
 LARGEST_M_S, LARGEST_N = 0.03, 10.0
 ORDERS = 16
-TO_HZ, LOUDER_FROM_HZ, GRID, NUISANCE = 19.4, 3.0, 20, 24
+TO_HZ, LOUDER_FROM_HZ, GRID, LOW_GRID, NUISANCE = 19.4, 7.6, 20, 7, 24
 ABOUT = Provenance(actuator="unwind", signal="unwind_tension_N", cycle_s=CYCLE_S)
 
 
@@ -61,8 +63,8 @@ def actuator(drive: DriveParams | None = None, transport_s: float = CYCLE_S) -> 
     )
 
 
-def probe(line: DrawnLine, noise: int) -> Probe:
-    """Return a probe that is done, run on the line with noise of its own.
+def probe(line: DrawnLine, noise: int) -> tuple[Probe, list[float]]:
+    """Return a probe that is done, run on the line with noise of its own, and what it sent (m/s).
 
     Raises
     ------
@@ -77,6 +79,7 @@ def probe(line: DrawnLine, noise: int) -> Probe:
         f_max_Hz=TO_HZ,
         louder_from_Hz=LOUDER_FROM_HZ,
         grid_points=GRID,
+        low_points=LOW_GRID,
         nuisance_orders=NUISANCE,
         max_speed_m_s=1.6,
     )
@@ -101,6 +104,7 @@ def probe(line: DrawnLine, noise: int) -> Probe:
     log_frame(arrays, lay, state, work, row)
     late = deque([0.0] * (1 + round(line.delay_s / CYCLE_S)))
     sent, unwind = np.zeros(drives), plant.drive_index("unwind")
+    played: list[float] = []
     whole = Permission(adapt=True, applied_ratio=(1.0,), limit_ratio=(1.0,))
     tick = 0
     while law.stage not in (Stage.DONE, Stage.ABORTED):
@@ -116,7 +120,8 @@ def probe(line: DrawnLine, noise: int) -> Probe:
             roll_id=1,
             values=values,
         )
-        late.append(law.step(snapshot, CYCLE_S, whole)[0].value)
+        played.append(law.step(snapshot, CYCLE_S, whole)[0].value)
+        late.append(played[-1])
         sent[unwind] = late.popleft()
         step_frame(
             arrays,
@@ -133,10 +138,31 @@ def probe(line: DrawnLine, noise: int) -> Probe:
         tick += 1
     if law.stage is Stage.ABORTED or not math.isfinite(float(row.sum())):
         raise RuntimeError(f"line {line.seed}: {law.reason}")
-    return law
+    return law, played
 
 
-def measured(line: DrawnLine, noise: int) -> tuple[Response, str]:
-    """Return what a probe finds, and why it found nothing of the drive."""
-    (result,) = probe(line, noise).result({"unwind": replace(ABOUT, radius_m=line.radius_m)})
-    return result.response, result.no_drive
+def measured(line: DrawnLine, noise: int) -> tuple[Response, str, float]:
+    """Return what a probe finds, why it found nothing of the drive, and how far it pulled (N)."""
+    law, played = probe(line, noise)
+    (result,) = law.result({"unwind": replace(ABOUT, radius_m=line.radius_m)})
+    return result.response, result.no_drive, _pulled_N(line, np.array(played))
+
+
+def _pulled_N(line: DrawnLine, played: npt.NDArray[np.float64]) -> float:
+    """Return the largest tension that the tones make, by the frequency response of the true line.
+
+    They repeat in ``PERIOD_S``: one period from the middle has each tone in a bin of its own.
+    """
+    period = round(PERIOD_S / CYCLE_S)
+    middle = played.size // 2
+    lines = np.fft.rfft(played[middle : middle + period])
+    tones = np.flatnonzero(np.abs(lines) > 1e-3 * np.abs(lines).max())
+    answer = np.zeros_like(lines)
+    answer[tones] = lines[tones] * response(
+        without_effects(line.declaration),
+        "unwind",
+        "unwind_tension_N",
+        tones / (period * CYCLE_S),
+        line.speed_m_s,
+    )
+    return float(np.abs(np.fft.irfft(answer, period)).max())

@@ -25,9 +25,10 @@ from aff_runtime.core.params import (
 NOISE_N, NOISE_M_S = 0.6, 2e-4
 CYCLES_ON_THE_WAY = 3  # the angle's age, one tick to be sent, one PLC scan to the drive
 TONE_ABOVE = 1.02  # of the band's end: a tone above the highest order that goes out
-LOUDER_FROM = 0.158  # of the band's end: from here on the drive takes tones away
+LOUDER_FROM = 0.4  # of the band's end: from here on the line answers least
 BLOCKS_LOUDER_FROM = 0.3  # of the plain law's: its drive is not declared
 SHAPE_GRID = 20
+DRIVE_GRID = 7  # tones below all orders, which tell the drive's own numbers
 FASTER = 2.0  # than the highest line speed that is believed: no roll turns so
 ORDERS_BEYOND = 8  # ripple above the highest order that the site corrects
 _COUNTS = {"u16": 2**16, "i16": 2**16, "u32": 2**32, "i32": 2**32}
@@ -95,6 +96,7 @@ def _shape_probe(site: Site, end_Hz: float) -> ProbeParams:
         f_max_Hz=TONE_ABOVE * end_Hz,
         louder_from_Hz=LOUDER_FROM * end_Hz,
         grid_points=SHAPE_GRID,
+        low_points=DRIVE_GRID,
         nuisance_orders=highest + ORDERS_BEYOND,
     )
 

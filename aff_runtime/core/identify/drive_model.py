@@ -49,22 +49,26 @@ UNKNOWNS = (
     Unknown(name="loss_s", usual=0.002, spread=0.005, is_log=False),
     Unknown(name="cell_s", usual=0.01, spread=0.03, is_log=False),
     Unknown(name="renewal_rad_s", usual=0.2, spread=0.2, is_log=False),
-    Unknown(name="first_span", usual=1.5, spread=0.5),
-    Unknown(name="last_span", usual=1.0, spread=0.5),
+    Unknown(name="drag_rad_s", usual=0.1, spread=0.2, is_log=False),
 )
 NAMES = tuple(unknown.name for unknown in UNKNOWNS)
+"""Of the numbers that every path has; those of its idlers and spans come behind them."""
+_COMMON = len(UNKNOWNS)
 _LOG = np.array([unknown.is_log for unknown in UNKNOWNS])
-_USUAL = np.array([unknown.start for unknown in UNKNOWNS])
-_SPREAD = np.array([unknown.spread for unknown in UNKNOWNS])
+MASS_SPREAD = 0.35
+"""Of the logarithm: how unlike the idlers of one path are."""
+LENGTHS = {"last": (1.0, 0.5), "between": (1.0, 0.35), "first": (1.5, 0.5)}
+"""Span lengths over that of a usual one, and the spread of their logarithm."""
 
 
 def _sized(found: Floats) -> Floats:
-    """Return the unknowns in their own units."""
-    return np.where(_LOG, np.exp(np.where(_LOG, found, 0.0)), found)
+    """Return the common unknowns in their own units."""
+    common = found[..., :_COMMON]
+    return np.where(_LOG, np.exp(np.where(_LOG, common, 0.0)), common)
 
 
 def sizes(found: Floats) -> dict[str, float]:
-    """Return one set of unknowns by name, in their own units."""
+    """Return one set of common unknowns by name, in their own units."""
     return dict(zip(NAMES, map(float, _sized(found)), strict=True))
 
 
@@ -93,7 +97,8 @@ class DriveModel:
 
     Attributes
     ----------
-    idlers, cell : of the web path, see ``web_chain``.
+    idlers, cell : of the web path, see ``web_chain``. Its idlers and spans are not alike: the
+        logarithm of every mass and length is an unknown of its own.
     as_torque : the correction enters as a torque behind the speed loop instead.
     """
 
@@ -122,28 +127,29 @@ class DriveModel:
         p = {name: column[:, None] for name, column in zip(NAMES, _sized(found).T, strict=True)}
         omega = self.phasors.omega_rad_s
         s = np.asarray(1j * omega, dtype=np.complex128)
+        masses, lengths = np.split(np.exp(found[:, _COMMON:]), [self.idlers], axis=1)
         chain = WebChain(
             stiffness_N_m=p["stiffness_N_m"],
-            mass_kg=p["mass_kg"],
             loss_s=p["loss_s"],
             renewal_rad_s=p["renewal_rad_s"],
-            first_span=p["first_span"],
-            last_span=p["last_span"],
+            drag_rad_s=p["drag_rad_s"],
+            masses_kg=p["mass_kg"] / self.idlers * masses,
+            lengths=lengths,
         )
-        web = seen_from_the_far_end(chain, s, self.idlers, self.cell)
-        by_cell = (1.0 + s * p["cell_s"]) / web.cell_tension[..., 0]
-        by_end = -web.cell_tension[..., 1] / web.cell_tension[..., 0]
+        web = seen_from_the_far_end(chain, s, self.cell)
+        by_cell = (1.0 + s * p["cell_s"]) / web.cell_tension[0]
+        by_end = -web.cell_tension[1] / web.cell_tension[0]
         speed_loop = p["gain_rad_s"] * (1.0 + p["corner_rad_s"] / s)
         tension_loop = p["loop_gain_m_s_N"] * (1.0 + p["loop_corner_rad_s"] / s)
         tension_loop = tension_loop * np.exp(-s * (p["delay_s"] + p["loop_later_s"]))
-        pull = p["pull_per_kg"][..., None] * web.roll_tension
+        pull = p["pull_per_kg"] * web.roll_tension
         on_seen = np.zeros((len(found), omega.size, BALANCES, 3), dtype=np.complex128)
         on_seen[..., 0, 0] = s + speed_loop * np.exp(-s * p["lag_s"]) + p["friction_rad_s"]
-        on_seen[..., 0, 1] = -speed_loop * tension_loop - pull[..., 0] * by_cell
-        on_seen[..., 0, 2] = -pull[..., 1] - pull[..., 0] * by_end
+        on_seen[..., 0, 1] = -speed_loop * tension_loop - pull[0] * by_cell
+        on_seen[..., 0, 2] = -pull[1] - pull[0] * by_end
         on_seen[..., 1, 0] = 1.0
-        on_seen[..., 1, 1] = -web.roll_speed[..., 0] * by_cell
-        on_seen[..., 1, 2] = -web.roll_speed[..., 1] - web.roll_speed[..., 0] * by_end
+        on_seen[..., 1, 1] = -web.roll_speed[0] * by_cell
+        on_seen[..., 1, 2] = -web.roll_speed[1] - web.roll_speed[0] * by_end
         sent = np.zeros((len(found), omega.size, BALANCES), dtype=np.complex128)
         held = np.sinc(omega * self.cycle_s / math.tau)
         enters = p["gain_rad_s"] if self.as_torque else speed_loop
@@ -165,9 +171,16 @@ class DriveModel:
 
     def all_residuals(self, found: Floats) -> Floats:
         """Return ``residual`` and how far the unknowns are from what is usual."""
-        return np.concatenate([self.residual(found), (found - _USUAL) / _SPREAD], axis=1)
+        usual, spread = self.usual
+        return np.concatenate([self.residual(found), (found - usual) / spread], axis=1)
 
-
-def usual() -> Floats:
-    """Return where a search begins."""
-    return _USUAL.copy()
+    @property
+    def usual(self) -> tuple[Floats, Floats]:
+        """Return what is usual of every unknown, where a search begins, and its spread."""
+        spans = [LENGTHS["last"], *[LENGTHS["between"]] * (self.idlers - 1), LENGTHS["first"]]
+        usual = [*(one.start for one in UNKNOWNS), *[0.0] * self.idlers]
+        spread = [*(one.spread for one in UNKNOWNS), *[MASS_SPREAD] * self.idlers]
+        return (
+            np.array([*usual, *(math.log(length) for length, _ in spans)]),
+            np.array([*spread, *(width for _, width in spans)]),
+        )

@@ -17,7 +17,8 @@ SIDES = 16
 """Places beside a tone that its noise is told from."""
 WITHIN = 0.4
 """A place of which the regression leaves less than this tells nothing."""
-SEARCHED = 30
+SEARCHED = (30, 60)
+"""Places beside a tone that are looked at, and where too few of them are clear."""
 TREND_TO = 6
 SPANNED = 1e-10
 
@@ -117,21 +118,29 @@ def _density(
     time_s: Floats, residual: Floats, basis: npt.NDArray[np.float32], omega: float, span_s: float
 ) -> Complexes:
     """Return the covariance of the white noise that would be as large as what is there nearby."""
-    steps = np.arange(1, SEARCHED + 1)
-    aside = 0.25 + 0.5 * ((steps + 1) // 2) * np.where(steps % 2 == 0, -1.0, 1.0)
-    places = omega + math.tau * aside / span_s
-    places = places[places > 0.0]
-    turns = places[:, None] * time_s[None, :]
-    cos, sin = np.cos(turns), np.sin(turns)
-    thin = basis.dtype
-    held = ((cos.astype(thin) @ basis) ** 2).sum(axis=1) + ((sin.astype(thin) @ basis) ** 2).sum(
-        axis=1
-    )
-    left = 1.0 - held / time_s.size
-    # what the columns leave of a place's own noise, and no other's
-    clear = np.flatnonzero(left > WITHIN)[:SIDES]
+    for searched in SEARCHED:
+        cos, sin, left = _places(time_s, basis, omega, span_s, searched)
+        # what the columns leave of a place's own noise, and no other's
+        clear = np.flatnonzero(left > WITHIN)[:SIDES]
+        if clear.size == SIDES:
+            break
     if clear.size < SIDES // 2:
         raise RefusedError("the tones stand too close to tell their noise; probe for longer")
     found = (cos[clear] - 1j * sin[clear]) @ residual
     near = found / np.sqrt(time_s.size * left[clear])[:, None]
     return np.asarray(near.T @ near.conj() / clear.size)
+
+
+def _places(
+    time_s: Floats, basis: npt.NDArray[np.float32], omega: float, span_s: float, searched: int
+) -> tuple[Floats, Floats, Floats]:
+    """Return cos and sin at places beside a tone, and the share of each that no column holds."""
+    steps = np.arange(1, searched + 1)
+    aside = 0.25 + 0.5 * ((steps + 1) // 2) * np.where(steps % 2 == 0, -1.0, 1.0)
+    places = omega + math.tau * aside / span_s
+    places = places[places > 0.0]
+    turns = places[:, None] * time_s[None, :]
+    cos, sin = np.cos(turns), np.sin(turns)
+    held = ((cos.astype(basis.dtype) @ basis) ** 2).sum(axis=1)
+    held += ((sin.astype(basis.dtype) @ basis) ** 2).sum(axis=1)
+    return cos, sin, 1.0 - held / time_s.size

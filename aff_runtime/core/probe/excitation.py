@@ -1,30 +1,58 @@
-"""Probe tones: where they stand, their phases, and the table of samples that plays them."""
+"""Probe tones: where they stand, and the wave of low peak that plays them."""
 
 from __future__ import annotations
 
 import math
-from array import array
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+import numpy.typing as npt
+
+PERIOD_S = 10.0
+"""Every tone is a whole multiple of one turn in this time: the wave repeats, and has so few
+samples that phases can be found which keep its peak low. Two waves at once take twice as long."""
 MAX_SHIFTS = 400
-LOUDEST = 3.0
+LOUDEST = 1.5
+ROUNDS = 300
+CLIPPED = (0.85, 0.93)
+"""Share of the peak that a round leaves: in the first half of them, and in the second."""
+OVERSAMPLED = 4
+"""Samples per period of the highest tone, at least, where phases are sought."""
+NEARLY = 1.0 - 1e-9
+
+
+def step_Hz(cycle_s: float, waves: int = 1) -> float:
+    """Return the frequency that every tone is a multiple of: once in a whole number of cycles.
+
+    Parameters
+    ----------
+    waves : that are played at once: each has tones of its own, and all need room.
+    """
+    return 1.0 / (_period(cycle_s, waves) * cycle_s)
+
+
+def _period(cycle_s: float, waves: int) -> int:
+    """Return after how many samples a wave repeats."""
+    return max(1, round(waves * PERIOD_S / cycle_s))
 
 
 def spread(
-    wanted_Hz: Iterable[float], taken_Hz: Sequence[float], spacing_Hz: float
+    wanted_Hz: Iterable[float], taken_Hz: Sequence[float], spacing_Hz: float, step_Hz: float
 ) -> list[float]:
-    """Return the wanted frequencies, each shifted least so that all keep ``spacing_Hz``.
+    """Return the wanted frequencies, each moved to the nearest free multiple of ``step_Hz``.
 
-    The distance holds between tones and from every frequency in ``taken_Hz``. Frequencies below
-    ``spacing_Hz`` and those that find no place are left out.
+    Free is what keeps ``spacing_Hz`` from every tone and every frequency in ``taken_Hz``.
+    Multiples below ``spacing_Hz`` are not used; what finds no place is left out.
     """
     occupied = list(taken_Hz)
     placed: list[float] = []
+    apart = NEARLY * spacing_Hz
     for wanted in wanted_Hz:
+        nearest = round(wanted / step_Hz)
         for k in range(MAX_SHIFTS):
-            shift = 0.25 * spacing_Hz * ((k + 1) // 2)
-            f = wanted + (shift if k % 2 else -shift)
-            if f >= spacing_Hz and all(abs(f - other) >= spacing_Hz for other in occupied):
+            shift = (k + 1) // 2
+            f = (nearest + (shift if k % 2 else -shift)) * step_Hz
+            if f >= max(apart, NEARLY * step_Hz) and all(abs(f - o) >= apart for o in occupied):
                 occupied.append(f)
                 placed.append(f)
                 break
@@ -40,7 +68,7 @@ def log_grid(low_Hz: float, high_Hz: float, count: int) -> list[float]:
 
 
 def loudness(frequency_Hz: float, louder_from_Hz: float) -> float:
-    """Return a tone's amplitude beside the others: 1, growing with frequency from there to 3.
+    """Return a tone's amplitude beside the others: 1, growing with frequency to ``LOUDEST``.
 
     The faster a correction, the less a line answers; equal tones leave the fast ones in noise.
     """
@@ -48,47 +76,73 @@ def loudness(frequency_Hz: float, louder_from_Hz: float) -> float:
 
 
 class Waveform:
-    """A sum of tones with Schroeder phases, faded in and out, scaled to a peak.
+    """A sum of tones with phases that keep its peak low, faded in and out, scaled to a peak.
 
-    The table is filled piece by piece (``fill``), so that no tick is long; the greatest sample
-    then sets the amplitude, so that no sample exceeds ``peak`` and most of it is used.
+    What a record tells grows with the power of the tones, what the line feels is their peak. By
+    equal steps of phase (Schroeder) a peak of 40 tones that stand evenly in octaves is 4 to 4.6
+    times their rms. Clipping the wave and taking the phases of what is left, again and again
+    (van der Ouderaa et al. 1988), brings it to 2: four times the power with the same peak.
+    ``fill`` does one such round, so that no tick is long; no sample exceeds ``peak``.
+
+    Parameters
+    ----------
+    samples : of the whole excitation.
+    waves : that are played at once, see ``step_Hz``.
     """
 
-    def __init__(self, samples: int, cycle_s: float) -> None:
-        self._table = array("d", bytes(8 * samples))
+    def __init__(self, samples: int, cycle_s: float, waves: int = 1) -> None:
+        self._samples = samples
         self._cycle_s = cycle_s
-        self._filled = 0
-        self._largest = 0.0
+        self._period = _period(cycle_s, waves)
         self._fade_s = 1.0
-        self._tones: tuple[tuple[float, float, float], ...] = ()
+        self._at: npt.NDArray[np.int64] = np.zeros(0, dtype=np.int64)
+        self._sizes = np.zeros(0)
+        self._phases = np.zeros(0)
+        self._sought, self._lowest = self._phases, math.inf
+        self._coarse, self._rounds = 1, 0
+        self._table: list[float] = []
+        self._largest = self._steepest = 0.0
 
     def plan(self, tones_Hz: Sequence[float], fade_s: float, louder_from_Hz: float) -> None:
-        """Choose the tones; what was filled before is void."""
-        count = max(1, len(tones_Hz))
+        """Choose the tones, multiples of ``step_Hz``; what was filled before is void."""
         ordered = sorted(tones_Hz)
-        self._tones = tuple(
-            (math.tau * f, -math.pi * k * (k + 1) / count, loudness(f, louder_from_Hz))
-            for k, f in enumerate(ordered)
-        )
+        count = np.arange(len(ordered))
+        self._at = np.rint(np.array(ordered) * self._period * self._cycle_s).astype(np.int64)
+        self._sizes = np.array([loudness(f, louder_from_Hz) for f in ordered])
+        self._sought = -math.pi * count * (count + 1) / max(1, count.size)
+        self._phases, self._lowest = self._sought, math.inf
+        highest = int(self._at.max(initial=1))
+        self._coarse = 2 ** math.ceil(math.log2(OVERSAMPLED * highest))
         self._fade_s = fade_s
-        self._filled = 0
-        self._largest = 0.0
+        self._rounds = 0
+        self._table = []
+        self._largest = self._steepest = 0.0
 
-    def fill(self, samples: int) -> bool:
-        """Work out some more samples; True when the table is complete."""
-        total = len(self._table)
-        end_s = total * self._cycle_s
-        for k in range(self._filled, min(total, self._filled + samples)):
-            t_s = k * self._cycle_s
-            value = 0.0
-            for omega, phase, size in self._tones:
-                value += size * math.cos(omega * t_s + phase)
-            edge = min(t_s, end_s - t_s) / self._fade_s
-            value *= 0.5 - 0.5 * math.cos(math.pi * min(1.0, edge))
-            self._table[k] = value
-            self._largest = max(self._largest, abs(value))
-            self._filled = k + 1
-        return self._filled >= total
+    def fill(self) -> bool:
+        """Look once more for phases of a lower peak; True when the wave is ready."""
+        if self._rounds < ROUNDS:
+            self._round(CLIPPED[2 * self._rounds >= ROUNDS])
+            self._rounds += 1
+        elif not self._table:
+            wave = self._wave(self._phases, self._period)
+            self._largest = float(np.abs(wave).max())
+            self._steepest = float(np.abs(np.diff(wave, append=wave[0])).max()) / self._cycle_s
+            self._table = wave.tolist()
+        return bool(self._table)
+
+    def _round(self, kept: float) -> None:
+        wave = self._wave(self._sought, self._coarse)
+        peak = float(np.abs(wave).max())
+        if peak < self._lowest:
+            self._phases, self._lowest = self._sought, peak
+        clipped = np.clip(wave, -kept * peak, kept * peak)
+        self._sought = np.angle(np.fft.rfft(clipped)[self._at])
+
+    def _wave(self, phases: npt.NDArray[np.float64], samples: int) -> npt.NDArray[np.float64]:
+        """Return one period of the sum."""
+        lines = np.zeros(samples // 2 + 1, dtype=np.complex128)
+        lines[self._at] = 0.5 * samples * self._sizes * np.exp(1j * phases)
+        return np.asarray(np.fft.irfft(lines, samples))
 
     def amplitude(self, peak: float) -> float:
         """Return the amplitude of a tone of loudness 1 when no sample may exceed ``peak``."""
@@ -96,14 +150,21 @@ class Waveform:
 
     def sample(self, k: int, peak: float) -> float:
         """Return sample ``k``, 0 outside the table."""
-        return self._table[k] * self.amplitude(peak) if 0 <= k < len(self._table) else 0.0
+        if not 0 <= k < self._samples or not self._table:
+            return 0.0
+        edge = min(k, self._samples - k) * self._cycle_s / self._fade_s
+        faded = 0.5 - 0.5 * math.cos(math.pi * edge) if edge < 1.0 else 1.0
+        return self._table[k % self._period] * faded * self.amplitude(peak)
 
     def slew(self, peak: float) -> float:
         """Return a bound of the waveform's rate of change."""
-        tones = self.amplitude(peak) * sum(size * omega for omega, _, size in self._tones)
-        return tones + peak * 0.5 * math.pi / self._fade_s
+        return self.amplitude(peak) * self._steepest + peak * 0.5 * math.pi / self._fade_s
 
     @property
     def tones(self) -> tuple[tuple[float, float, float], ...]:
         """Angular frequency (rad/s), phase (rad) and loudness of every tone."""
-        return self._tones
+        turn = math.tau / (self._period * self._cycle_s)
+        return tuple(
+            (turn * int(at), float(phase), float(size))
+            for at, phase, size in zip(self._at, self._phases, self._sizes, strict=True)
+        )

@@ -18,13 +18,13 @@ from aff_runtime.core.params import ActuatorParams, ProbeParams, RollParams, Sit
 from aff_runtime.core.phase import Quality
 from aff_runtime.core.probe.drive_record import DriveRecord
 from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones, measured_sign
-from aff_runtime.core.probe.excitation import Waveform, log_grid, spread
+from aff_runtime.core.probe.excitation import Waveform, log_grid, spread, step_Hz
 from aff_runtime.core.probe.strange_ripple import RippleLine
 from aff_runtime.core.response import Provenance, Response
 
 BINS_APART = 1.5
 LOW_SHARE = 0.6
-FILL_PER_S = 8000  # a share of the tick that does not grow when it gets shorter
+LOW_PERIODS = 3.0  # of the lowest tone in what is measured
 MIN_RATIO = 0.5
 RATIO_SPREAD = 0.02
 MIN_GOOD_SHARE = 0.8
@@ -74,7 +74,9 @@ class Probe:
         self._positions = [site.actuators.index(a) for a in self._probed]
         self._signals = [index[a.signal] for a in self._probed]
         self._samples = round(params.duration_s / site.cycle_s)
-        self._waves = [Waveform(self._samples, site.cycle_s) for _ in self._probed]
+        waves = len(self._probed)
+        self._step_Hz = step_Hz(site.cycle_s, max(1, waves))
+        self._waves = [Waveform(self._samples, site.cycle_s, waves) for _ in self._probed]
         self._record = [_column(self._samples) for _ in self._probed]
         self._ratio = [_column(self._samples) for _ in self._probed]
         self._theta = [_column(self._samples) for _ in site.rolls]
@@ -85,7 +87,6 @@ class Probe:
         self._sample = -1
         self._heard_s = 0.0
         self._filling = 0
-        self._fill_per_tick = max(1, round(FILL_PER_S * site.cycle_s))
         self.stage = Stage.LISTENING
         self.reason = ""
 
@@ -124,7 +125,7 @@ class Probe:
     def _prepare(self) -> None:
         if self._filling >= len(self._waves):
             self.stage = Stage.EXCITING
-        elif self._waves[self._filling].fill(self._fill_per_tick):
+        elif self._waves[self._filling].fill():
             self._filling += 1
 
     def _excite(
@@ -156,20 +157,24 @@ class Probe:
         """Return tones per actuator, clear of all ripple and of each other.
 
         The tones beside the orders of every actuator find their places first: these are what its
-        blocks live on. The grids for other speeds and radii share what room is left.
+        blocks live on. The grids for other speeds and radii share what room is left; who wants
+        the fewest tones chooses first.
         """
         p = self._p
-        spacing_Hz = BINS_APART / (p.duration_s - 2.0 * p.fade_s - p.settle_s)
+        spacing_Hz = BINS_APART / self._measured_s
         rolls = self._phases.by_name
         turns_Hz = {name: abs(phase.omega_rad_s) / math.tau for name, phase in rolls.items()}
         taken = [n * f for f in turns_Hz.values() for n in range(1, p.nuisance_orders + 1)]
         plan: list[list[float]] = [[] for _ in self._probed]
         for wanted_of in (self._beside_orders_Hz, self._grid_Hz):
-            for mine, actuator in zip(plan, self._probed, strict=True):
-                now = [n * turns_Hz[roll] for roll, n in actuator.orders]
-                placed = spread(wanted_of(actuator, now), taken, spacing_Hz)
+            wanted = [
+                wanted_of(actuator, [n * turns_Hz[roll] for roll, n in actuator.orders])
+                for actuator in self._probed
+            ]
+            for j in sorted(range(len(plan)), key=lambda j: len(wanted[j])):
+                placed = spread(wanted[j], taken, spacing_Hz, self._step_Hz)
                 taken += placed
-                mine.extend(placed)
+                plan[j] += placed
         return plan
 
     def _beside_orders_Hz(self, _: ActuatorParams, now_Hz: list[float]) -> list[float]:
@@ -179,11 +184,25 @@ class Probe:
         return [*beside, *self._p.extra_frequencies_Hz]
 
     def _grid_Hz(self, actuator: ActuatorParams, now_Hz: list[float]) -> list[float]:
-        """Return a log grid from below the lowest order to the highest it will sweep."""
+        """Return a log grid from below the lowest order to the highest it will sweep.
+
+        The integral time of a speed loop and the inertia show below all orders, where what a
+        drive does about a correction is no more hidden by what it does about the web: for them
+        some tones stand there too, where the drive turns a roll whose radius is seen.
+        """
         p = self._p
         low_Hz = LOW_SHARE * min((f for f in now_Hz if f > 0.0), default=0.0)
         high_Hz = min(p.f_max_Hz, max([*now_Hz, *self._swept_Hz(actuator)], default=0.0))
-        return log_grid(low_Hz, high_Hz, p.grid_points)
+        grid = log_grid(low_Hz, high_Hz, p.grid_points)
+        turned = next((r for r in self._site.rolls if r.name == actuator.turned_roll), None)
+        if turned is None or turned.radius is None:
+            return grid
+        lowest_Hz = max(self._step_Hz, LOW_PERIODS / self._measured_s)
+        return [*log_grid(lowest_Hz, low_Hz, p.low_points + 1)[:-1], *grid]
+
+    @property
+    def _measured_s(self) -> float:
+        return self._p.duration_s - 2.0 * self._p.fade_s - self._p.settle_s
 
     def _swept_Hz(self, actuator: ActuatorParams) -> list[float]:
         """Return the highest frequency of every order: smallest radius, highest speed."""

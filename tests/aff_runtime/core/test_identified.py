@@ -73,3 +73,8 @@ def test_an_interval_is_sure_up_to_thirty_percent_each_way():
     assert estimate(10.0, 0.2).is_sure
     assert not estimate(10.0, 0.4).is_sure
     assert not Estimate(value=0.1, low=-0.1, high=0.3).is_sure
+
+
+def test_a_number_that_is_not_sure_is_told_by_its_interval_alone():
+    assert str(estimate(10.0, 0.2)) == "10 (8 to 12)"
+    assert str(estimate(10.0, 0.4)) == "not shown by this probe, between 6 and 14"

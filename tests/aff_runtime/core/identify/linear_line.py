@@ -25,6 +25,8 @@ class LinearLine:
     radius_m: float = 0.2
     stiffness_N_m: float = 1400.0
     mass_kg: float = 6.0
+    masses: tuple[float, ...] = (1.0,) * IDLERS
+    """Of the idlers, beside each other."""
     cell_s: float = 0.01
     loop_gain_m_s_N: float = 0.002
     loop_corner_rad_s: float = 3.0
@@ -43,7 +45,7 @@ class LinearLine:
         A, B = np.zeros((7 + 2 * n, 7 + 2 * n)), np.zeros((7 + 2 * n, 1))
         span_at, idler_at = list(range(*spans.indices(99))), list(range(*idlers.indices(99)))
         spring = self.stiffness_N_m * (n + 1)
-        mass = self.mass_kg / n
+        mass_kg = [self.mass_kg * one / sum(self.masses) for one in self.masses]
         K, c = self.gain_rad_s, self.corner_rad_s
         # the speed loop's error: U + tension loop - V
         error = np.zeros(7 + 2 * n)
@@ -60,7 +62,7 @@ class LinearLine:
         for k, span in enumerate(span_at):
             A[span, bodies[k + 1]], A[span, bodies[k]] = spring, -spring
         for k, idler in enumerate(idler_at):
-            A[idler, span_at[k + 1]], A[idler, span_at[k]] = 1.0 / mass, -1.0 / mass
+            A[idler, span_at[k + 1]], A[idler, span_at[k]] = 1.0 / mass_kg[k], -1.0 / mass_kg[k]
         A[end, span_at[-1]] = -1.0 / 15.0
         A[end, end], A[end, end_integral], A[end_integral, end] = -20.0, -20.0 * 4.0, 1.0
         A[cell, span_at[-1]] = A[cell, span_at[-2]] = 0.5 / self.cell_s

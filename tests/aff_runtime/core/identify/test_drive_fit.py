@@ -41,6 +41,28 @@ def test_without_noise_to_speak_of_the_numbers_are_the_true_ones():
     assert drive.misfit < 2.0
 
 
+def test_idlers_that_are_unlike_make_the_drive_no_other():
+    line = LinearLine(masses=(2.0, 0.6, 1.4, 0.5))
+    drive = found(line, noise=1e-3)
+    for name in ("speed_gain_rad_s", "integral_time_s", "inertia_kg_m2"):
+        assert getattr(drive, name).value == pytest.approx(true_of(line)[name], rel=0.03), name
+    assert drive.misfit < 2.0
+
+
+def test_tones_below_all_orders_tell_the_integral_time():
+    """Twice as well at least, with as many tones of the same size."""
+    line = LinearLine()
+    spread = []
+    for lowest_Hz in (0.1, 1.0):
+        tones_Hz = np.geomspace(lowest_Hz, 10.0, 24)
+        drive = fit_drive(
+            line.phasors(tones_Hz, 0.02), cycle_s=CYCLE_S, roll="unwind", radius_m=line.radius_m
+        )
+        time_s = drive.integral_time_s
+        spread.append(np.log(time_s.high / time_s.low))
+    assert spread[0] < 0.5 * spread[1]
+
+
 def drawn(seed: int) -> LinearLine:
     rng = np.random.default_rng(seed)
     gain = float(np.exp(rng.uniform(np.log(8.0), np.log(50.0))))

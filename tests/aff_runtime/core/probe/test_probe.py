@@ -13,7 +13,7 @@ from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import Permission
 from aff_runtime.core.params import BlockParams, ProbeParams
 from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones
-from aff_runtime.core.probe.excitation import Waveform, log_grid, spread
+from aff_runtime.core.probe.excitation import LOUDEST, Waveform, log_grid, spread, step_Hz
 from aff_runtime.core.probe.probe import Probe, Stage
 from aff_runtime.core.response import Provenance, Response
 from tests.aff_runtime.core.plants import (
@@ -115,7 +115,10 @@ def test_two_actuators_at_once_on_interleaved_tones():
         steps = probe.step(snapshot(line.tick, y1, y2, *rest), CYCLE_S, permission)
         sent = (steps[0].value, steps[1].value)
         line.advance(0.0)
-    for result, plant in zip(probe.result(ORIGIN), (first, second), strict=True):
+    results = probe.result(ORIGIN)
+    for result, omega_rad_s in zip(results, (line.omega, line.swrap_omega), strict=True):
+        assert result.response.band_Hz[0] < omega_rad_s / math.tau
+    for result, plant in zip(results, (first, second), strict=True):
         for p in result.response.points:
             error = cmath.rect(p.gain, p.phase_rad) / plant.at(p.frequency_Hz)
             assert abs(error - 1) < 0.03
@@ -159,11 +162,12 @@ def test_record_full_of_holes_is_refused():
         probe.result(ORIGIN)
 
 
-def test_spread_keeps_its_distance():
-    tones = spread([1.0, 1.0, 1.05, 2.0], [1.0, 2.01], 0.1)
+def test_spread_keeps_its_distance_on_whole_steps():
+    tones = spread([1.0, 1.0, 1.05, 2.0], [1.0, 2.01], 0.1, 0.05)
     everything = sorted([*tones, 1.0, 2.01])
     assert len(tones) == 4
-    assert all(b - a >= 0.1 - 1e-12 for a, b in pairwise(everything))
+    assert all(b - a >= 0.1 - 1e-9 for a, b in pairwise(everything))
+    assert [f / 0.05 for f in tones] == pytest.approx([round(f / 0.05) for f in tones])
 
 
 def test_log_grid_has_equal_ratios():
@@ -171,24 +175,39 @@ def test_log_grid_has_equal_ratios():
     assert log_grid(0.0, 8.0, 4) == []
 
 
-def test_waveform_uses_its_peak_better_than_equal_phases_would():
-    wave = Waveform(4000, CYCLE_S)
-    wave.plan([0.5 + 0.25 * k for k in range(16)], 1.0, 3.0)
-    while not wave.fill(100):
-        pass
-    assert wave.amplitude(1.0) > 2 / 16
+def filled(tones_Hz, cycle_s=CYCLE_S, louder_from_Hz=100.0):
+    """Return a wave of 20 s that is ready, and its samples at a peak of 1."""
+    wave = Waveform(round(20.0 / cycle_s), cycle_s)
+    wave.plan(tones_Hz, 1.0, louder_from_Hz)
+    while not wave.fill():
+        assert wave.sample(1000, 1.0) == 0.0
+    return wave, np.array([wave.sample(k, 1.0) for k in range(round(20.0 / cycle_s))])
+
+
+@pytest.mark.parametrize("cycle_s", [0.005, 0.003])
+def test_tones_that_stand_in_octaves_have_a_peak_of_little_more_than_twice_their_rms(cycle_s):
+    tones = spread(log_grid(0.1, 19.0, 40), [], 0.075, step_Hz(cycle_s))
+    wave, sent = filled(tones, cycle_s)
+    assert np.abs(sent).max() <= 1.0
+    assert wave.amplitude(1.0) * math.sqrt(0.5 * len(tones)) > 1.0 / 2.3
+
+
+def test_what_goes_out_is_the_sum_of_the_tones_that_are_told():
+    wave, sent = filled([0.5, 1.3, 2.4])
+    time_s = np.arange(sent.size) * CYCLE_S
+    told = sum(
+        size * wave.amplitude(1.0) * np.cos(omega * time_s + phase)
+        for omega, phase, size in wave.tones
+    )
+    assert sent[200:-200] == pytest.approx(told[200:-200], abs=1e-12)
 
 
 def test_fast_tones_are_louder_and_the_sum_keeps_the_peak():
-    wave = Waveform(4000, CYCLE_S)
-    wave.plan([2.0, 6.0, 12.0], 1.0, 3.0)
-    while not wave.fill(100):
-        pass
-    sent = np.array([wave.sample(k, 0.01) for k in range(4000)])
-    assert np.abs(sent).max() == pytest.approx(0.01)
-    # 2, 6 and 12 Hz are whole bins of the 18 s between the fades
-    spectrum = np.abs(np.fft.rfft(sent[200:3800]))
-    assert spectrum[[108, 216]] / spectrum[36] == pytest.approx([2.0, 3.0], rel=1e-3)
+    _, sent = filled([2.0, 3.6, 12.0], louder_from_Hz=3.0)
+    assert np.abs(sent).max() == pytest.approx(1.0, abs=0.02)
+    # 2, 3.6 and 12 Hz are whole bins of the 10 s in its middle
+    spectrum = np.abs(np.fft.rfft(sent[1000:3000]))
+    assert spectrum[[36, 120]] / spectrum[20] == pytest.approx([1.2, LOUDEST], rel=1e-3)
 
 
 def test_a_ripple_that_grows_does_not_spoil_the_tone_beside_it():
@@ -219,7 +238,7 @@ def strange(idler_N, idler_Hz=3.55, sigma=0.25, wander_rad=0.0, seed=3):
     tones = [
         Tone(omega_rad_s=math.tau * f, phase_rad=0.7 * k * k, amplitude=0.05 / abs(P.at(f)))
         for k, f in enumerate(
-            spread(log_grid(0.5, 8.0, 28), [0.88 * n for n in range(1, 10)], 0.075)
+            spread(log_grid(0.5, 8.0, 28), [0.88 * n for n in range(1, 10)], 0.075, 0.01875)
         )
     ]
     signal = rng.normal(0.0, sigma, time_s.size) + 2.0 * np.cos(theta + 0.4)
