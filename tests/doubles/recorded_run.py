@@ -8,13 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from aff_runtime.config.loader import load_site
 from aff_runtime.loop.record import record_columns
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import RunFolder
+from tests import quick_yaml
 from tests.aff_runtime.telemetry.heads import head_of
 from tests.lockstep.bench import Bench, Setup
 from tests.lockstep.can_bench import CanBench
@@ -57,9 +56,9 @@ def files(
     cancels : idler that the unwind's correction has a block for; empty: the shipped blocks.
     site_file : of the shipped ones, the one to begin with.
     """
-    line = yaml.safe_load(LINE_FILE.read_text()) | {"effects": list(effects)}
-    plc = yaml.safe_load(PLC_FILE.read_text())
-    site = yaml.safe_load(site_file.read_text())
+    line = quick_yaml.safe_load(LINE_FILE.read_text()) | {"effects": list(effects)}
+    plc = quick_yaml.safe_load(PLC_FILE.read_text())
+    site = quick_yaml.safe_load(site_file.read_text())
     shown, read = plc["read"], site["gateway"]["read"]
     for block in (shown, read):
         if not applied:
@@ -76,7 +75,7 @@ def files(
         site["actuators"]["unwind"]["blocks"] = [block]
     paths = [folder / name for name in ("line.yaml", "site.yaml", "plc.yaml")]
     for path, data in zip(paths, (line, site, plc), strict=True):
-        path.write_text(yaml.safe_dump(data, sort_keys=False))
+        path.write_text(quick_yaml.safe_dump(data, sort_keys=False))
     return Files(line=paths[0], site=paths[1], plc_map=paths[2])
 
 
