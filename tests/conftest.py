@@ -73,7 +73,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             item.add_marker(pytest.mark.flaky(reruns=TRIES_AGAIN, reruns_delay=1))
 
 
+RARELY = 20_000
+"""New objects between two collections: at Python's 700 they take a tenth of a core."""
+
+
 def pytest_collection_finish() -> None:
     """Collect garbage from here on, of what the tests themselves leave."""
     gc.freeze()
+    gc.set_threshold(RARELY, *gc.get_threshold()[1:])
     gc.enable()

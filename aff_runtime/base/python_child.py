@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-import asyncio
 import sys
 from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import asyncio
 
 
 def module_command(module: str) -> list[str]:
@@ -21,6 +24,8 @@ async def talking_child(
     module: str, environment: Mapping[str, str], most_bytes: int
 ) -> asyncio.subprocess.Process:
     """Start ``module`` and return its process, lines of at most ``most_bytes`` on both pipes."""
+    import asyncio  # noqa: PLC0415 (its caller has it; who starts a plain child needs none)
+
     return await asyncio.create_subprocess_exec(
         *module_command(module),
         stdin=asyncio.subprocess.PIPE,

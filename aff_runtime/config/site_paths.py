@@ -10,10 +10,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from aff_runtime.config.findings import KeyPath
-from aff_runtime.config.models import Site
 from aff_runtime.config.rules.issue import Issue
+
+if TYPE_CHECKING:
+    from aff_runtime.config.findings import KeyPath
+    from aff_runtime.config.models import Site
 
 # The installer makes it; /etc/aff-runtime/learned is a link into it.
 STATE_DIRECTORY = Path("/var/lib/aff-runtime")

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 
 GRAVITY_M_S2 = 9.80665
+IMBALANCE_N_M_PER_M = 100.0
+"""Torque of an imbalance that counts as one metre of a shape."""
 
 
 class OutputKind(StrEnum):

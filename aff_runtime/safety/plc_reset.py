@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from aff_runtime.base.signals import Outcome, Snapshot, Status
 
+_REMOTE, _RESET_EDGE = int(Status.REMOTE), int(Status.RESET_EDGE)
+
 
 class PlcReset:
     """Finds the moment in which RESET_EDGE rises while REMOTE is set.
@@ -23,13 +25,13 @@ class PlcReset:
     def step(self, snapshot: Snapshot, trusted: bool) -> bool:
         """Return True in the tick of an edge; ``trusted`` False forgets what was seen."""
         if snapshot.outcome is Outcome.OK:
-            self.remote = bool(snapshot.status & Status.REMOTE)
+            self.remote = bool(snapshot.status & _REMOTE)
         if not trusted:
             self._was_low = False
             return False
         if snapshot.outcome is not Outcome.OK or not snapshot.fresh:
             return False
-        high = bool(snapshot.status & Status.RESET_EDGE)
+        high = bool(snapshot.status & _RESET_EDGE)
         rises = high and self._was_low and self.remote
         self._was_low = not high
         return rises

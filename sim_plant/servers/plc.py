@@ -22,8 +22,10 @@ from dataclasses import dataclass
 from aff_runtime.base.signals import StateBits, Status
 from sim_plant.servers.plc_map import PlcMap
 
-_COUNTS = StateBits.ACTIVE | StateBits.FADING
-_WANTS = _COUNTS | StateBits.ARMED
+# plain numbers: `&` of a flag makes a flag, and a scan does it six times
+_COUNTS = int(StateBits.ACTIVE | StateBits.FADING)
+_WANTS = _COUNTS | int(StateBits.ARMED)
+_REQUEST = int(Status.AFF_ENABLE_REQUEST)
 _TIME_TOLERANCE_S = 1e-9
 _LONGEST_STEP = 64  # of a heartbeat between two scans of a runtime that is alone
 _LIMIT_TOLERANCE = 1.0 + 1e-9
@@ -106,7 +108,7 @@ class Plc:
         corrections_m_s = {name: held * share for name, held in self._held.items()}
         words = {
             "plc_heartbeat": self._heartbeat,
-            "status": int(self.status & ~self._hidden()),
+            "status": int(self.status) & ~self._hidden(),
             "roll_id": self.roll_id,
             "aff_echo": self.map.write_word(write_words, "aff_heartbeat"),
         }
@@ -118,7 +120,7 @@ class Plc:
 
     def _judge(self, now_s: float, block: Sequence[int]) -> tuple[str, dict[str, float]]:
         alive = self._heartbeat_moves(now_s, block)
-        state = StateBits(self.map.write_word(block, "state") & 0xFF)
+        state = self.map.write_word(block, "state") & 0xFF
         counts = bool(state & _COUNTS)
         if alive and not counts:
             self._needs_rearm = False
@@ -129,13 +131,13 @@ class Plc:
             self.withdrawn = True
         return refusal, wanted
 
-    def _hidden(self) -> Status:
-        return Status.AFF_ENABLE_REQUEST if self.withdrawn else Status(0)
+    def _hidden(self) -> int:
+        return _REQUEST if self.withdrawn else 0
 
     def _refusal(
         self, block: Sequence[int], *, alive: bool, counts: bool
     ) -> tuple[str, dict[str, float]]:
-        missing = (self.map.permissives | Status.AFF_ENABLE_REQUEST) & ~self.status
+        missing = (int(self.map.permissives) | _REQUEST) & ~int(self.status)
         refusal = ""
         if not alive:
             refusal = "watchdog: aff_heartbeat does not move"
@@ -144,7 +146,7 @@ class Plc:
         elif self._needs_rearm:
             refusal = "rearm: ACTIVE before a state without it was seen"
         elif missing:
-            refusal = f"permissive: {'|'.join(bit.name or '' for bit in missing)}=0"
+            refusal = f"permissive: {'|'.join(bit.name or '' for bit in Status(missing))}=0"
         if not refusal:
             return self._decode(block)
         if alive and self._says_zero(block):

@@ -10,7 +10,14 @@ from typing import Literal
 
 WordType = Literal["u16", "i16", "u32", "i32", "f32"]
 
-_FORMAT: dict[WordType, str] = {"u16": ">H", "i16": ">h", "u32": ">I", "i32": ">i", "f32": ">f"}
+_NUMBER: dict[WordType, struct.Struct] = {
+    "u16": struct.Struct(">H"),
+    "i16": struct.Struct(">h"),
+    "u32": struct.Struct(">I"),
+    "i32": struct.Struct(">i"),
+    "f32": struct.Struct(">f"),
+}
+_WORDS = {count: struct.Struct(f">{count}H") for count in (1, 2)}
 _RANGE: dict[WordType, tuple[int, int]] = {
     "u16": (0, 0xFFFF),
     "i16": (-0x8000, 0x7FFF),
@@ -50,15 +57,15 @@ class RegisterItem:
         NaN becomes the quiet NaN of f32 and, as many devices do it, the end of the range that
         nobody measures: the smallest signed or the largest unsigned count.
         """
-        packed = struct.pack(_FORMAT[self.type], self._counts(value_si))
-        words = struct.unpack(f">{len(packed) // 2}H", packed)
+        packed = _NUMBER[self.type].pack(self._counts(value_si))
+        words = _WORDS[len(packed) // 2].unpack(packed)
         return words[::-1] if low_first else words
 
     def from_words(self, words: Sequence[int], *, low_first: bool = False) -> float:
         """Return the SI value held by ``words`` (``length`` of them)."""
         ordered = tuple(reversed(words)) if low_first else tuple(words)
-        packed = struct.pack(f">{len(ordered)}H", *ordered)
-        counts: float = struct.unpack(_FORMAT[self.type], packed)[0]
+        packed = _WORDS[len(ordered)].pack(*ordered)
+        counts: float = _NUMBER[self.type].unpack(packed)[0]
         return counts * self.scale
 
     def _counts(self, value_si: float) -> float:

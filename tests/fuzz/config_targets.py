@@ -11,8 +11,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from aff_runtime.app.wiring.shape_file import ShapeFile
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
@@ -20,6 +18,7 @@ from aff_runtime.config.models import Site
 from aff_runtime.config.yaml_marks import parse_marked
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.core.shape.profile import ShapeProfile
+from tests import quick_yaml
 from tests.fuzz.source import Source
 
 CONFIG = Path(__file__).parents[2] / "config"
@@ -97,7 +96,7 @@ def site(data: bytes) -> str:
     except ConfigError as error:
         return "refused" if str(error).strip() else "refused without a word"
     _keeps_its_promises(found)
-    _says_what_stands_there(found, yaml.safe_load(path.read_text(encoding="utf-8")))
+    _says_what_stands_there(found, quick_yaml.safe_load(path.read_text(encoding="utf-8")))
     return "ok"
 
 
@@ -125,7 +124,7 @@ def merges(data: bytes) -> str:
         return "refused"
     assert set(tree.marks) >= {path for path, _ in _leaves(tree.values)}
     if raw == whole:
-        assert tree.values == yaml.safe_load(raw)
+        assert tree.values == quick_yaml.safe_load(raw)
     return "ok"
 
 

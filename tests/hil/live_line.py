@@ -20,6 +20,7 @@ from tests.processes import Operator, pause, until
 
 ATTEMPTS = 6
 SEED = 7
+SCAN_S, SPARE_ROWS = 0.005, 400
 Rows = list[tuple[float, tuple[float, ...]]]
 
 
@@ -178,8 +179,9 @@ class LiveLine(Operator):
 
     def since(self, start_s: float) -> Rows:
         """Return time and applied corrections from a plant time on."""
-        rows = self.history(4000)
-        assert rows[0][0] <= start_s or len(rows) < 4000
+        wanted = round((self.now_s() - start_s) / SCAN_S) + SPARE_ROWS  # a start may take a minute
+        rows = self.history(wanted)
+        assert rows[0][0] <= start_s or len(rows) < wanted, f"the plant has forgotten {start_s} s"
         return [row for row in rows if row[0] >= start_s]
 
     def wait_plant(self, until_s: float) -> None:

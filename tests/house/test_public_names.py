@@ -57,3 +57,14 @@ def test_a_command_starts_without_heavy_packages(command):
         [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
     )
     assert done.stderr.strip() == "[]"
+
+
+def test_what_an_operator_calls_starts_without_what_reads_a_site_file():
+    """Models, numpy and the law: half a second on a small computer, before a word is said."""
+    modules = [f"aff_runtime.cli.{name}" for name in ("operate", "status", "top", "roll", "run")]
+    heavy = ("numpy", "pydantic", "yaml", "asyncio", "aff_runtime.config.models")
+    code = f"import sys, {', '.join(modules)}\nprint([n for n in {heavy!r} if n in sys.modules])"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=True
+    )
+    assert done.stdout.strip() == "[]"

@@ -22,7 +22,9 @@ DELAY_S = 0.05  # only unwinds the phase between the points
 FREQUENCIES_HZ = np.geomspace(0.25, 12.0, 40)
 
 
-def known_responses(line_speed_m_s: float = SPEED_M_S) -> dict[str, Response]:
+def known_responses(
+    line_speed_m_s: float = SPEED_M_S, cycle_s: float = CYCLE_S
+) -> dict[str, Response]:
     """Return the response per actuator as a perfect probe would have measured it."""
     declaration = load_declaration(LINE)
     found = {}
@@ -32,7 +34,7 @@ def known_responses(line_speed_m_s: float = SPEED_M_S) -> dict[str, Response]:
             ResponsePoint(
                 frequency_Hz=float(f),
                 gain=abs(p),
-                phase_rad=cmath.phase(p) - math.tau * float(f) * CYCLES_ON_THE_WAY * CYCLE_S,
+                phase_rad=cmath.phase(p) - math.tau * float(f) * CYCLES_ON_THE_WAY * cycle_s,
                 relative_error=0.02,
                 coherence=0.99,
             )

@@ -11,8 +11,6 @@ from functools import reduce
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from aff_runtime.app.setup.dialogue import Dialogue
 from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.flow import interview, write
@@ -32,6 +30,7 @@ from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.modbus_answer import answer_to
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.plc import Plc
+from tests import quick_yaml
 from tests.doubles.virtual_clock import VirtualClock
 from tests.lockstep.known_response import LINE, ROOT
 
@@ -81,8 +80,8 @@ class UnusualPlant:
     def plc_map(self, folder: Path) -> Path:
         """Write the PLC's map."""
         path = folder / "plc.yaml"
-        whole = yaml.safe_load(PLC_MAP.read_text(encoding="utf-8"))
-        path.write_text(yaml.safe_dump(_merged(whole, self.plc)), encoding="utf-8")
+        whole = quick_yaml.safe_load(PLC_MAP.read_text(encoding="utf-8"))
+        path.write_text(quick_yaml.safe_dump(_merged(whole, self.plc)), encoding="utf-8")
         return path
 
     def line_file(self, folder: Path) -> Path:

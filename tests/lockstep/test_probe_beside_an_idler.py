@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from aff_runtime.app.wiring.site_to_law import probe_params, site_params
 from aff_runtime.config.loader import load_site
@@ -22,6 +21,7 @@ from sim_plant.base.order_tracking import order_amplitudes, reduction_dB
 from sim_plant.demo.loop.drawn import Files, Hidden, write_files
 from sim_plant.line.frequency import response
 from sim_plant.line.load import load_declaration
+from tests import quick_yaml
 from tests.lockstep.bench import Bench, Setup
 from tests.lockstep.known_response import CYCLE_S, CYCLES_ON_THE_WAY
 
@@ -52,9 +52,9 @@ def files_of(folder: Path) -> Files:
             Hidden(effect="eccentric_roller", location="R9", parameters=idler),
         ),
     )
-    plant = yaml.safe_load(files.plant.read_text())
+    plant = quick_yaml.safe_load(files.plant.read_text())
     plant["initial_radii_m"]["unwind"] = FULL_M
-    files.plant.write_text(yaml.safe_dump(plant, sort_keys=False))
+    files.plant.write_text(quick_yaml.safe_dump(plant, sort_keys=False))
     return files
 
 

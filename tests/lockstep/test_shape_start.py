@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 
 from aff_runtime.config.loader import load_site
 from aff_runtime.loop.messages import Arm
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.report.aff_block import write_block
+from tests import quick_yaml
 from tests.lockstep.known_response import ROOT
 from tests.lockstep.test_shape_law import SITE, TURN_S, ripple, shop
 from tests.sim_plant.refine.small import finding
@@ -27,11 +27,11 @@ def pasted(folder: Path, **changes: Any) -> Path:
     found = finding("out_of_round_roll", "unwind", {**FLAT, **changes})
     written = write_block(folder, [found], load_declaration(LINE))
     assert written is not None
-    (block,) = yaml.safe_load(written.read_text())["blocks"]
+    (block,) = quick_yaml.safe_load(written.read_text())["blocks"]
     text = SITE.read_text()
     found = re.search(r"      - roll: unwind\n(?:        .*\n)+", text)
     assert found is not None
-    ours = yaml.safe_dump([block], sort_keys=False, default_flow_style=None)
+    ours = quick_yaml.safe_dump([block], sort_keys=False, default_flow_style=None)
     indented = "".join(f"      {line}\n" for line in ours.splitlines())
     path = folder / "euclid.yaml"
     path.write_text(text.replace(found.group(), indented))

@@ -7,13 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
+from tests import quick_yaml
 from tests.matrix.bench import SAMPLE_S, WIRES, Greedy, MatrixBench
 
-TABLE: dict[str, Any] = yaml.safe_load((Path(__file__).parent / "table.yaml").read_text())
+TABLE: dict[str, Any] = quick_yaml.safe_load((Path(__file__).parent / "table.yaml").read_text())
 STATES = ("OFF", "SOFT_START", "ACTIVE", "FADING", "BYPASS")
 ZERO_S = TABLE["zero_ms"] * 1e-3
 PLAUSIBLE = 2000.0  # N: nothing above the site's own maximum may reach a law

@@ -16,7 +16,7 @@ import pytest
 
 from aff_runtime.app.control.outside import ControlOutside
 from aff_runtime.app.hand.may import WORDS, Action, Circumstances, Code, Person, Place, Role, may
-from aff_runtime.app.link import messages
+from aff_runtime.app.link import messages, replies
 from aff_runtime.app.link.packets import Link, link_pair
 from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.app.wiring.law_slot import LawSlot
@@ -44,7 +44,7 @@ class ServiceBench(MatrixBench):
     """The matrix's bench, with the control process's own outside and a link to it."""
 
     def __init__(self) -> None:
-        self.blocked, self.asked, self.replies = "", 0, dict[int, messages.Reply]()
+        self.blocked, self.asked, self.replies = "", 0, dict[int, replies.Reply]()
         self.probed: messages.Probed | None = None
         super().__init__("modbus")
         kept = self.cycle
@@ -77,7 +77,7 @@ class ServiceBench(MatrixBench):
         while (message := self.link.receive()) is not None:
             if isinstance(message, messages.Blocked):
                 self.blocked = message.text.removeprefix("blocked by ")
-            elif isinstance(message, messages.Reply):
+            elif isinstance(message, replies.Reply):
                 self.replies[message.id] = message
             elif isinstance(message, messages.Probed):
                 self.probed = message
@@ -99,7 +99,7 @@ class ServiceBench(MatrixBench):
         elif spec:
             super().begin(spec)
 
-    def reply(self) -> messages.Reply:
+    def reply(self) -> replies.Reply:
         ident = self.ask()
         for _ in range(ANSWERED_TICKS):
             self.run(self.sample_s)

@@ -15,12 +15,12 @@ from pathlib import Path
 from urllib.parse import unquote
 
 import pytest
-import yaml
 
 from releasing.commands import ROOT
 from releasing.pages.markdown import apart, relink, targets
 from releasing.pages.outside import link_in_site, pages_outside
 from releasing.pages.reference import offered, reference_pages
+from tests import quick_yaml
 
 # a build takes some 15 s of a core, on a busy machine minutes
 pytestmark = pytest.mark.timeout(600)
@@ -40,7 +40,7 @@ def menu(rows) -> list[str]:
     return [name for row in inside for name in menu(row)]
 
 
-NAV = menu(yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"])
+NAV = menu(quick_yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))["nav"])
 PAGES = sorted(str(p.relative_to(ROOT / "docs")) for p in (ROOT / "docs").rglob("*.md"))
 
 

@@ -10,8 +10,9 @@ import pytest
 
 from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.check.validate import check_result
-from aff_runtime.app.link.messages import Message, Parameters, Reply
+from aff_runtime.app.link.messages import Message, Parameters
 from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.pending import Pending

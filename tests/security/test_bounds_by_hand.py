@@ -16,7 +16,6 @@ from pathlib import Path
 import canopen
 import cantools
 import pytest
-import yaml
 
 from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.base.effort import bounded_effort
@@ -29,6 +28,7 @@ from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import RunFolder
 from sim_plant.servers.can_dbc_node import load_dbc_map
 from sim_plant.servers.canopen_device import Bench, Device, NodeRow
+from tests import quick_yaml
 from tests.aff_runtime.telemetry.heads import head_of
 
 pytestmark = pytest.mark.processes
@@ -121,8 +121,8 @@ def test_a_dbc_that_takes_its_reader_long_ends_the_command_in_words(
 def of_plant(kind: str, folder: Path, content: bytes) -> None:
     """Have the plant read a DBC or an EDS file."""
     if kind == "dbc":
-        rows = yaml.safe_load((CONFIG / "plc" / "can_dbc.yaml").read_text())
-        (folder / "map.yaml").write_text(yaml.safe_dump({**rows, "dbc": "x.dbc"}))
+        rows = quick_yaml.safe_load((CONFIG / "plc" / "can_dbc.yaml").read_text())
+        (folder / "map.yaml").write_text(quick_yaml.safe_dump({**rows, "dbc": "x.dbc"}))
         (folder / "x.dbc").write_bytes(content)
         load_dbc_map(folder / "map.yaml")
     else:
@@ -173,7 +173,7 @@ def test_a_device_profile_is_bounded_as_a_site_file_is(
 
 @pytest.mark.parametrize("shipped", sorted((CONFIG / "devices").iterdir()), ids=lambda p: p.stem)
 def test_every_shipped_profile_is_read_as_yaml_says(shipped: Path) -> None:
-    plain = yaml.safe_load(shipped.read_text(encoding="utf-8"))
+    plain = quick_yaml.safe_load(shipped.read_text(encoding="utf-8"))
     found = load_device(shipped).model_dump(mode="json", by_alias=True)
     assert found == plain
 
@@ -235,7 +235,7 @@ def test_a_run_that_began_on_a_full_disk_is_marked_later_and_can_be_cleared(
     folder.add([(0.0, 0.0)])
     folder.finish(ring_overruns=0)
     assert (folder.path / "site.yaml").read_text() == "a: 1\n"
-    assert yaml.safe_load((folder.path / "run.yaml").read_text())["columns"] == list(
+    assert quick_yaml.safe_load((folder.path / "run.yaml").read_text())["columns"] == list(
         header.columns
     )
     assert used_bytes(tmp_path) > 0

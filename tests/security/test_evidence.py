@@ -13,7 +13,6 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-import yaml
 
 from aff_runtime.app.link import peer, request_client
 from aff_runtime.app.link.peer import NOBODY_LOGGED_IN, Peer, author_of, peer_of
@@ -22,6 +21,7 @@ from aff_runtime.app.link.requests import Request
 from aff_runtime.app.supervisor import request_desk
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.telemetry.run_files import read_run
+from tests import quick_yaml
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
 from tests.security.desk import Desk
@@ -272,5 +272,5 @@ def test_every_command_and_every_edit_has_its_author_in_log_events_and_record(
     for said in (log, events):
         for pattern in expected:
             assert any(re.fullmatch(pattern, line) for line in said), (pattern, said)
-    about = yaml.safe_load((folder / "run.yaml").read_text())
+    about = quick_yaml.safe_load((folder / "run.yaml").read_text())
     assert re.fullmatch(rf"uid .*, pid {service.process.pid}", about["started_by"])

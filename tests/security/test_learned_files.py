@@ -11,10 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 
 from aff_runtime.app.link.messages import ConfigDiffers, Parameters
 from aff_runtime.app.supervisor.response_ledger import NAME, ResponseLedger, learned_sentences
+from tests import quick_yaml
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
 from tests.security.learned_files import (
@@ -278,7 +278,7 @@ def test_a_turned_response_does_not_reach_the_line_before_an_operators_bypass(
     assert status["config_hash"][:12] in applied[-1]
     assert f"unwind: response {digest[:12]}" in applied[-1]
     (folder,) = (service.folder / "runs").iterdir()
-    about = yaml.safe_load((folder / "run.yaml").read_text())
+    about = quick_yaml.safe_load((folder / "run.yaml").read_text())
     assert about["config_hash"] == running["config_hash"]
     assert set(about["learned"]) == set(SIGNALS)
     assert len(about["learned"]["unwind"]["response"]) == 64

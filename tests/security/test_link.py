@@ -11,8 +11,9 @@ from typing import Any
 
 import pytest
 
-from aff_runtime.app.link.messages import LogLine, MessageError, Reply, decode, encode
+from aff_runtime.app.link.messages import LogLine, MessageError, decode, encode
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor.control_child import ControlChild
 from tests.parameter_records import record_of
 

@@ -8,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from aff_runtime.base.errors import AffError
 from benchmarks.campaign import __main__ as campaign
@@ -26,6 +25,7 @@ from sim_plant.line.declaration import Declaration
 from sim_plant.line.open import make_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
+from tests import quick_yaml
 from tests.orphans import begun, children
 from tests.processes import kill, until
 from tests.security.killers import (
@@ -176,7 +176,7 @@ def record(tmp_path_factory):
     rows = [",".join(map(repr, map(float, row))) for row in zip(*table.values(), strict=True)]
     (folder / "r.csv").write_text("\n".join([",".join(table), *rows]) + "\n")
     exact = declaration() | {"tolerances": {"*": 0.0}}  # nothing to fit but the effect
-    (folder / "line.yaml").write_text(yaml.safe_dump(exact, sort_keys=False))
+    (folder / "line.yaml").write_text(quick_yaml.safe_dump(exact, sort_keys=False))
     return folder
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
@@ -16,6 +15,7 @@ from sim_plant.refine.records.sanity import even_grid
 from sim_plant.refine.records.text_table import text_table
 from sim_plant.refine.report import yaml_edit
 from sim_plant.refine.without_line.record_filter import RecordDeclaration, read_for
+from tests import quick_yaml
 from tests.aff_runtime.config.shipped import ROOT
 
 pytestmark = pytest.mark.processes
@@ -104,11 +104,11 @@ def test_the_effort_for_odd_stamps_does_not_grow_with_their_number():
     ],
 )
 def test_a_number_that_overflows_is_refused_in_words(tmp_path, section, key, value, said):
-    line = yaml.safe_load((ROOT / "config/lines/euclid.yaml").read_text(encoding="utf-8"))
+    line = quick_yaml.safe_load((ROOT / "config/lines/euclid.yaml").read_text(encoding="utf-8"))
     part = line[section]
     (part[0] if isinstance(part, list) else part)[key] = value
     file = tmp_path / "line.yaml"
-    file.write_text(yaml.safe_dump(line), encoding="utf-8")
+    file.write_text(quick_yaml.safe_dump(line), encoding="utf-8")
     with pytest.raises(PlantError, match=said):
         load_declaration(file)
 
@@ -117,7 +117,7 @@ def test_lines_that_are_alike_are_not_compared_each_with_each(monkeypatch):
     """10 000 empty comments below a line file took 50 s when its amended copy was written."""
     monkeypatch.setattr(yaml_edit.difflib, "SequenceMatcher", None)  # the one that takes so long
     found = yaml_edit.with_keys("a: 1\nb: 2  # ours\n" + "#\n" * 10_000, {"b": 3})
-    assert yaml.safe_load(found) == {"a": 1, "b": 3}
+    assert quick_yaml.safe_load(found) == {"a": 1, "b": 3}
 
 
 def test_a_file_of_usual_length_keeps_its_comments():

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-import yaml
 
 from aff_runtime.app.report.status_answer import read_answer
 from aff_runtime.app.supervisor.service_log import OneLine, open_log
@@ -26,6 +25,7 @@ from aff_runtime.config.quantity import Name, Text
 from aff_runtime.telemetry.header import Right, RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import RunFolder
+from tests import quick_yaml
 from tests.aff_runtime.telemetry.heads import head_of
 from tests.security.desk import answering
 
@@ -158,7 +158,7 @@ def test_events_and_the_head_of_a_record_hold_it_escaped(tmp_path: Path, text: s
     assert [row["text"][:2] for row in csv.DictReader(events.splitlines())] == ["Eu", "x"]
     head = (folder.path / "run.yaml").read_text(encoding="utf-8")
     assert all(row.isprintable() for row in head.split("\n"))
-    about = yaml.safe_load(head)
+    about = quick_yaml.safe_load(head)
     assert about["name"].isprintable()
     assert about["rights"][0]["text"].startswith("Eu")
 
@@ -243,7 +243,7 @@ def test_a_device_profile_cannot_add_lines_of_its_own(
     tmp_path: Path, text: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     shipped = sorted((ROOT / "config" / "devices").glob("*.yaml"))[0]
-    rows = yaml.safe_load(shipped.read_text())
+    rows = quick_yaml.safe_load(shipped.read_text())
     profile = tmp_path / "device.yaml"
     counts = []
     for words in ("plain", text.replace("\udc80", "?")):  # no file has a lone surrogate

@@ -17,6 +17,7 @@ from aff_runtime.app.control.shape_keeper import ShapeKeeper
 from aff_runtime.app.control.trouble_log import TroubleLog
 from aff_runtime.app.link import messages
 from aff_runtime.app.link.packets import Link, LinkClosedError
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.status import not_armed
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.wiring.assemble import Assembly, controller_of
@@ -230,7 +231,7 @@ class ControlOutside:
                 return
             message = not_armed(state, self._guard.first_blocking().removeprefix("blocked by "))
         ok = state in ARMED
-        reply = messages.Reply(id=self._arm_question, ok=ok, message=message, state=state.name)
+        reply = Reply(id=self._arm_question, ok=ok, message=message, state=state.name)
         self._link.send(reply)
         self._arm_question = None
 
@@ -284,7 +285,7 @@ class ControlOutside:
         law = LawSlot(self._law.controller, probe=self._probe.probe)
         self._next_law = law
         duration_s = self._probe.duration_s
-        self._link.send(messages.Reply(id=said.id, ok=True, duration_s=duration_s))
+        self._link.send(Reply(id=said.id, ok=True, duration_s=duration_s))
         return [Swap(law=law), Arm()]
 
     def _watch_probe(self, run: ProbeRun) -> list[Message]:
@@ -345,7 +346,7 @@ class ControlOutside:
     def _reply(self, said: messages.Message, *, ok: bool, message: str = "") -> None:
         """Answer the supervisor, when it asked."""
         if isinstance(said, messages.Question):
-            self._link.send(messages.Reply(id=said.id, ok=ok, message=message))
+            self._link.send(Reply(id=said.id, ok=ok, message=message))
 
 
 def _adopts_in_first_step(old: Law) -> None:

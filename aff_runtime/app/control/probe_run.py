@@ -7,7 +7,7 @@ import os
 import signal
 from collections.abc import Sequence
 
-from aff_runtime.app.link import messages
+from aff_runtime.app.link import replies
 from aff_runtime.app.link.messages import Probed
 from aff_runtime.app.link.packets import Link
 from aff_runtime.app.report.tick_row import TickRow
@@ -109,7 +109,7 @@ class ProbeRun:
         finally:
             os._exit(0)
 
-    def results(self, tick: TickRow) -> tuple[messages.ProbeResult, ...]:
+    def results(self, tick: TickRow) -> tuple[replies.ProbeResult, ...]:
         """Return one row per actuator, with the response file's text."""
         about = {
             name: Provenance(
@@ -134,9 +134,9 @@ class ProbeRun:
         return tick.number(roll.radius)
 
 
-def _told(result: ProbeResult) -> messages.ProbeResult:
+def _told(result: ProbeResult) -> replies.ProbeResult:
     """Return a result as it goes to the supervisor."""
-    return messages.ProbeResult(
+    return replies.ProbeResult(
         actuator=result.actuator,
         sign=result.sign,
         remarks=tuple(result.remarks),

@@ -7,6 +7,7 @@ __all__ = [
     "packets",
     "parameter_record",
     "peer",
+    "replies",
     "request_client",
     "request_socket",
     "requests",

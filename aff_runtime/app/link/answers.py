@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from aff_runtime.app.link.messages import ProbeResult, Reply
+from aff_runtime.app.link.replies import ProbeResult, Reply
 from aff_runtime.base.errors import AffError
 
 

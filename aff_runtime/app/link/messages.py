@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import TypeAdapter
 
 from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.link.replies import ProbeResult, Reply
 from aff_runtime.telemetry.header import Right
 
 
@@ -105,18 +106,6 @@ class LogLine:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ProbeResult:
-    """One measured response; ``text`` is its file, ``no_drive`` why it holds no drive."""
-
-    actuator: str
-    sign: int
-    remarks: tuple[str, ...]
-    delay_s: float
-    text: str
-    no_drive: str = ""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class Probed:
     """A probe has ended: with results, or with the reason why there is none."""
 
@@ -138,17 +127,6 @@ class ShapeLearned:
 
     actuator: str
     file: str
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Reply:
-    """Answer to the message of this ``id``; ``state`` and ``duration_s`` where they say more."""
-
-    id: int
-    ok: bool
-    message: str = ""
-    state: str = ""
-    duration_s: float | None = None
 
 
 Command = (

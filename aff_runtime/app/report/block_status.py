@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from aff_runtime.app.report.tick_row import TickRow
-from aff_runtime.config.models import Actuator, Block, Site
 from aff_runtime.core.monitor import Trend
 from aff_runtime.core.order_status import OrderStatus
+from aff_runtime.core.params import IMBALANCE_N_M_PER_M
 from aff_runtime.core.phase import Source
-from aff_runtime.core.shape.basis import IMBALANCE_N_M_PER_M
+
+if TYPE_CHECKING:
+    from aff_runtime.config.models import Actuator, Block, Site
 
 WORDS = {
     Trend.IDLE: "idle",

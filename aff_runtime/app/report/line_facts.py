@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from aff_runtime.config.models import Actuator, Site
+if TYPE_CHECKING:
+    from aff_runtime.config.models import Actuator, Site
+
 
 VELOCITY = "m/s"
 """Unit of a correction to a velocity reference; to a torque it is ``N m``."""

@@ -5,13 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from aff_runtime.app.report.block_status import blocks
 from aff_runtime.app.report.status_answer import Alarm, Live, StatusAnswer
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.events import BY_CODE, BY_NAME
 from aff_runtime.base.signals import State, Status
-from aff_runtime.config.models import Site
+
+if TYPE_CHECKING:
+    from aff_runtime.config.models import Site
 
 POWER_UP, BYPASSED = "POWER_UP", "BYPASSED"
 PERMISSIVES = {

@@ -7,9 +7,10 @@ from pathlib import Path
 
 from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.link.answers import Done, as_answer
-from aff_runtime.app.link.messages import ConfigDiffers, Parameters, Reply
+from aff_runtime.app.link.messages import ConfigDiffers, Parameters
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import author_of
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor.file_watch import FileWatch
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.processes import Processes

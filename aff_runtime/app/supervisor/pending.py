@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from aff_runtime.app.link.answers import Done
-from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.base.ports import Clock
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from aff_runtime.app.link.answers import Done, ProbeDone, as_answer
-from aff_runtime.app.link.messages import MeasureResponse, Probed, Reply
+from aff_runtime.app.link.messages import MeasureResponse, Probed
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.probe_session import ProbeSession

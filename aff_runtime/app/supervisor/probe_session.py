@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from aff_runtime.app.link.answers import Done, KeptResponse, ProbeDone
-from aff_runtime.app.link.messages import Probed, ProbeResult
+from aff_runtime.app.link.messages import Probed
+from aff_runtime.app.link.replies import ProbeResult
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.base.errors import RefusedError

@@ -23,12 +23,12 @@ from aff_runtime.app.link.messages import (
     LogLine,
     Probed,
     Question,
-    Reply,
     RingMade,
     Shadow,
     WireTroubles,
 )
 from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.request_socket import Asked, RequestSocket
 from aff_runtime.app.report.command_counts import CommandTally, Result, Via
 from aff_runtime.app.report.line_facts import line_facts

@@ -17,8 +17,8 @@ from pathlib import Path
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.models import Site
 from aff_runtime.config.plain_file import TooLargeError, read_plain
+from aff_runtime.core.params import IMBALANCE_N_M_PER_M
 from aff_runtime.core.response import Response
-from aff_runtime.core.shape.basis import IMBALANCE_N_M_PER_M
 from aff_runtime.core.shape.profile import ShapeProfile
 
 FORMAT = "aff-learned-shape-1"

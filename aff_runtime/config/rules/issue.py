@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from aff_runtime.config.findings import KeyPath
+if TYPE_CHECKING:
+    from aff_runtime.config.findings import KeyPath
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

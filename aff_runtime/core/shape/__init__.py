@@ -1,3 +1,3 @@
 """The shape law: weights are the roll's shape in metres."""
 
-__all__ = ["basis", "law", "profile", "trial"]
+__all__ = ["law", "profile", "trial"]

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from aff_runtime.core.bandwidth import Band
 from aff_runtime.core.compiled.binary import chosen, holding
-from aff_runtime.core.params import DriveParams
+from aff_runtime.core.params import IMBALANCE_N_M_PER_M, DriveParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.shape.columns import ColumnMap, ColumnState
 
@@ -17,7 +17,6 @@ Complexes = npt.NDArray[np.complex128]
 Floats = npt.NDArray[np.float64]
 SPEED_TAU_S = 0.3
 ABSURD = 1e4  # no line runs at that speed (m/s), no roll turns at it (rad/s)
-IMBALANCE_N_M_PER_M = 100.0
 
 
 class SpeedTrack:

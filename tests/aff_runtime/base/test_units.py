@@ -14,6 +14,7 @@ from aff_runtime.base.units import (
     read_scale,
     unit_info,
 )
+from tests import quick_yaml
 
 
 @pytest.mark.parametrize(
@@ -110,9 +111,8 @@ def test_any_text_gives_a_finite_number_or_a_unit_error(text, unit):
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_plain_number_is_one_that_yaml_reads_as_a_number(number):
-    import yaml
 
-    read = yaml.safe_load(plain(number))
+    read = quick_yaml.safe_load(plain(number))
     assert isinstance(read, int | float)
     assert read == pytest.approx(number, rel=1e-6, abs=1e-12)
 

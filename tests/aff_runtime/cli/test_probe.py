@@ -7,7 +7,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from aff_runtime.app.link.answers import Answer, ProbeDone
-from aff_runtime.app.link.messages import Probed, ProbeResult
+from aff_runtime.app.link.messages import Probed
+from aff_runtime.app.link.replies import ProbeResult
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.request_socket import RequestSocket
 from aff_runtime.app.supervisor.probe_session import ProbeSession

@@ -4,13 +4,13 @@ import math
 from copy import deepcopy
 
 import pytest
-import yaml
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.leaves import leaves
 from aff_runtime.config.loader import load_site
+from tests import quick_yaml
 from tests.aff_runtime.config.shipped import EUCLID
 
 
@@ -21,10 +21,12 @@ def _keys(node, path=()):
             yield from _keys(inner, (*path, name))
 
 
-@pytest.mark.parametrize("path", list(_keys(yaml.safe_load(EUCLID.read_text()))), ids=".".join)
+@pytest.mark.parametrize(
+    "path", list(_keys(quick_yaml.safe_load(EUCLID.read_text()))), ids=".".join
+)
 @pytest.mark.sweep(every=5)
 def test_every_misspelt_key_of_the_shipped_file_is_refused(path, tmp_path):
-    values = yaml.safe_load(EUCLID.read_text(encoding="utf-8"))
+    values = quick_yaml.safe_load(EUCLID.read_text(encoding="utf-8"))
     node = values
     for part in path[:-1]:
         node = node[part]
@@ -33,7 +35,7 @@ def test_every_misspelt_key_of_the_shipped_file_is_refused(path, tmp_path):
         wrong = path[-1][:-1]
     node[wrong] = node.pop(path[-1])
     file = tmp_path / "site.yaml"
-    file.write_text(yaml.safe_dump(values, sort_keys=False), encoding="utf-8")
+    file.write_text(quick_yaml.safe_dump(values, sort_keys=False), encoding="utf-8")
     with pytest.raises(ConfigError) as caught:
         load_site(file)
     assert "Did you mean" in str(caught.value) or "does not end with its SI unit" in str(
@@ -44,11 +46,11 @@ def test_every_misspelt_key_of_the_shipped_file_is_refused(path, tmp_path):
 @pytest.mark.parametrize("index", range(3))
 @pytest.mark.parametrize("name", ["roll", "orders", "settle_s", "amp_limit_m_s"])
 def test_every_misspelt_block_key_is_refused_with_the_right_one(index, name, tmp_path):
-    values = yaml.safe_load(EUCLID.read_text(encoding="utf-8"))
+    values = quick_yaml.safe_load(EUCLID.read_text(encoding="utf-8"))
     blocks = [block for part in values["actuators"].values() for block in part["blocks"]]
     blocks[index][name + "x"] = blocks[index].pop(name)
     file = tmp_path / "site.yaml"
-    file.write_text(yaml.safe_dump(values, sort_keys=False), encoding="utf-8")
+    file.write_text(quick_yaml.safe_dump(values, sort_keys=False), encoding="utf-8")
     with pytest.raises(ConfigError, match=rf"unknown key\. Did you mean {name}\?"):
         load_site(file)
 
@@ -90,7 +92,7 @@ _TOKENS = st.sampled_from(
     ]
 )
 _TEXT = EUCLID.read_text(encoding="utf-8")
-_READ = yaml.safe_load(_TEXT)
+_READ = quick_yaml.safe_load(_TEXT)
 _BARE = "\n".join(line for line in _TEXT.split("\n") if not line.lstrip().startswith("#"))
 
 
@@ -124,7 +126,7 @@ def test_random_values_give_a_finite_site_or_a_config_error(data, tmp_path_facto
                 break
             node = inner
     path = tmp_path_factory.mktemp("fuzz") / "site.yaml"
-    path.write_text(yaml.safe_dump(values, sort_keys=False), encoding="utf-8")
+    path.write_text(quick_yaml.safe_dump(values, sort_keys=False), encoding="utf-8")
     _assert_finite_or_refused(path)
 
 

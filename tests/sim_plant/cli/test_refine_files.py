@@ -8,7 +8,6 @@ import numpy as np
 import pyarrow
 import pyarrow.parquet
 import pytest
-import yaml
 from asammdf import MDF, Signal
 
 from benchmarks.campaign.line import declaration
@@ -17,6 +16,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.open import make_line
 from sim_plant.refine.records.read import read_record
+from tests import quick_yaml
 
 ROWS = 2000
 pytestmark = pytest.mark.timeout(300)
@@ -42,7 +42,7 @@ def columns():
 @pytest.fixture
 def line_file(tmp_path):
     path = tmp_path / "line.yaml"
-    path.write_text(yaml.safe_dump(declaration(), sort_keys=False))
+    path.write_text(quick_yaml.safe_dump(declaration(), sort_keys=False))
     return path
 
 
@@ -95,7 +95,7 @@ def refined(line_file, record, out, *more):
 @pytest.fixture(scope="module")
 def from_csv(columns, tmp_path_factory):
     folder = tmp_path_factory.mktemp("plain")
-    (folder / "line.yaml").write_text(yaml.safe_dump(declaration() | EXACT, sort_keys=False))
+    (folder / "line.yaml").write_text(quick_yaml.safe_dump(declaration() | EXACT, sort_keys=False))
     write_csv(columns, folder / "r.csv")
     assert refined(folder / "line.yaml", folder / "r.csv", folder / "out", *FEW) == 0
     return json.loads((folder / "out" / "verdict.json").read_text())
@@ -118,7 +118,7 @@ def test_a_container_whose_stamps_are_rounded_gives_the_verdict_of_the_plain_fil
 ):
     record = tmp_path / "r.mf4"
     write_mdf(columns, record)
-    line_file.write_text(yaml.safe_dump(declaration() | EXACT, sort_keys=False))
+    line_file.write_text(quick_yaml.safe_dump(declaration() | EXACT, sort_keys=False))
     assert refined(line_file, record, tmp_path / "out", *FEW) == 0
     found = json.loads((tmp_path / "out" / "verdict.json").read_text())
     assert found.pop("holdout") == str(record)
@@ -236,10 +236,10 @@ def test_a_record_given_twice_is_refused_under_any_name(
 def test_a_line_file_with_other_rollers_is_refused(columns, tmp_path, line_file, capsys):
     other = declaration()
     for part in (other["rollers"], other["spans"]):
-        text = yaml.safe_dump(part).replace("R3", "R33")
-        part[:] = yaml.safe_load(text)
+        text = quick_yaml.safe_dump(part).replace("R3", "R33")
+        part[:] = quick_yaml.safe_load(text)
     write_csv(columns, tmp_path / "r.csv")
-    (tmp_path / "r.yaml").write_text(yaml.safe_dump(other, sort_keys=False))
+    (tmp_path / "r.yaml").write_text(quick_yaml.safe_dump(other, sort_keys=False))
     assert refined(line_file, tmp_path / "r.csv", tmp_path / "out") == 2
     assert "declares other rollers" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()

@@ -8,10 +8,10 @@ import gzip
 
 import numpy as np
 import pytest
-import yaml
 
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from tests import quick_yaml
 from tests.sim_plant.effects.running import effect
 from tests.sim_plant.line.conftest import line_records  # noqa: F401 - a fixture
 
@@ -52,7 +52,7 @@ def worst_ratio(folder, name, effects):  # type: ignore[no-untyped-def]
     model = make_line(declared, seed=None, speed_m_s=speed[0], tension_N=tension[0])
     model.settle(10.0)
     found = model.simulate(speed, tension)
-    cases = yaml.safe_load((folder / "labels.yaml").read_text())["cases"]
+    cases = quick_yaml.safe_load((folder / "labels.yaml").read_text())["cases"]
     records = next(c for c in cases if c["case"] == name[:6])["records"]
     floors = records[name[-1]]["noise_floor_rms"]
     return max(

@@ -3,15 +3,15 @@
 import copy
 
 import pytest
-import yaml
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.load import load_declaration
+from tests import quick_yaml
 from tests.sim_plant.line.lines import LINES
 
 TEXT = (LINES / "euclid.yaml").read_text()
-DATA = yaml.safe_load(TEXT)
+DATA = quick_yaml.safe_load(TEXT)
 
 
 def refusal(tmp_path, text):
@@ -27,7 +27,7 @@ def refusal(tmp_path, text):
 def changed(change):
     data = copy.deepcopy(DATA)
     change(data)
-    return yaml.safe_dump(data, sort_keys=False)
+    return quick_yaml.safe_dump(data, sort_keys=False)
 
 
 def place_of(fragment):
@@ -168,14 +168,14 @@ def test_records_of_other_lines_lose_nothing_on_the_way(line_records):
     paths = sorted(line_records.glob("line*.yaml"))
     assert len(paths) == 16
     for path in paths:
-        data = yaml.safe_load(path.read_text())
+        data = quick_yaml.safe_load(path.read_text())
         line = load_declaration(path)
         assert line.model_dump(mode="json", by_alias=True, exclude_unset=True) == data
 
 
 @pytest.mark.parametrize("name", ["euclid", "euclid_ripple"])
 def test_shipped_declarations_lose_nothing_and_give_every_origin(name):
-    data = yaml.safe_load((LINES / f"{name}.yaml").read_text())
+    data = quick_yaml.safe_load((LINES / f"{name}.yaml").read_text())
     line = load_declaration(LINES / f"{name}.yaml")
     assert line.model_dump(mode="json", by_alias=True, exclude_unset=True) == data
     assert Declaration.model_validate(line.model_dump(by_alias=True)) == line

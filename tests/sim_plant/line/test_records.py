@@ -12,10 +12,10 @@ import gzip
 import re
 
 import numpy as np
-import yaml
 
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from tests import quick_yaml
 
 ALLOWED = 1.2
 FROM_ROW = 2000
@@ -31,7 +31,7 @@ def replayed(folder, name):
     model = make_line(line, seed=None, speed_m_s=float(speed[0]), tension_N=float(tension[0]))
     model.settle(4.0)
     found = model.simulate(speed, tension, {})
-    labels = yaml.safe_load((folder / "labels.yaml").read_text())
+    labels = quick_yaml.safe_load((folder / "labels.yaml").read_text())
     case, part = re.fullmatch(r"(line\d+)_(\w)", name).groups()
     record = next(c for c in labels["cases"] if c["case"] == case)["records"][part]
     floors = record["noise_floor_rms"]

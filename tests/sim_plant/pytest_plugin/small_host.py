@@ -3,15 +3,16 @@
 import sys
 from pathlib import Path
 
-import yaml
-
 from sim_plant import line
+from tests import quick_yaml
 from tests.sim_plant.servers.fake_line import FakeLine
 
 
 def small_line(path, **_):
     """Return a line of which nothing is as the file says but its sample time."""
-    return FakeLine(yaml.safe_load(Path(path).read_text("utf-8")).get("sample_time_s", 0.005))
+    return FakeLine(
+        quick_yaml.safe_load(Path(path).read_text("utf-8")).get("sample_time_s", 0.005)
+    )
 
 
 line.open_line = small_line

@@ -13,10 +13,10 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from sim_plant.cli.main import main as sim_plant
 from sim_plant.refine.report.verdict import Verdict
+from tests import quick_yaml
 
 ROOT = Path(__file__).parents[3]
 FOLDER = ROOT / "data" / "lines"
@@ -54,7 +54,7 @@ class Run:
 @cache
 def labels():
     """Return the effects (name, location) of every pair."""
-    cases = yaml.safe_load((FOLDER / "labels.yaml").read_text())["cases"]
+    cases = quick_yaml.safe_load((FOLDER / "labels.yaml").read_text())["cases"]
     return {c["case"]: [(e["effect_class"], e["location"]) for e in c["effects"]] for c in cases}
 
 
@@ -129,7 +129,7 @@ def shows(run, name, place, unknown):
         return where["roll"] == locked_to
     if kind != "travel":
         return False
-    line = yaml.safe_load((FOLDER / f"{run.case}_a.yaml").read_text())
+    line = quick_yaml.safe_load((FOLDER / f"{run.case}_a.yaml").read_text())
     radius = next(r["radius_m"] for r in line["rollers"] if r["name"] == locked_to)
     order = radius / where["equivalent_radius_m"]
     return round(order) >= 1 and abs(order / round(order) - 1.0) < 0.003

@@ -25,7 +25,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-import yaml
 
 from aff_runtime.config.loader import load_site
 from sim_plant.cli.main import main as sim_plant
@@ -35,6 +34,7 @@ from sim_plant.demo.loop.further_words import REFERENCE, WORDS
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
 from sim_plant.refine.report.verdict import Verdict
+from tests import quick_yaml
 from tests.doubles.recorded_run import Files, RecordedRun
 
 FAST_M_S, SLOW_M_S, STEP_N = 0.85, 0.62, 95.0
@@ -188,7 +188,7 @@ def with_channels(files, path, *, service):
     no run has; a clean record has to have every channel, and gets the rewind's cell as well.
     """
     mapped = set(load_site(files.site).gateway.read.channels) - FURTHER
-    line = yaml.safe_load(files.line.read_text(encoding="utf-8"))
+    line = quick_yaml.safe_load(files.line.read_text(encoding="utf-8"))
     looped = {loop["load_cell"] for loop in line["control"]["tension_pi"]}
     kept = []
     for sensor in line["sensors"]:
@@ -197,7 +197,9 @@ def with_channels(files, path, *, service):
         elif sensor["roller"] in looped:
             unshown = {"channel": f"unshown_{sensor['channel']}"} if service else {}
             kept.append(sensor | unshown)
-    path.write_text(yaml.safe_dump(line | {"sensors": kept}, sort_keys=False), encoding="utf-8")
+    path.write_text(
+        quick_yaml.safe_dump(line | {"sensors": kept}, sort_keys=False), encoding="utf-8"
+    )
     return path
 
 

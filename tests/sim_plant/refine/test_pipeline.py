@@ -5,7 +5,6 @@ from dataclasses import asdict
 
 import numpy as np
 import pytest
-import yaml
 from pydantic import TypeAdapter
 
 from aff_runtime.base.refinement import Summary
@@ -14,6 +13,7 @@ from sim_plant.cli.main import main
 from sim_plant.line import load
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.open import make_line
+from tests import quick_yaml
 
 ROWS = 1200
 
@@ -35,7 +35,7 @@ def files(tmp_path):
     table = np.column_stack(list(columns.values()))
     np.savetxt(tmp_path / "a.csv", table, "%.9g", ",", header=",".join(columns), comments="")
     for name in ("line.yaml", "a.yaml"):
-        (tmp_path / name).write_text(yaml.safe_dump(data, sort_keys=False))
+        (tmp_path / name).write_text(quick_yaml.safe_dump(data, sort_keys=False))
     return tmp_path
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import yaml
 
 from sim_plant.cli.main import main
 from sim_plant.effects.catalogue import BY_NAME
@@ -15,6 +14,7 @@ from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.records.read import read_record
+from tests import quick_yaml
 from tests.doubles.recorded_run import LINE_FILE, RecordedRun, files
 
 pytestmark = pytest.mark.timeout(900)
@@ -61,10 +61,10 @@ def runs(run_a, tmp_path_factory):
 @pytest.fixture
 def line_file(tmp_path):
     """The line as its owner declares it, of which one number alone is not certain."""
-    data = yaml.safe_load(LINE_FILE.read_text())
+    data = quick_yaml.safe_load(LINE_FILE.read_text())
     data["tolerances"] = {"*": 0.0, "web.EA_N": 0.02}
     path = tmp_path / "line.yaml"
-    path.write_text(yaml.safe_dump(data, sort_keys=False))
+    path.write_text(quick_yaml.safe_dump(data, sort_keys=False))
     return path
 
 
@@ -122,7 +122,7 @@ def test_a_hidden_eccentric_idler_is_traced_with_aff_on_in_half_of_the_run(
     for name in ("unwind_tension_N", "pullroll_tension_N"):
         error = verdict["residual_rms"][name]
         assert error["after"] < 1.10 * error["noise_floor"]
-    block = yaml.safe_load((tmp_path / "out/aff_block.yaml").read_text())["blocks"]
+    block = quick_yaml.safe_load((tmp_path / "out/aff_block.yaml").read_text())["blocks"]
     assert [(entry["roll"], entry["orders"]) for entry in block] == [("r6", [1])]
     assert "AFF on 2" in said
     assert "cannot be claimed" in said.split("simulating")[0]  # before the work

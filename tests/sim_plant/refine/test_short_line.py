@@ -5,7 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
@@ -23,6 +22,7 @@ from sim_plant.refine.report.amend import write_amended
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.search.profile_detail import joint_refit
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from tests import quick_yaml
 
 LINE_FILE = Path(__file__).parents[3] / "config/lines/euclid.yaml"
 SAMPLES = 1200
@@ -31,7 +31,7 @@ STEP_S = 0.01
 
 @pytest.fixture(scope="module")
 def line():
-    data = yaml.safe_load(LINE_FILE.read_text())
+    data = quick_yaml.safe_load(LINE_FILE.read_text())
     return Declaration.model_validate(data | {"sample_time_s": STEP_S})
 
 
@@ -157,7 +157,7 @@ def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record
     assert amended.provenance["records"] == [{"path": "short.csv", "sha256": "abc"}]
     assert amended.corrections == {"web.EA_N": 0.01}
     make_line(amended)
-    block = yaml.safe_load(write_block(tmp_path, result.effects).read_text())
+    block = quick_yaml.safe_load(write_block(tmp_path, result.effects).read_text())
     assert block["blocks"][0] | {"roll": "r6", "orders": [1]} == block["blocks"][0]
     row = json.loads(result.to_json())["effects"][0]
     assert row["parameters"]["eccentricity_m"] == pytest.approx(3e-4, rel=0.05)

@@ -23,7 +23,7 @@ from aff_runtime.app.hand.messages import (
     Welcome,
     read_said,
 )
-from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.command_counts import CommandTally, Result, Via
 from aff_runtime.app.supervisor.hand.entries import Now, entry_of
 from aff_runtime.app.supervisor.hand.visits import Caller, Visits

@@ -9,7 +9,8 @@ from dataclasses import replace
 
 from aff_runtime.app.hand.audit import Audit
 from aff_runtime.app.link.answers import Done, as_answer
-from aff_runtime.app.link.messages import Arm, Forget, Question, Reply, Shadow
+from aff_runtime.app.link.messages import Arm, Forget, Question, Shadow
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.command_counts import CommandTally
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules

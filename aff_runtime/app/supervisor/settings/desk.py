@@ -10,8 +10,8 @@ from collections.abc import Callable
 
 from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.link.answers import Done
-from aff_runtime.app.link.messages import Reply
 from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.request_socket import Asked
 from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
 from aff_runtime.app.link.settings_request import SettingsRequest

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from aff_runtime.app.link.messages import Reply
 from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.processes import Processes

@@ -14,7 +14,7 @@ from aff_runtime.app.hand.audit import Audit
 from aff_runtime.app.hand.client import HandClient
 from aff_runtime.app.hand.may import Action, Place, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Command, Said, Welcome
-from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.command_counts import CommandTally
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules
 from aff_runtime.app.supervisor.hand.entries import Now

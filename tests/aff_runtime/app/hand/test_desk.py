@@ -14,7 +14,7 @@ import pytest
 from aff_runtime.app.hand.audit import verify
 from aff_runtime.app.hand.may import Action, Code, Place, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Notice
-from aff_runtime.app.link.messages import Reply
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor.hand import visits
 from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules
 from aff_runtime.app.supervisor.hand.entries import Now

@@ -11,7 +11,8 @@ import pytest
 
 from aff_runtime.app.hand.audit import NAME
 from aff_runtime.app.hand.may import Role
-from aff_runtime.app.link.messages import Reply, Shadow
+from aff_runtime.app.link.messages import Shadow
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.runtime_directory import runtime_paths
 from aff_runtime.app.report.command_counts import CommandTally
 from aff_runtime.app.report.tick_row import TickRow

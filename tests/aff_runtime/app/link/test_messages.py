@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from aff_runtime.app.link import messages
+from aff_runtime.app.link import messages, replies
 from aff_runtime.app.link.messages import MessageError, decode, encode
 from tests.parameter_records import record_of
 
@@ -27,15 +27,15 @@ SAID = [
     messages.Probed(error="aborted"),
     messages.Probed(
         results=(
-            messages.ProbeResult(
+            replies.ProbeResult(
                 actuator="u", sign=-1, remarks=("short",), delay_s=0.05, text="{}"
             ),
         )
     ),
     messages.ShapeNews(actuator="u", text="kept"),
     messages.ShapeLearned(actuator="u", file="{}"),
-    messages.Reply(id=6, ok=True, state="ARMED"),
-    messages.Reply(id=7, ok=True, duration_s=47.5),
+    replies.Reply(id=6, ok=True, state="ARMED"),
+    replies.Reply(id=7, ok=True, duration_s=47.5),
 ]
 
 

@@ -11,9 +11,10 @@ from typing import Any
 import pytest
 
 from aff_runtime.app.link.answers import Answer
-from aff_runtime.app.link.messages import LogLine, Reply, ShapeLearned, ShapeNews
+from aff_runtime.app.link.messages import LogLine, ShapeLearned, ShapeNews
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import Peer
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.app.link.requests import Ident, Request
 from aff_runtime.app.report.command_counts import CommandCount, CommandTally

@@ -1,13 +1,13 @@
 """What the demo hides: drawn by its seed, in the plant's file alone, and of a size that shows."""
 
 import pytest
-import yaml
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.demo.loop.drawn import LINE, Hidden, drawn, write_files
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from tests import quick_yaml
 
 SEEDS = range(1, 9)
 
@@ -42,7 +42,7 @@ def test_every_effect_of_the_catalogue_can_be_hidden(name, tmp_path):
 def test_line_and_site_say_nothing_of_it(wire, tmp_path):
     files = write_files(tmp_path, drawn("eccentric_roller", 1), wire)
     assert files.line.read_text() == LINE.read_text()
-    site = yaml.safe_load(files.site.read_text())
+    site = quick_yaml.safe_load(files.site.read_text())
     assert set(site["rolls"]) == {"unwind", "swrap_follower"}
     assert site["line"]["speed_reference"] in site["gateway"]["read"]["channels"]
 

@@ -3,7 +3,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import yaml
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
@@ -11,6 +10,7 @@ from sim_plant.line.declaration import DriveSpeed, RollAngle, RollRadius
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.model.record_match import declaration_for, limits, sidecar_of, twin_of
 from sim_plant.refine.records.recording import Recording
+from tests import quick_yaml
 
 LINE_FILE = Path(__file__).parents[4] / "config/lines/euclid.yaml"
 LINE = load_declaration(LINE_FILE)
@@ -109,8 +109,8 @@ def test_what_this_line_cannot_do_is_refused_with_its_place(changed, said):
 
 
 def own_file(tmp_path, **more):
-    data = yaml.safe_load(LINE_FILE.read_text())
-    (tmp_path / "r.yaml").write_text(yaml.safe_dump(data | more))
+    data = quick_yaml.safe_load(LINE_FILE.read_text())
+    (tmp_path / "r.yaml").write_text(quick_yaml.safe_dump(data | more))
     return replace(record(), path=tmp_path / "r.csv")
 
 

@@ -1,11 +1,11 @@
 from pathlib import Path
 
 import pytest
-import yaml
 
 from aff_runtime.config.loader import load_site
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.report.aff_block import site_name, write_block
+from tests import quick_yaml
 from tests.sim_plant.refine.small import finding
 
 CONFIG = Path(__file__).parents[4] / "config"
@@ -45,7 +45,7 @@ def test_an_idlers_block_names_the_drives_on_both_sides(tmp_path, roller, drives
 
 def test_a_driven_rollers_block_replaces_its_entry_as_it_stands(tmp_path):
     text = block_of(tmp_path, "swrap_follower")
-    (block,) = yaml.safe_load(text)["blocks"]
+    (block,) = quick_yaml.safe_load(text)["blocks"]
     assert [row["order"] for row in block["start"]] == block["orders"] == [1]
     site = (CONFIG / "euclid.yaml").read_text()
     old = "      - { roll: swrap_follower, orders: [1], settle_s: 10, amp_limit_m_s: 0.01 }\n"

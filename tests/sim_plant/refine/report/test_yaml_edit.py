@@ -3,11 +3,11 @@
 import difflib
 
 import pytest
-import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim_plant.refine.report.yaml_edit import with_keys
+from tests import quick_yaml
 
 OWN = """\
 # my line, measured in May
@@ -65,11 +65,11 @@ def test_an_empty_list_that_gets_entries_keeps_what_was_said_beside_and_below_it
     found = with_keys(OWN, {"effects": [{"effect": "slip", "location": "R1"}]})
     assert comments(found) == comments(OWN)
     assert found.index("location: R1") < found.index("# what follows is drawn to scale")
-    assert yaml.safe_load(found)["effects"] == [{"effect": "slip", "location": "R1"}]
+    assert quick_yaml.safe_load(found)["effects"] == [{"effect": "slip", "location": "R1"}]
 
 
 def test_entries_of_a_list_keep_their_comments_when_more_are_added():
-    rollers = [*yaml.safe_load(OWN)["rollers"], {"name": "R3", "radius_m": 0.05}]
+    rollers = [*quick_yaml.safe_load(OWN)["rollers"], {"name": "R3", "radius_m": 0.05}]
     rollers[0]["radius_m"] = 0.04
     gone, new = edited(OWN, rollers=rollers)
     assert gone == ["    radius_m: 0.0381"]
@@ -81,14 +81,14 @@ def test_entries_of_a_list_keep_their_comments_when_more_are_added():
 )
 def test_a_text_that_yaml_1_1_would_take_for_something_else_is_quoted(value):
     found = with_keys(OWN, {"provenance": {"made_by": value}, "corrections": {value or "x": 1e-7}})
-    data = yaml.safe_load(found)
+    data = quick_yaml.safe_load(found)
     assert data["provenance"] == {"made_by": value}
     assert data["corrections"] == {value or "x": 1e-7}
 
 
 def test_what_is_named_elsewhere_too_stays_as_it_is_there():
     text = "first: &own {size_m: 1.0}\nsecond: *own\n"
-    found = yaml.safe_load(with_keys(text, {"first": {"size_m": 2.0}}))
+    found = quick_yaml.safe_load(with_keys(text, {"first": {"size_m": 2.0}}))
     assert found == {"first": {"size_m": 2.0}, "second": {"size_m": 1.0}}
 
 
@@ -100,12 +100,12 @@ def test_what_is_named_elsewhere_too_stays_as_it_is_there():
     ],
 )
 def test_values_come_before_comments(own, changes):
-    assert yaml.safe_load(with_keys(own, changes)) == yaml.safe_load(own) | changes
+    assert quick_yaml.safe_load(with_keys(own, changes)) == quick_yaml.safe_load(own) | changes
 
 
 def test_a_removed_entry_is_gone():
     found = with_keys(OWN, {"rollers": [{"name": "R1", "radius_m": 0.0381}]})
-    assert yaml.safe_load(found)["rollers"] == [{"name": "R1", "radius_m": 0.0381}]
+    assert quick_yaml.safe_load(found)["rollers"] == [{"name": "R1", "radius_m": 0.0381}]
 
 
 WORDS = st.text("abyesno:#-1. ", max_size=8)
@@ -120,7 +120,7 @@ PLAIN = st.recursive(
 @settings(max_examples=60, deadline=None)
 @given(st.dictionaries(st.sampled_from(["corrections", "effects", "rollers", "new"]), PLAIN))
 def test_whatever_is_put_in_is_read_back_and_all_else_is_as_it_was(changes):
-    assert yaml.safe_load(with_keys(OWN, changes)) == yaml.safe_load(OWN) | changes
+    assert quick_yaml.safe_load(with_keys(OWN, changes)) == quick_yaml.safe_load(OWN) | changes
 
 
 ENTRY = st.fixed_dictionaries(
@@ -134,7 +134,7 @@ ENTRY = st.fixed_dictionaries(
 def test_corrections_and_effects_leave_every_comment_in_its_place(corrections, effects):
     changes = {"corrections": {"web.EA_N": 0.02, **corrections}, "effects": effects}
     found = with_keys(OWN, changes)
-    assert yaml.safe_load(found) == yaml.safe_load(OWN) | changes
+    assert quick_yaml.safe_load(found) == quick_yaml.safe_load(OWN) | changes
     own = [line for line in found.splitlines() if line in OWN.splitlines()]
     assert set(OWN.splitlines()) - set(own) == {
         "  web.EA_N: 0.010  # +- 0.002",

@@ -38,7 +38,7 @@ def abab_run(tmp_path_factory, worker_id):
 
 def made_in(folder):
     """Return the run's folder, and time, true tension and true angle (ticks, 3)."""
-    made = files(folder, EFFECTS, cancels="")
+    made = files(folder, EFFECTS, cancels="", cycle_ms=10)
     text = made.site.read_text()
     assert text.count(FULL) == 1
     made.site.write_text(text.replace(FULL, SMALL))

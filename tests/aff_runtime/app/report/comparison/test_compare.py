@@ -31,7 +31,7 @@ SIGNAL, ROLL = "pullroll_tension_N", "swrap_follower"
 def made(tmp_path_factory):
     """A run of 75 s, off and then on, an eccentric follower; the plant's own true tension."""
     folder = tmp_path_factory.mktemp("run")
-    run = RecordedRun(files(folder, EFFECTS, cancels=""), folder / "runs")
+    run = RecordedRun(files(folder, EFFECTS, cancels="", cycle_ms=10), folder / "runs")
     truth = []
     run.bench.plant.observers.append(
         lambda plant: truth.append(

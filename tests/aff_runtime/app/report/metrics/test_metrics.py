@@ -10,7 +10,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-import yaml
 
 from aff_runtime.app.report.alarm_table import EVENTS, PRIORITIES
 from aff_runtime.app.report.command_counts import CommandCount
@@ -39,6 +38,7 @@ from aff_runtime.core.monitor import Trend
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.header import Right, RunMeta
 from aff_runtime.telemetry.recorder_messages import RecorderReport
+from tests import quick_yaml
 from tests.aff_runtime.app.report.test_status import SHAPE_SITE, shape_record
 
 ROOT = Path(__file__).parents[5]
@@ -315,7 +315,7 @@ def test_every_event_is_an_alarm_with_a_priority_or_none() -> None:
 
 def test_alerts_and_dashboard_name_what_there_is() -> None:
     folder = ROOT / "deploy/observability"
-    alerts = yaml.safe_load((folder / "alerts.yaml").read_text())
+    alerts = quick_yaml.safe_load((folder / "alerts.yaml").read_text())
     board = json.loads((folder / "dashboard.json").read_text())
     rules = [rule for group in alerts["groups"] for rule in group["rules"]]
     exprs = [rule["expr"] for rule in rules]

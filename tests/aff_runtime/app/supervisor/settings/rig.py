@@ -9,8 +9,9 @@ from typing import Any
 from aff_runtime.app.check import validate
 from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.link.answers import Answer, refusal
-from aff_runtime.app.link.messages import Parameters, Reply
+from aff_runtime.app.link.messages import Parameters
 from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.runtime_directory import RuntimePaths
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.app.link.settings_request import settings_request
