@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -18,6 +19,14 @@ def module_command(module: str) -> list[str]:
     PYTHONPATH and the environment's own packages stay.
     """
     return [sys.executable, "-P", "-m", module]
+
+
+def program_beside(name: str) -> Path:
+    """Return where a program of this environment lies, there or not.
+
+    Such a script has its own folder on the module path, never the one that it is started in.
+    """
+    return Path(sys.executable).with_name(name)
 
 
 async def talking_child(

@@ -7,7 +7,6 @@ import os
 import select
 import shlex
 import subprocess
-import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -18,6 +17,7 @@ from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.printable import printable
+from aff_runtime.base.python_child import program_beside
 
 PROGRAM = "sim-plant"
 EXTRA = ("numba", "scipy", "matplotlib", "jinja2", "ruamel.yaml")
@@ -35,7 +35,7 @@ TOO_LONG = (
 
 def program() -> Path | None:
     """Return the program beside this interpreter, None where it is not installed whole."""
-    found = Path(sys.executable).with_name(PROGRAM)
+    found = program_beside(PROGRAM)
     is_whole = all(_is_there(name) for name in EXTRA)
     return found if is_whole and os.access(found, os.X_OK) else None
 
