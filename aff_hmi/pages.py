@@ -10,6 +10,7 @@ from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.websockets import WebSocket
 
 from aff_hmi.bundles import FOLDER, served
+from aff_hmi.commission.looks import Looks
 from aff_hmi.commission.routes import CommissionData
 from aff_hmi.commission.run_routes import RunData
 from aff_hmi.hand_routes import HandRoutes, place_of
@@ -77,9 +78,8 @@ class Pages:
             routes += [Route("/login", self.login), *self.presses.routes()]
         if self.presses is not None and self._hub.commission is not None:
             routes += [Route(path, self.commissioned) for path in COMMISSIONED]
-            data = CommissionData(self._hub.commission, self.presses.session_of, self._say_of)
-            of_runs = RunData(self._hub.commission, self.presses.session_of, self._say_of)
-            routes += [*data.routes(), *of_runs.routes()]
+            looks = Looks(self._hub.commission, self.presses.session_of, self._say_of)
+            routes += [*CommissionData(looks).routes(), *RunData(looks).routes()]
         app = Starlette(routes=routes)
         app.router.redirect_slashes = False  # a path that is in no table is 404, and no other path
         return app
