@@ -31,10 +31,12 @@ class Held:
     ----------
     cost : least found with all others fitted again.
     values : all numbers in a row (q,).
+    residual : what is left with them (rows,); None where the line does not run with them.
     """
 
     cost: float
     values: Array
+    residual: Array | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -144,10 +146,10 @@ def refitted(
     others = [k for k in range(start.size) if k != at]
     here = _held(objective, fit, start, quick)
     for _ in range(RANGES.corrections if others else 0):
-        residual = _residual(objective, fit, here.values, quick)
-        if residual is None:
+        if here.residual is None:
             break
-        step = objective.projector.joint_estimate(residual, columns[:, others])[-len(others) :]
+        estimate = objective.projector.joint_estimate(here.residual, columns[:, others])
+        step = estimate[-len(others) :]
         moved = here.values.copy()
         moved[others] += step
         there = _held(objective, fit, moved, quick)
@@ -179,7 +181,7 @@ def values_of(fit: Fit, flat: Array) -> Values:
 def _held(objective: Objective, fit: Fit, flat: Array, quick: bool) -> Held:
     residual = _residual(objective, fit, flat, quick)
     cost = math.inf if residual is None else objective.projector.cost(residual)
-    return Held(cost=cost, values=_flat(values_of(fit, flat)))
+    return Held(cost=cost, values=_flat(values_of(fit, flat)), residual=residual)
 
 
 def _residual(objective: Objective, fit: Fit, flat: Array, quick: bool) -> Array | None:
