@@ -10,6 +10,7 @@ __all__ = [
     "machine",
     "ports",
     "printable",
+    "process_bounds",
     "python_child",
     "refinement",
     "release",

@@ -6,9 +6,9 @@ Whatever one of them is made to do, it ends here, in a process of its own.
 
 from __future__ import annotations
 
-import contextlib
 import resource
-from pathlib import Path
+
+from aff_runtime.base.process_bounds import bound_process
 
 # The check of the largest shipped site (CANopen) takes 1.1 s and 420 MB of address space, of which
 # it fills 140 MB; the rest is reserved by libraries. One thread each, or a gateway with many
@@ -38,10 +38,5 @@ def bound_this_process() -> None:
 
     A hard limit that is lower already stays.
     """
-    for kind, limit in ((resource.RLIMIT_AS, MEMORY_BYTES), (resource.RLIMIT_CPU, PROCESSOR_S)):
-        _, hard = resource.getrlimit(kind)
-        soft = limit if hard == resource.RLIM_INFINITY else min(limit, hard)
-        resource.setrlimit(kind, (soft, hard))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    with contextlib.suppress(OSError):
-        Path("/proc/self/oom_score_adj").write_text("1000", encoding="ascii")
+    limits = {resource.RLIMIT_AS: MEMORY_BYTES, resource.RLIMIT_CPU: PROCESSOR_S}
+    bound_process(limits, oom_score=1000)

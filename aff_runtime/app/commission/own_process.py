@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import contextlib
 import ctypes
 import os
 import resource
 import signal
-from pathlib import Path
+
+from aff_runtime.base.process_bounds import bound_process
 
 LOWEST = 19
 _PR_SET_PDEATHSIG = 1
-_OOM_SCORE = "900"
+OOM_SCORE = 900
 
 
 def end_with_parent() -> None:
@@ -34,10 +34,5 @@ def give_way(processor_s: int, file_bytes: int) -> None:
     """
     end_with_parent()
     os.nice(LOWEST)
-    for kind, limit in ((resource.RLIMIT_CPU, processor_s), (resource.RLIMIT_FSIZE, file_bytes)):
-        _, hard = resource.getrlimit(kind)
-        soft = limit if hard == resource.RLIM_INFINITY else min(limit, hard)
-        resource.setrlimit(kind, (soft, hard))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    with contextlib.suppress(OSError):
-        Path("/proc/self/oom_score_adj").write_text(_OOM_SCORE, encoding="ascii")
+    limits = {resource.RLIMIT_CPU: processor_s, resource.RLIMIT_FSIZE: file_bytes}
+    bound_process(limits, oom_score=OOM_SCORE)

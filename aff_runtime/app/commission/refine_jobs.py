@@ -87,14 +87,7 @@ def lacks(where: Paths, asked: Request, talk: Talk) -> Answer:
     said, windows, holdout = _named(where, asked)
     _refuse_missing(where)
     folder = Shelf(where.site, where.state).look(said)
-    words = program.command_of(
-        os.fspath(where.line or ""),
-        windows,
-        holdout,
-        said.without,
-        site=os.fspath(where.site),
-        out=str(folder / OUT),
-    )
+    words = _command(where, windows, holdout, said.without, folder / OUT)
     why = program.run([*words, "--lacking"], folder / LOG, talk.say)
     found = Shelf(where.site, where.state).lacking()
     if found is None:
@@ -111,14 +104,7 @@ def refine(where: Paths, asked: Request, talk: Talk) -> Answer:
     _refuse_while_out(where)
     shelf = Shelf(where.site, where.state)
     folder = shelf.begin(said, _text(where.site))
-    words = program.command_of(
-        os.fspath(where.line or ""),
-        windows,
-        holdout,
-        said.without,
-        site=os.fspath(where.site),
-        out=str(folder / OUT),
-    )
+    words = _command(where, windows, holdout, said.without, folder / OUT)
     talk.say(program.as_typed(words))
     why = program.run(words, folder / LOG, talk.say)
     found = summary_in(folder)
@@ -236,6 +222,18 @@ def _text(site: Path) -> str:
         return ""
 
 
+def _command(
+    where: Paths,
+    windows: Sequence[str],
+    holdout: Sequence[str],
+    without: Sequence[str],
+    out: str | Path,
+) -> tuple[str, ...]:
+    """Return the words after ``sim-plant`` for the line and the site of this commissioner."""
+    line, site = os.fspath(where.line or "LINE.yaml"), os.fspath(where.site)
+    return program.command_of(line, windows, holdout, without, site=site, out=os.fspath(out))
+
+
 def _typed(
     where: Paths,
     folder: str,
@@ -248,15 +246,8 @@ def _typed(
     def path(one: str) -> str:
         return one if one.startswith("RUN_DIR") else f"{folder}/{one}"
 
-    words = program.command_of(
-        os.fspath(where.line or "LINE.yaml"),
-        [path(one) for one in windows],
-        [path(one) for one in holdout],
-        without,
-        site=os.fspath(where.site),
-        out="DIR",
-    )
-    return program.as_typed(words)
+    fitted, held = [path(one) for one in windows], [path(one) for one in holdout]
+    return program.as_typed(_command(where, fitted, held, without, "DIR"))
 
 
 # --- what it proposes ---------------------------------------------------------------------------
