@@ -15,8 +15,10 @@ from starlette.routing import BaseRoute, Route
 
 from aff_hmi.see import events
 from aff_hmi.see.alarm_part import event_line
+from aff_hmi.see.flags import Flag, flags
 from aff_hmi.see.kept import Kept
 from aff_hmi.see.trend_part import trend_part
+from aff_hmi.see.trends import Curves
 from aff_hmi.words import N_, Say
 
 MOST_IN_FILE = 10_000
@@ -94,14 +96,22 @@ class Data:
         except KeyError:
             return refused(400, say(NO_SENSE))
         try:
-            curves = await self._kept.store.ask(read)
+            curves, flagged = await self._kept.store.ask(lambda c: _with_flags(c, read, say))
         except (sqlite3.Error, BlockingIOError):
             return refused(503, say(NOT_NOW))
-        return JSONResponse({"ok": True, "trend": asdict(trend_part(curves, say))})
+        return JSONResponse({"ok": True, "trend": asdict(trend_part(curves, flagged, say))})
 
     async def recent(self, request: Request) -> Response:
         """Return the last ten minutes of what the overview shows."""
         return JSONResponse({"ok": True, "recent": asdict(self._kept.recent())})
+
+
+def _with_flags(
+    connection: sqlite3.Connection, read: Callable[[sqlite3.Connection], Curves], say: Say
+) -> tuple[Curves, list[Flag]]:
+    """Return curves and what happened meanwhile."""
+    curves = read(connection)
+    return curves, flags(connection, curves.from_s, curves.to_s, say)
 
 
 def wanted_of(request: Request) -> events.Wanted | None:

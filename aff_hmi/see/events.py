@@ -103,6 +103,35 @@ def select(connection: sqlite3.Connection, wanted: Wanted) -> list[Entry]:
     return [_entry(row) for row in rows]
 
 
+def between(
+    connection: sqlite3.Connection,
+    from_s: float,
+    to_s: float,
+    *,
+    kind: Kind,
+    names: Sequence[str],
+    most: int,
+) -> list[Entry]:
+    """Return the newest events of a span that are of a kind or have one of the names.
+
+    Parameters
+    ----------
+    from_s, to_s : wall time, both inside.
+
+    Returns
+    -------
+    list of Entry
+        ``most`` at most, the oldest first.
+    """
+    marks = ", ".join("?" for _ in names)
+    rows = connection.execute(
+        f"SELECT {_COLUMNS} FROM events WHERE utc_s >= ? AND utc_s <= ? "
+        f"AND (kind = ? OR name IN ({marks})) ORDER BY utc_s DESC, id DESC LIMIT ?",
+        (from_s, to_s, kind, *names, most),
+    )
+    return [_entry(row) for row in rows][::-1]
+
+
 def newest(connection: sqlite3.Connection) -> int:
     """Return the number of the newest row; 0 when there is none."""
     (found,) = connection.execute("SELECT coalesce(max(id), 0) FROM events").fetchone()

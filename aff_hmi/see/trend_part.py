@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from aff_hmi.see.flags import Flag
 from aff_hmi.see.series import MEASURED, NOW, REFERENCE, VALUE, WITHOUT, Series
 from aff_hmi.see.trend_rows import LARGEST, LEAST, MEAN
 from aff_hmi.see.trends import Curves
@@ -60,7 +62,7 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrendPart:
-    """Answer to one question; times are wall time, s. ``states`` : shares of each bin."""
+    """Answer to one question; times are wall time, s. ``active``, ``fault`` : shares of bins."""
 
     from_s: float
     to_s: float
@@ -69,6 +71,7 @@ class TrendPart:
     curves: list[Curve]
     active: list[float | None]
     fault: list[float | None]
+    flags: Sequence[Flag]
     good: str
 
 
@@ -80,8 +83,8 @@ def group_name(group: str, say: Say) -> str:
     return say(GROUPS[group])
 
 
-def trend_part(curves: Curves, say: Say) -> TrendPart:
-    """Return curves for a page."""
+def trend_part(curves: Curves, flags: Sequence[Flag], say: Say) -> TrendPart:
+    """Return curves for a page, with what happened meanwhile."""
     shown = [(n, one) for n, one in enumerate(curves.series) if one.group != "state"]
     states = {one.label: n for n, one in enumerate(curves.series) if one.group == "state"}
     kind = shown[0][1].group.partition(" ")[0]
@@ -104,6 +107,7 @@ def trend_part(curves: Curves, say: Say) -> TrendPart:
         ],
         active=_numbers(bins[:, MEAN, states["ACTIVE"]]) if "ACTIVE" in states else [],
         fault=_numbers(bins[:, MEAN, states["FAULT"]]) if "FAULT" in states else [],
+        flags=flags,
         good=say(GOOD[kind]) if kind in GOOD else "",
     )
 

@@ -7,6 +7,8 @@ const EVERY_MS = { "1min": 2000, "10min": 5000, "1h": 15000, "8h": 60000, "7d": 
 const HIGH = 320;
 const MOST_ROWS = 60;
 const BAND = 8; // height of the states above the curves, pixels
+const MOST_FLAGS = 12; // in the list; more are lines in the picture alone
+const FLAG_ROOM = 14; // between two numbers on the picture, pixels
 const root = document.documentElement;
 let chart = null;
 let kind = "";
@@ -44,6 +46,46 @@ function states(u) {
   context.restore();
 }
 
+/** A line where something happened, with the number that it has in the list. */
+function flags(u) {
+  const { left, top, width, height } = u.bbox;
+  const context = u.ctx;
+  const first = Math.max(0, answer.flags.length - MOST_FLAGS);
+  let [free, drawn] = [-Infinity, -Infinity];
+  context.save();
+  context.strokeStyle = context.fillStyle = css("--text");
+  context.setLineDash([4, 4]);
+  context.font = `${12 * devicePixelRatio}px sans-serif`;
+  answer.flags.forEach((flag, n) => {
+    const x = Math.round(u.valToPos(flag.utc_s, "x", true));
+    if (x < left || x > left + width || x < drawn + 2) return; // a splice a minute is no black field
+    drawn = x;
+    context.beginPath();
+    context.moveTo(x, top + 2 * BAND);
+    context.lineTo(x, top + height);
+    context.stroke();
+    if (n < first || x < free) return;
+    context.fillText(String(n - first + 1), x + 3, top + 2 * BAND + 12 * devicePixelRatio);
+    free = x + FLAG_ROOM * devicePixelRatio;
+  });
+  context.restore();
+}
+
+/** The same in words, which is all that a reader without the picture has. */
+function listFlags() {
+  const shown = answer.flags.slice(-MOST_FLAGS);
+  const lines = shown.map((flag) => {
+    const line = part("li");
+    line.append(part("span", "when", at(flag.utc_s)), " ", part("b", "", flag.name), " ");
+    line.append(part("span", "", flag.text));
+    return line;
+  });
+  byId("flagged").hidden = !lines.length;
+  byId("flags").replaceChildren(...lines);
+  const earlier = answer.flags.length - shown.length;
+  put(byId("earlier"), earlier ? words.more.replace("{count}", number(earlier, 0)) : "");
+}
+
 function options(curves) {
   const axis = { stroke: () => css("--text"), grid: { stroke: () => css("--line"), width: 0.5 } };
   const series = [{}];
@@ -68,7 +110,7 @@ function options(curves) {
     ],
     series,
     bands,
-    hooks: { draw: [states] },
+    hooks: { draw: [states, flags] },
   };
 }
 
@@ -89,6 +131,7 @@ function draw() {
   const until = words.until.replace("{time}", at(answer.to_s));
   put(byId("until"), t_s.length ? until.replace("{seconds}", number(answer.bin_s, 0)) : words.nothing);
   byId("curves").replaceChildren(...curves.map(legend));
+  listFlags();
   if (byId("as-table").open) tabulate();
 }
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 import signal
+import time
 from itertools import product
 from pathlib import Path
 
@@ -104,4 +105,33 @@ def test_events_are_filtered_by_kind(chromium, screen) -> None:
         ".every(cell => cell.textContent === 'state')"
     )
     assert "kind=state" in page.run("() => document.getElementById('save').href")
+    page.close()
+
+
+def test_what_happened_is_a_flag_over_the_curves_and_a_line_of_words(
+    chromium, screen, pictures: Path
+) -> None:
+    page = Page(
+        chromium, screen.url + "trends", locale="en", viewport={"width": 1280, "height": 800}
+    )
+    page.await_live()
+    page.await_selector("#chart canvas")
+    flag = {"utc_s": time.time() - 60.0, "name": "PROBE", "text": "the probe begins <b>"}
+    many = [flag | {"utc_s": time.time() - 120.0 + n} for n in range(15)]
+
+    def add(route: object) -> None:
+        answer = route.fetch()  # type: ignore[attr-defined]
+        said = answer.json()
+        said["trend"]["flags"] = [*many, flag]
+        route.fulfill(response=answer, json=said)  # type: ignore[attr-defined]
+
+    page.page.route("**/data/trend?*", add)
+    page.page.select_option("#group", "tension")
+    page.await_selector("#flags li:nth-child(12)")
+    assert page.run("() => document.querySelectorAll('#flags li').length") == 12
+    last = page.run("() => document.querySelector('#flags li:last-child').textContent")
+    assert last.endswith("PROBE the probe begins <b>")
+    assert page.run("() => document.getElementById('earlier').textContent").startswith("4 ")
+    page.picture(pictures / "trends-flags.png")
+    assert grave_findings(page.page) == []
     page.close()

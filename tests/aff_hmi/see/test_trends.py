@@ -96,7 +96,7 @@ def test_where_nothing_was_known_there_is_no_number(line: Line) -> None:
     found = line.tension("1min")
     assert found.t_s.tolist() == [T0_S, T0_S + 2]
     assert np.isnan(found.bins[0]).all()
-    part = trend_part(line.of("tension", "1min"), SAY)
+    part = trend_part(line.of("tension", "1min"), [], SAY)
     assert part.curves[0].mean == [None, 90.0]
 
 
@@ -189,7 +189,7 @@ def test_stored_and_new_minutes_of_one_bin_are_one_point(tmp_path: Path) -> None
 def test_states_are_shares_of_each_bin(line: Line) -> None:
     line.second(90.0, 90.0, state=State.ACTIVE)
     line.second(90.0, state=State.FAULT)
-    part = trend_part(line.of("tension", "1min"), SAY)
+    part = trend_part(line.of("tension", "1min"), [], SAY)
     assert part.active == [1.0, 0.0]
     assert part.fault == [0.0, 1.0]
 
@@ -197,7 +197,7 @@ def test_states_are_shares_of_each_bin(line: Line) -> None:
 def test_orders_are_kept_in_dB_while_the_correction_goes_out_and_never_else(line: Line) -> None:
     line.second(90.0)
     line.second(90.0, state=State.READY)
-    part = trend_part(line.of("dB unwind", "1min"), SAY)
+    part = trend_part(line.of("dB unwind", "1min"), [], SAY)
     assert [c.label for c in part.curves] == ["unwind 1x", "unwind 2x"]
     assert part.curves[0].mean == [pytest.approx(-40.0), None]
     assert part.curves[0].unit == "dB"
@@ -205,7 +205,7 @@ def test_orders_are_kept_in_dB_while_the_correction_goes_out_and_never_else(line
 
 def test_ripple_now_and_without_are_of_the_overview(line: Line) -> None:
     line.second(90.0)
-    part = trend_part(line.of("ripple", "1min"), SAY)
+    part = trend_part(line.of("ripple", "1min"), [], SAY)
     found = {c.label: c.mean[0] for c in part.curves}
     assert found["unwind tension, of the orders, without AFF (estimate)"] == pytest.approx(
         math.sqrt((9 + 16) / 2), rel=1e-3
