@@ -42,6 +42,7 @@ def line(fmu: Path) -> Iterator[Imported]:
     made.close()
 
 
+@pytest.mark.campaign  # its look takes 3 s; quick: FMPy reads and runs it
 def test_fmpy_finds_no_problem_and_the_file_is_small(fmu: Path) -> None:
     assert validate_fmu(str(fmu)) == []
     assert fmu.stat().st_size < 1_000_000

@@ -25,6 +25,7 @@ def drag_of(case):
 
 
 @pytest.mark.parametrize("moment_s", [21.3, 32.8, 47.1])
+@pytest.mark.sweep(every=3)
 def test_drag_that_begins_and_stays_is_found_at_its_moment(moment_s):
     measured = white((2, SAMPLES), 4)
     measured[1] -= 2.0 * PULL_N * 0.05 * (moment_s <= TIME_S)
