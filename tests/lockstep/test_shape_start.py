@@ -45,6 +45,7 @@ def test_the_block_is_a_valid_part_of_the_site_file(tmp_path):
     assert 0.5e-3 < block.start[0].deviation_m < 1.5e-3
 
 
+@pytest.mark.campaign  # quick: a kept shape, test_shape_law.py; the block, above
 def test_a_refinements_shape_quiets_the_web_two_turns_after_arming(responses, tmp_path):
     made = shop(responses, site_file=pasted(tmp_path))
     made.bench.run(6.0)

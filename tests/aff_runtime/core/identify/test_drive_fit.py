@@ -88,8 +88,8 @@ def held(seeds: Iterable[int]) -> list[bool]:
     return said
 
 
+@pytest.mark.campaign  # quick: intervals of two drives, below
 @pytest.mark.parametrize("seed", range(DRAWS))
-@pytest.mark.sweep(every=12)
 def test_drawn_drives_are_found_within_15_percent(seed):
     line = drawn(seed)
     drive = found(line, noise=0.01, seed=seed)
