@@ -13,12 +13,13 @@ EFFECT ?= eccentric_roller
 SEED   ?= 1
 .PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture plc refine-cases refine-pairs refine-records refine-runs test test-hmi test-long check style types imports compiled compiled-campaign bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
 
+# nine thousand files of others are compiled when they are first imported, most of them never
 setup: $(STAMP)
 $(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch] sim_plant/lanes/*.[ch])
 	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) not found: install Python 3.11, or say PYTHON=..."; exit 2; }
 	@[ -x $(BIN)/python ] || $(PYTHON) -m venv $(VENV)
 	@echo "setting up $(VENV) (once; about a minute)"
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-compile -e ".[dev]"
 	@touch $@
 
 # both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM,

@@ -110,9 +110,17 @@ def _named(node: ast.AST, own: Mapping[str, Kind]) -> Kind | None:
     if isinstance(node, ast.Name):
         return own.get(node.id, _PLAIN.get(node.id))
     if isinstance(node, ast.Attribute):
-        dotted = ast.unparse(node)
+        dotted = _dotted(node)
         return own.get(dotted, _PLAIN.get(node.attr) if dotted.startswith("typing.") else None)
     return None
+
+
+def _dotted(node: ast.expr) -> str:
+    """Return ``a.b.c`` of a chain of names, and nothing of what is none."""
+    if isinstance(node, ast.Name):
+        return node.id
+    before = _dotted(node.value) if isinstance(node, ast.Attribute) else ""
+    return f"{before}.{node.attr}" if before and isinstance(node, ast.Attribute) else ""
 
 
 def _uses(tree: ast.AST, own: Mapping[str, Kind]) -> Iterator[bool]:
@@ -125,7 +133,7 @@ def _uses(tree: ast.AST, own: Mapping[str, Kind]) -> Iterator[bool]:
             is_read = isinstance(node.ctx, ast.Load)
             yield is_read and own.get(node.id) is Kind.UNTYPED
         elif isinstance(node, ast.Attribute) and node.attr in untyped_words:
-            yield own.get(ast.unparse(node)) is Kind.UNTYPED
+            yield own.get(_dotted(node)) is Kind.UNTYPED
 
 
 def _is_untyped(node: ast.Subscript, own: Mapping[str, Kind]) -> bool:

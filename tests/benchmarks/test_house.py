@@ -69,6 +69,7 @@ def test_many_imports_between_two_rooms_are_one_arrow():
     assert arrows_between(["p.a", "p.b"], imports) == {("p.a", "p.b")}
 
 
+@pytest.mark.campaign  # two seconds a package; quick: the arrows of a made tree
 @pytest.mark.parametrize("package", ["aff_runtime", "sim_plant"])
 @pytest.mark.sweep(every=2)
 def test_imports_are_those_that_grimp_finds(package):

@@ -87,7 +87,7 @@ def scl_machine(tmp_path: Path) -> Callable[[Path], StMachine]:
     return lambda _path: StMachine(plain)
 
 
-@pytest.fixture(params=["SCL", "Logix"])
+@pytest.fixture(params=[pytest.param("SCL", marks=pytest.mark.campaign), "Logix"])
 def variant(
     request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

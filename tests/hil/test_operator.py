@@ -1,4 +1,8 @@
-"""What an operator and an engineer do to a running service, judged at the plant."""
+"""What an operator and an engineer do to a running service, judged at the plant.
+
+In virtual time the same holds quickly: ``tests/lockstep/test_operator.py``; on a real wire bypass
+and edits are in ``tests/aff_runtime/app/test_service.py``.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +15,7 @@ from tests.hil.live_line import LiveLine, Rows
 from tests.lockstep.fault_table import ZERO_WITHIN_S, assert_never_above_limit, peak
 from tests.processes import until
 
-pytestmark = [pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(90)]
+pytestmark = [pytest.mark.campaign, pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(90)]
 
 ATTEMPTS = 4
 TURN_S = 1.26  # of the unwind roll at 200 FPM: the correction repeats

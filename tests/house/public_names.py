@@ -11,6 +11,7 @@ from functools import cache
 
 from benchmarks.house.imports import imported, module_names
 from tests.house.documents import ROOT
+from tests.house.trees import tree_of
 
 PACKAGES = ("aff_runtime", "sim_plant", "aff_hmi")
 KNOWN = module_names(ROOT, PACKAGES)
@@ -18,10 +19,9 @@ _ALL = re.compile(r"^__all__\b.*?\]\n", re.MULTILINE | re.DOTALL)
 _PROGRAM = 'if __name__ == "__main__":'
 
 
-@cache
 def tree(name):
     """Return the syntax tree of a module."""
-    return ast.parse(KNOWN[name].read_text(encoding="utf-8"))
+    return tree_of(KNOWN[name])
 
 
 def packages():

@@ -15,9 +15,11 @@ import pytest
 
 from aff_hmi import account_command
 from aff_hmi.main import build_parser as screen_parser
+from aff_runtime.app.commission import sources
 from aff_runtime.cli.main import build_parser as runtime_parser
 from aff_runtime.cli.main import main as runtime
 from sim_plant.cli.main import build_parser as plant_parser
+from tests.aff_runtime.app.judged_here import judged_here
 from tests.house.commands import (
     OTHERS,
     OURS,
@@ -228,7 +230,8 @@ def test_the_site_file_that_the_can_page_makes_is_right_and_needs_no_adapter(fol
     assert runtime(["check", str(made), "--brief"]) == 0
 
 
-def test_the_card_page_makes_a_card_that_verifies(folder, capsys):
+def test_the_card_page_makes_a_card_that_verifies(folder, capsys, monkeypatch):
+    monkeypatch.setattr(sources, "load_parameters", judged_here)
     site = [("SITE.yaml", str(folder / "SITE.yaml"))]
     codes = follow(ROOT / "docs" / "technician" / "card.md", instead=site)
     assert [code for code in codes.values() if code != 0] == []

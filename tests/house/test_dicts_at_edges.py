@@ -8,6 +8,7 @@ from pathlib import Path
 
 from benchmarks.house.imports import module_names
 from benchmarks.house.untyped import other_names, untyped
+from tests.house.trees import tree_of
 
 ROOT = Path(__file__).parents[2]
 PRODUCT = ("aff_runtime", "sim_plant", "aff_hmi")
@@ -47,7 +48,7 @@ EDGES = {
 def product() -> dict[str, ast.Module]:
     """Return the product's modules by dotted name."""
     names = module_names(ROOT, PRODUCT)
-    return {name: ast.parse(path.read_text("utf-8")) for name, path in names.items()}
+    return {name: tree_of(path) for name, path in names.items()}
 
 
 @cache

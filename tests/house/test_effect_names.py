@@ -12,6 +12,7 @@ import pytest
 from benchmarks.campaign.effect_table import EFFECTS, LIBRARY
 from benchmarks.campaign.report import page
 from sim_plant.effects.catalogue import BY_NAME
+from tests.house.trees import tree_of
 
 ROOT = Path(__file__).parents[2]
 NAMELESS = ("sim_plant/line", "sim_plant/refine", "benchmarks/campaign")
@@ -60,10 +61,10 @@ def files(folder: str, *endings: str) -> list[Path]:
     return [p for p in sorted((ROOT / folder).rglob("*")) if p.suffix in endings]
 
 
-def imported(code: str) -> set[str]:
+def imported(code: ast.Module) -> set[str]:
     """Return the last names of all that a file imports."""
     found = set()
-    for node in ast.walk(ast.parse(code)):
+    for node in ast.walk(code):
         if isinstance(node, ast.Import | ast.ImportFrom):
             module = (node.module or "") if isinstance(node, ast.ImportFrom) else ""
             found |= {name.rpartition(".")[2] for name in (module, *(a.name for a in node.names))}
@@ -79,8 +80,8 @@ def test_no_effect_is_named_outside_its_file(folder: str) -> None:
 
 @pytest.mark.parametrize("folder", NAMELESS)
 def test_nobody_imports_the_file_of_one_effect(folder: str) -> None:
-    code = {p: p.read_text(encoding="utf-8") for p in files(folder, ".py") if p != EXAMPLE}
-    found = {str(p.relative_to(ROOT)): imported(text) & set(BY_NAME) for p, text in code.items()}
+    paths = [path for path in files(folder, ".py") if path != EXAMPLE]
+    found = {str(p.relative_to(ROOT)): imported(tree_of(p)) & set(BY_NAME) for p in paths}
     assert not {path: names for path, names in found.items() if names}
 
 

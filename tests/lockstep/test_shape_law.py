@@ -85,14 +85,13 @@ def ripple(rows: list[tuple[float, ...]]) -> tuple[np.ndarray, float, float]:
     return np.abs(orders), float(abs(follower[0])), float(np.std(unwind_N))
 
 
-@pytest.fixture(scope="module")
-def learned(responses):
-    """Ripple before, after 30 s, and what was kept at bypass; 200 FPM, the shipped file."""
+def learned_in(responses, armed_s: float, judged_s: float):
+    """Return ripple before and after, and what was kept at bypass; 200 FPM, the shipped file."""
     made = shop(responses)
     made.bench.run(SKIPPED_S)
-    made.bench.arm(ARMED_S)
+    made.bench.arm(armed_s)
     made.rows.clear()
-    made.bench.run(JUDGED_S)
+    made.bench.run(judged_s)
     after = ripple(made.rows)
     limits = [a.limit_m_s for a in load_site(SITE).actuators.values()]
     for _, applied in made.bench.applied:
@@ -102,8 +101,20 @@ def learned(responses):
     return ripple(silent_rows()), after, made.kept
 
 
-def test_orders_up_to_the_resonance_fall_by_30_dB_or_to_the_noise(learned):
-    (before_N, _, _), (after_N, _, _), _ = learned
+@pytest.fixture(scope="module")
+def learned(responses):
+    """After twelve turns: what a service knows when it is started anew."""
+    return learned_in(responses, 15.0, 8.0)
+
+
+@pytest.fixture(scope="module")
+def learned_for_long(responses):
+    return learned_in(responses, ARMED_S, JUDGED_S)
+
+
+@pytest.mark.campaign  # quick: the total falls to a tenth, below
+def test_orders_up_to_the_resonance_fall_by_30_dB_or_to_the_noise(learned_for_long):
+    (before_N, _, _), (after_N, _, _), _ = learned_for_long
     for order, b, a in zip(ORDERS, before_N, after_N, strict=True):
         assert reduction_dB(b, a) >= 30.0 or a < NOISE_FLOOR_N, f"{order}x: {b:.3f} -> {a:.4f} N"
 
@@ -166,6 +177,7 @@ def test_the_next_start_is_at_20_dB_within_two_turns(responses, learned):
     assert ripple(made.rows)[2] <= 0.1 * before_N
 
 
+@pytest.mark.campaign  # quick: on a line of its own, app/control/test_saved_shape.py
 def test_an_encoder_whose_origin_moved_is_found_out_before_anything_goes_out(responses, learned):
     (_, _, before_N), _, kept = learned
     made = started(responses, {"unwind": turned(kept["unwind"], 0.6)})
@@ -173,6 +185,7 @@ def test_an_encoder_whose_origin_moved_is_found_out_before_anything_goes_out(res
     assert ripple(made.rows)[2] <= 0.12 * before_N
 
 
+@pytest.mark.campaign  # quick: on a line of its own, app/control/test_saved_shape.py
 def test_the_shape_of_another_roll_is_not_used(responses, learned):
     *_, kept = learned
     other = {**json.loads(kept["unwind"]), "roll_id": 7}
@@ -185,6 +198,7 @@ def test_the_shape_of_another_roll_is_not_used(responses, learned):
     assert weights["swrap_follower", 1] != 0j
 
 
+@pytest.mark.campaign  # quick: on a line of its own, app/control/test_saved_shape.py
 def test_a_shape_that_is_not_the_rolls_is_refused_by_the_ripple(responses, learned):
     *_, kept = learned
     file = ShapeFile.from_json(kept["unwind"])
@@ -206,6 +220,7 @@ def test_the_follower_stands_on_its_blocks_as_long_as_it_has_no_drive():
     assert [a.law for a in params.actuators] == ["shape", "blocks"]
 
 
+@pytest.mark.campaign
 def test_repeated_readings_lengthen_a_trial_and_do_not_end_it(responses, learned):
     *_, kept = learned
     made = shop(responses, at_full_radius(kept), fresh_every=2)
@@ -232,6 +247,7 @@ def test_a_roll_exchanged_while_the_output_closes_is_said_and_not_saved_under_th
     assert not data["imbalance"]
 
 
+@pytest.mark.campaign
 def test_who_arms_before_the_trial_is_over_is_told_what_it_costs(responses, learned):
     *_, kept = learned
     made = shop(responses, at_full_radius(kept))
@@ -246,6 +262,7 @@ def test_who_arms_before_the_trial_is_over_is_told_what_it_costs(responses, lear
     assert len(made.said) == 2  # an edit of the file repeats neither
 
 
+@pytest.mark.campaign
 def test_a_roll_that_is_forgotten_before_its_trial_is_not_tried(responses, learned):
     *_, kept = learned
     made = shop(responses, at_full_radius(kept))
@@ -261,7 +278,7 @@ def test_a_shape_learned_with_another_drive_is_refused_and_said_once(responses, 
     *_, kept = learned
     other = {**json.loads(kept["unwind"]), "belongs_to": "another"}
     made = shop(responses, {"unwind": json.dumps(other)})
-    made.bench.run(9.0)
+    made.bench.run(3.0)
     assert len(made.said) == 1
     assert "another drive or encoder" in made.said[0]
     assert not any(made.bench.law.shape_laws()["unwind"].weights().values())

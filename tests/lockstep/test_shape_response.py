@@ -1,4 +1,7 @@
-"""A saved shape after a new probe: what was learned of the old response is not put on it."""
+"""A saved shape after a new probe: what was learned of the old response is not put on it.
+
+On a line of its own it is quick: ``tests/aff_runtime/app/control/test_shape_response.py``.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,7 @@ from tests.lockstep.known_response import SPEED_M_S
 from tests.lockstep.test_shape_law import learned, ripple, started
 
 __all__ = ["learned"]
-pytestmark = pytest.mark.timeout(300)
+pytestmark = [pytest.mark.campaign, pytest.mark.timeout(300)]
 LATE_S = 0.1  # by so much the old response was later than the line is
 
 

@@ -226,7 +226,7 @@ EVERY_CELL = pytest.mark.parametrize(
 
 
 @EVERY_CELL
-@pytest.mark.sweep(every=5)
+@pytest.mark.sweep(every=11)
 def test_what_may_says_of_arm_is_what_the_service_answers(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:
@@ -249,7 +249,7 @@ def test_what_may_says_of_arm_is_what_the_service_answers(
 
 
 @EVERY_CELL
-@pytest.mark.sweep(every=7)
+@pytest.mark.sweep(every=13)
 def test_what_may_says_of_probe_is_what_comes_of_it(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:
@@ -270,7 +270,7 @@ def test_what_may_says_of_probe_is_what_comes_of_it(
 
 
 @EVERY_CELL
-@pytest.mark.sweep(every=7)
+@pytest.mark.sweep(every=13)
 def test_bypass_is_never_refused_and_always_done(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:
@@ -284,7 +284,7 @@ def test_bypass_is_never_refused_and_always_done(
 
 
 @EVERY_CELL
-@pytest.mark.sweep(every=7)
+@pytest.mark.sweep(every=13)
 def test_what_may_says_of_shadow_is_what_comes_of_it(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:
@@ -311,7 +311,7 @@ def test_what_may_says_of_shadow_is_what_comes_of_it(
 
 
 @EVERY_CELL
-@pytest.mark.sweep(every=7)
+@pytest.mark.sweep(every=13)
 def test_what_may_says_of_forgetting_is_what_the_service_answers(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:

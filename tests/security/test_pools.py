@@ -55,6 +55,14 @@ def light_pool(twin, tell):
 
 def test_twenty_jobs_and_a_killed_worker_give_twenty_answers_in_order(tmp_path):
     said = []
+    with light_pool(Twin(tmp_path, "killed"), said.append) as pool:
+        assert pool.map(range(20)) == list(range(20))
+    assert said == ["7: its worker process was ended by signal 9 (Killed); it is done again"]
+
+
+@pytest.mark.campaign  # quick: above, by workers that import less
+def test_twenty_simulations_and_a_killed_worker_give_twenty_answers_in_order(tmp_path):
+    said = []
     with SimulationPool([Twin(tmp_path, "killed")], 2, said.append) as bench:
         assert answers(bench) == list(range(20))
     assert said == [
@@ -70,6 +78,7 @@ def test_a_job_may_lose_two_workers(tmp_path):
     assert len(list(tmp_path.iterdir())) == 2
 
 
+@pytest.mark.campaign  # quick: base/test_worker_pool.py
 def test_a_job_that_loses_a_third_worker_is_named(tmp_path):
     with (
         SimulationPool([Twin(tmp_path, "killed", hits=99)], 2) as bench,
@@ -232,6 +241,7 @@ def hits(tmp_path, monkeypatch):
     return say
 
 
+@pytest.mark.campaign  # quick: the same pool in the first test
 def test_a_campaign_whose_worker_is_killed_has_a_row_of_every_case(tmp_path, hits, capsys):
     hits(1)
     assert campaign.run(100, range(4), 2, tmp_path, 1e9) == []
@@ -265,7 +275,7 @@ TORN = {
 
 
 @pytest.mark.parametrize("data", TORN.values(), ids=TORN)
-def test_a_torn_row_is_not_done_and_done_again(tmp_path, hits, capsys, data):
+def test_a_torn_row_is_not_done(tmp_path, hits, capsys, data):
     hits(0)
     (tmp_path / "rows").mkdir()
     torn = tmp_path / "rows" / "00000.json"
@@ -274,9 +284,15 @@ def test_a_torn_row_is_not_done_and_done_again(tmp_path, hits, capsys, data):
     said = capsys.readouterr().err
     assert said.startswith(f"{torn}: no whole row (")
     assert said.endswith("); it counts as not done, run it again\n")
-    if data == b"":
-        assert campaign.run(100, range(2), 1, tmp_path, 1e9) == []
-        assert [row["number"] for _, row in campaign.rows_of(tmp_path)] == [0, 1]
+
+
+@pytest.mark.campaign
+def test_a_case_whose_row_is_torn_is_done_again(tmp_path, hits):
+    hits(0)
+    (tmp_path / "rows").mkdir()
+    (tmp_path / "rows" / "00000.json").write_bytes(b"")
+    assert campaign.run(100, range(2), 1, tmp_path, 1e9) == []
+    assert [row["number"] for _, row in campaign.rows_of(tmp_path)] == [0, 1]
 
 
 def test_the_report_of_a_campaign_leaves_a_torn_row_out(tmp_path, hits, monkeypatch, capsys):

@@ -10,11 +10,11 @@ import pytest
 from aff_runtime.app.check.validate import check_result
 from aff_runtime.app.link.runtime_directory import runtime_paths
 from aff_runtime.app.supervisor.run_options import RunOptions
-from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.cli.main import build_parser, main
 from aff_runtime.config.check import check_site
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.site_paths import STATE_DIRECTORY, named
+from tests.aff_runtime.app.judged_here import judged_here
 from tests.aff_runtime.config.shipped import copied
 
 ROOT = Path(__file__).parents[2]
@@ -140,7 +140,7 @@ def test_the_layout_of_the_installer_is_taken(folder: Path) -> None:
     path = folder / "euclid_can.yaml"
     assert "leads to" in refused(path, "actuators.unwind.response")
     assert load_site(path, state)
-    assert load_parameters(path, state).parameters is not None
+    assert judged_here(path, state).parameters is not None
     assert main(["check", str(path), "--state-dir", str(state), "--brief"]) == 0
     assert main(["check", str(path), "--brief"]) == 2
 
@@ -168,4 +168,4 @@ def test_the_folder_of_records_may_be_any_that_the_command_line_names(folder: Pa
     assert f"start the service with --record-dir {elsewhere}" in said
     path.write_text(text)
     options = RunOptions(site=path, paths=runtime_paths(folder / "rt"), record_directory=elsewhere)
-    assert load_parameters(path, options.state_directory).parameters is not None
+    assert judged_here(path, options.state_directory).parameters is not None

@@ -27,6 +27,7 @@ from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import RunFolder
 from tests import quick_yaml
 from tests.aff_runtime.telemetry.heads import head_of
+from tests.house.trees import tree_of
 from tests.security.desk import answering
 
 ROOT = Path(__file__).parents[2]
@@ -299,7 +300,7 @@ WRITES_OF_ITS_OWN = {"config/reference.py"}  # a tool for developers: says which
 
 
 def _calls(path: Path) -> Iterator[str]:
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Call):
             yield ast.unparse(node.func)
 

@@ -181,7 +181,7 @@ def lines(draw: st.DrawFn) -> Line:
     )
 
 
-@settings(deadline=None, max_examples=30, suppress_health_check=list(HealthCheck))
+@settings(deadline=None, max_examples=15, suppress_health_check=list(HealthCheck))
 @given(lines())
 def test_a_plc_that_behaves_is_never_accused(line: Line) -> None:
     line.run(RUN_MS)
@@ -221,7 +221,7 @@ def test_the_healthy_lines_of_this_page_really_apply_something(line: Line) -> No
     assert sum(map(bool, line.applied)) > 0.2 * len(line.applied)
 
 
-@settings(deadline=None, max_examples=40)
+@settings(deadline=None, max_examples=20)
 @given(
     counts=st.integers(3, 5000) | st.integers(-5000, -3),
     scan_ms=st.sampled_from([1, 5, 10, 20, 40]),

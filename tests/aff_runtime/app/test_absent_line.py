@@ -1,4 +1,7 @@
-"""A service whose serial line is not there says so, in its log and in ``status``."""
+"""A service whose serial line is not there says so, in its log and in ``status``.
+
+Quick: the command, ``tests/aff_runtime/cli/test_main.py``; the wire, ``modbus/test_rtu_wire.py``.
+"""
 
 from __future__ import annotations
 
@@ -21,6 +24,7 @@ from tests.processes import until
 pytestmark = pytest.mark.processes
 
 
+@pytest.mark.campaign
 @pytest.mark.wire
 def test_a_serial_line_that_is_not_there_is_in_log_and_status(tmp_path: Path) -> None:
     site, log = serial_site(tmp_path, "/dev/ttyNONE"), tmp_path / "log"

@@ -165,7 +165,7 @@ TROUBLE = st.lists(
 )
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(trouble=TROUBLE)
 def test_whatever_is_read_no_output_exceeds_its_limits_and_no_nan_goes_out(trouble):
     guard = guard_params(EUCLID)
@@ -189,7 +189,7 @@ def test_whatever_is_read_no_output_exceeds_its_limits_and_no_nan_goes_out(troub
                 assert abs(limiter.output) <= bounds.limit * (1.0 + 1e-12)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(ripple=st.floats(0.0, 50.0), fresh=st.booleans())
 def test_without_permission_nothing_changes(ripple, fresh):
     line = Line()

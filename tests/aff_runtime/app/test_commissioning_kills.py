@@ -1,7 +1,7 @@
 """Kills in the middle of a probe and of a try, between real processes: nothing of either is kept.
 
-A signature that is killed at each of its steps is in ``card/test_book.py``, a control process that
-dies in a try in ``test_settings.py``; the plant's side in ``tests/lockstep/test_probe_kills.py``.
+A signature that is killed at each of its steps is in ``card/test_book.py``; the plant's side in
+``tests/lockstep/test_probe_kills.py``.
 """
 
 from __future__ import annotations
@@ -81,13 +81,32 @@ def test_a_control_process_killed_in_the_middle_of_a_probe_keeps_nothing(
     assert learned(service) == []
 
 
+def tried(service: ServiceRun) -> str:
+    """Begin a try; return the hash of the site file that stood before."""
+    before = str(service.status()["site_hash"])
+    changed = service.site.read_text().replace(OLD, NEW, 1)
+    assert service.ask("settings", act="try", text=changed, seconds=600.0, why="hunting at 1x")
+    assert service.status()["site_hash"] != before
+    return before
+
+
+def test_a_control_process_that_dies_in_a_try_comes_back_on_the_former_settings(
+    service: ServiceRun,
+) -> None:
+    before = tried(service)
+    control = service.status()["control_pid"]
+    kill(control)
+    until("another one", lambda: service.status()["control_pid"] not in (0, control))
+    until("signals", lambda: service.status().get("signals") is not None)
+    assert service.status()["site_hash"] == before
+    assert service.status()["trying"] == ""
+    assert service.said("returned by the service: the control process died")
+
+
 def test_a_supervisor_killed_in_the_middle_of_a_try_starts_on_the_site_file(
     service: ServiceRun,
 ) -> None:
-    text, before = service.site.read_bytes(), service.status()["site_hash"]
-    changed = text.replace(OLD.encode(), NEW.encode(), 1).decode()
-    assert service.ask("settings", act="try", text=changed, seconds=600.0, why="hunting at 1x")
-    assert service.status()["site_hash"] != before
+    text, before = service.site.read_bytes(), tried(service)
     control = service.status()["control_pid"]
     kill(service.process.pid)
     service.process.wait()

@@ -166,8 +166,15 @@ def test_a_new_environment_that_fails_leaves_the_one_that_worked(installed: Path
     before = sorted(path.relative_to(venv) for path in venv.rglob("*"))
     nowhere = installed / "no wheels"
     nowhere.mkdir()
-    done = install(installed, "--fresh", "--wheels", str(nowhere))
+    python = installed / "python"  # makes environments without pip: seconds less, and no install
+    python.write_text(
+        f'#!/bin/sh\n[ "$2" = venv ] && set -- "$@" --without-pip\nexec {sys.executable} "$@"\n'
+    )
+    python.chmod(0o755)
+    options = ("--fresh", "--wheels", str(nowhere), "--python", str(python))
+    done = install(installed, *options)
     assert done.returncode != 0
+    assert "No module named pip" in done.stderr
     assert "the former environment is back" in done.stderr
     assert sorted(path.relative_to(venv) for path in venv.rglob("*")) == before
     assert not venv.with_name("venv.before").exists()

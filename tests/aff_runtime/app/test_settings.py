@@ -1,4 +1,8 @@
-"""Settings that a running service tries: the way back is its own, on a real wire."""
+"""Settings that a running service tries: the way back is its own, on a real wire.
+
+Quick is each of these in virtual time, ``supervisor/settings/test_desk.py``; what is killed in a
+try, ``test_commissioning_kills.py``.
+"""
 
 from __future__ import annotations
 
@@ -18,9 +22,9 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.cli.main import main
 from tests.aff_runtime.app.service_run import ServiceRun
-from tests.processes import kill, until
+from tests.processes import until
 
-pytestmark = pytest.mark.wire
+pytestmark = [pytest.mark.campaign, pytest.mark.wire]
 OLD, NEW = "settle_s: 6,", "settle_s: 12,"
 LINE = "actuators.unwind.blocks[0].settle_s: 6 s -> 12 s (applies at once)"
 
@@ -197,18 +201,3 @@ def test_keep_writes_only_the_file_that_its_caller_names(service: ServiceRun) ->
     assert new.read_text() == before
     assert OLD in service.site.read_text()
     assert console(service, "undo", str(service.site), "--why", "enough seen")[0] == 0
-
-
-def test_a_control_process_that_dies_in_a_try_comes_back_on_the_former_settings(
-    service: ServiceRun,
-) -> None:
-    before = service.status()["site_hash"]
-    assert console(service, "try", str(other(service)), "--why", "hunting at 1x")[0] == 0
-    assert service.status()["site_hash"] != before
-    control = service.status()["control_pid"]
-    kill(control)
-    until("another one", lambda: service.status()["control_pid"] not in (0, control))
-    until("signals", lambda: service.status().get("signals") is not None)
-    assert service.status()["site_hash"] == before
-    assert service.status()["trying"] == ""
-    assert service.said("returned by the service: the control process died")

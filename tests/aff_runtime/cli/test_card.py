@@ -1,26 +1,17 @@
 """The card on the console: exit codes, and what a person types; no service runs here."""
 
-import json
 import shutil
 
 import numpy as np
 import pytest
 
-from aff_runtime.app.check.result import CheckResult
-from aff_runtime.app.check.validate import check_result
 from aff_runtime.app.commission import sources
 from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.cli.main import main
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE, recorded, steady
+from tests.aff_runtime.app.judged_here import judged_here
 
 WHY = "checked on the drive"
-
-
-def judged_here(site, state):
-    """Return what the check's process answers, by the same function in this process."""
-    found = CheckResult.from_json(json.loads(json.dumps(check_result(site, state).to_json())))
-    found.checked()
-    return found
 
 
 @pytest.fixture
@@ -47,8 +38,9 @@ def line(tmp_path, monkeypatch):
 
 
 def test_a_step_is_measured_signed_printed_and_verified(line, capsys, monkeypatch):
-    monkeypatch.setattr(sources, "load_parameters", load_parameters)
-    assert line("step", "4", "--typed", "reaction=ramp", "--typed", "time=120 ms") == 0
+    with monkeypatch.context() as patched:
+        patched.setattr(sources, "load_parameters", load_parameters)
+        assert line("step", "4", "--typed", "reaction=ramp", "--typed", "time=120 ms") == 0
     assert "step 4: pass" in capsys.readouterr().out
     assert line("sign", "4", "--as", "Ada Miller", "--reason", WHY) == 0
     newest = capsys.readouterr().out.split()[-1]

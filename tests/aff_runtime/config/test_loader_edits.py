@@ -96,7 +96,7 @@ _READ = quick_yaml.safe_load(_TEXT)
 _BARE = "\n".join(line for line in _TEXT.split("\n") if not line.lstrip().startswith("#"))
 
 
-@settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_random_edits_give_a_finite_site_or_a_config_error(data, tmp_path_factory):
     text = _BARE
@@ -109,7 +109,7 @@ def test_random_edits_give_a_finite_site_or_a_config_error(data, tmp_path_factor
     _assert_finite_or_refused(path)
 
 
-@settings(max_examples=80, deadline=None, suppress_health_check=list(HealthCheck))
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
 @given(data=st.data())
 def test_random_values_give_a_finite_site_or_a_config_error(data, tmp_path_factory):
     values = deepcopy(_READ)

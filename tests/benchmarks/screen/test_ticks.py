@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.screen import ticks
 from benchmarks.screen.ticks import Block, quantiles_us, ratio_of
 
 
@@ -13,6 +14,11 @@ def blocks(scale: float, spread: float, seed: int, count: int = 12) -> list[Bloc
     random = np.random.default_rng(seed)
     levels = scale * np.exp(spread * random.standard_normal(count))
     return [Block(end_us=random.exponential(level, 2000), missed=0) for level in levels]
+
+
+@pytest.fixture(autouse=True)
+def _few_resamples(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(ticks, "RESAMPLES", 300)
 
 
 def test_the_quantiles_are_those_of_all_ticks() -> None:

@@ -63,7 +63,7 @@ def worst_ratio(folder, name, effects):  # type: ignore[no-untyped-def]
 
 
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.sweep(every=3)
+@pytest.mark.sweep(every=8)
 def test_the_labelled_effect_leaves_the_noise_of_the_record(name, line_records) -> None:  # type: ignore[no-untyped-def]  # noqa: F811
     folder = line_records
     assert worst_ratio(folder, name, ()) > 2.0

@@ -25,9 +25,8 @@ def test_a_mesh_of_a_few_teeth_shows_at_its_count() -> None:
     assert found[2] > 30.0 * np.sort(found)[-2]
 
 
-@pytest.mark.parametrize(
-    "among", [("torque_ripple", "unbalanced_roller"), pytest.param((), marks=pytest.mark.campaign)]
-)
+@pytest.mark.parametrize("among", [("torque_ripple", "unbalanced_roller"), ()])
+@pytest.mark.campaign  # quick: the same way, test_nip_pulse.py
 def test_refine_finds_it_at_its_drive_and_order(among: tuple[str, ...]) -> None:
     hidden = effect("torque_ripple", "pull_roll", order=5.0, cos_N_m=0.3, sin_N_m=-0.4)
     found = traced(hidden, among)

@@ -57,7 +57,7 @@ def test_energy_is_conserved_between_clamped_ends() -> None:
 
 
 @pytest.mark.parametrize("frequency_Hz", [0.2, 0.6, 2.0])
-@pytest.mark.sweep(every=3)
+@pytest.mark.sweep(every=6)
 def test_frequency_response_is_that_of_the_transfer_function(frequency_Hz: float) -> None:
     """eps/v_in with s: (L s/(1+eps) + V/(1+up)) e = N Vc - k v_in; M s Vc = -c Vc - N EA e."""
     s = 2j * np.pi * frequency_Hz

@@ -147,7 +147,7 @@ def linear_model(frequency_Hz: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("frequency_Hz", [1.0, 3.0, 8.0])
-@pytest.mark.sweep(every=3)
+@pytest.mark.sweep(every=6)
 def test_frequency_response_is_that_of_the_linear_model(frequency_Hz: float) -> None:
     size, step = 1e-4, 1e-3
 

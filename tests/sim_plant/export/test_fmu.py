@@ -12,7 +12,7 @@ import pytest
 from sim_plant.base.effects import Effect
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.export.binary import compiler
-from sim_plant.export.fmu import settled_line
+from sim_plant.export.fmu import export_line, settled_line, write_fmu
 from sim_plant.line.load import load_declaration
 
 pytest.importorskip("fmpy", reason="FMPy, of the extra dev, runs the FMUs")
@@ -33,14 +33,6 @@ from benchmarks.fmu.imported import Imported
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler on this machine")
 LINES = Path(__file__).parents[3] / "config" / "lines"
 LINE = load_declaration(LINES / "euclid.yaml")
-QUICK = {"splice", "shaft_compliance_backlash"}
-VERSIONS = ("3.0", "2.0")
-
-
-@pytest.fixture(scope="module", params=VERSIONS)
-def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("fmu")
-    return exported(folder / "euclid.fmu", settled_line(LINE), request.param)
 
 
 @pytest.fixture
@@ -50,6 +42,7 @@ def line(fmu: Path) -> Iterator[Imported]:
     made.close()
 
 
+@pytest.mark.campaign  # its look takes 3 s; quick: FMPy reads and runs it
 def test_fmpy_finds_no_problem_and_the_file_is_small(fmu: Path) -> None:
     assert validate_fmu(str(fmu)) == []
     assert fmu.stat().st_size < 1_000_000
@@ -64,13 +57,8 @@ def test_a_quiet_run_with_steps_and_a_sine_is_the_kernels_to_the_last_bit(line: 
     assert np.ptp(mine["unwind_tension_N"]) > 5.0
 
 
-@pytest.mark.parametrize(
-    "row",
-    [
-        pytest.param(row, id=row.name, marks=() if row.name in QUICK else pytest.mark.campaign)
-        for row in CATALOGUE
-    ],
-)
+@pytest.mark.campaign  # quick: the same translation in codegen/test_scalar.py
+@pytest.mark.parametrize("row", [pytest.param(row, id=row.name) for row in CATALOGUE])
 def test_each_effect_is_the_kernels_to_the_last_bit(row: Effect, tmp_path: Path) -> None:
     declared = with_effect(LINE, row)
     kernel, given = settled_line(declared), moving_references(LINE, 600)
@@ -105,7 +93,7 @@ def test_fmpy_simulates_it_as_any_other_and_its_outputs_are_the_kernels(fmu: Pat
     assert np.max(np.abs(found["true_unwind_tension_N"] - mine)) == 0.0
 
 
-@pytest.mark.sweep(every=2)
+@pytest.mark.campaign  # quick: its binary is compiled from this source
 def test_an_importer_compiles_it_from_its_source(fmu: Path, tmp_path: Path) -> None:
     folder = tmp_path / "unpacked"
     with zipfile.ZipFile(fmu) as archive:
@@ -121,7 +109,14 @@ def test_an_importer_compiles_it_from_its_source(fmu: Path, tmp_path: Path) -> N
     assert found["unwind_tension_N"][0] == start
 
 
-@pytest.mark.sweep(every=2)
+def test_two_exports_of_the_source_are_the_same_bytes(tmp_path: Path) -> None:
+    line, paths = settled_line(LINE), [tmp_path / name for name in ("one.fmu", "other.fmu")]
+    for path in paths:
+        write_fmu(export_line(line, "euclid", "3.0"), path, with_binary=False)
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
+@pytest.mark.campaign  # quick: of the source, above
 def test_two_exports_are_the_same_bytes(fmu: Path, tmp_path: Path) -> None:
     version = "3.0" if b"instantiationToken" in _description(fmu) else "2.0"
     again = exported(tmp_path / "euclid.fmu", settled_line(LINE), version)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim_plant.export.binary import compiler
-from sim_plant.export.fmu import settled_line
+from sim_plant.export.fmu import export_line, settled_line
 from sim_plant.line.load import load_declaration
 
 pytest.importorskip("fmpy", reason="FMPy, of the extra dev, runs the FMUs")
@@ -28,7 +28,10 @@ SEEN = [
 ]
 
 
-@pytest.fixture(scope="module", params=["3.0", pytest.param("2.0", marks=pytest.mark.campaign)])
+compiles = [pytest.param(version, marks=pytest.mark.campaign) for version in ("3.0", "2.0")]
+
+
+@pytest.fixture(scope="module", params=compiles)
 def fmu(tmp_path_factory: pytest.TempPathFactory, request: pytest.FixtureRequest) -> Path:
     folder = tmp_path_factory.mktemp("fmu")
     return exported(folder / "coater.fmu", settled_line(LINE), request.param)
@@ -39,6 +42,13 @@ def line(fmu: Path) -> Iterator[Imported]:
     made = Imported(fmu)
     yield made
     made.close()
+
+
+def test_dancer_oven_and_accumulator_are_among_its_variables() -> None:
+    export = export_line(settled_line(LINE), "coater", "3.0")
+    units = {variable.name: variable.unit for variable in export.interface.variables}
+    assert [units[name] for name in SEEN] == ["m", "m", "N", "N"]
+    assert {"travel_accumulator_m_s", "dancers.dancer.along_load_N"} <= set(units)
 
 
 def test_fmpy_finds_no_problem(fmu: Path) -> None:

@@ -19,7 +19,7 @@ from sim_plant.line.simulation import LineSimulation
 pytest.importorskip("fmpy", reason="FMPy, of the extra dev, runs the FMUs")
 from fmpy.fmi1 import FMICallException
 
-from benchmarks.fmu.beside import by_fmu, by_kernel, differences, exported, moving_references
+from benchmarks.fmu.beside import by_fmu, by_kernel, differences, moving_references
 from benchmarks.fmu.imported import Imported
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler on this machine")
@@ -27,12 +27,6 @@ LINE = load_declaration(Path(__file__).parents[3] / "config" / "lines" / "euclid
 STEP_S = LINE.sample_time_s
 SEEN = ["unwind_tension_N", "true_pullroll_tension_N", "unwind_radius_m", "rewind_speed_rad_s"]
 SPEED = "line_speed_ref_m_s"
-
-
-@pytest.fixture(scope="module", params=["3.0", "2.0"])
-def fmu(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("fmu")
-    return exported(folder / "euclid.fmu", settled_line(LINE), request.param)
 
 
 @pytest.fixture

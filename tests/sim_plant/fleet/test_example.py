@@ -29,6 +29,7 @@ def drawn(number: int, seed: int = 1) -> tuple[str, example.EffectEntry | None]:
     return text, example.drawn_effect(draw, line) if sick else None
 
 
+@pytest.mark.campaign  # 24 draws; quick: one, above
 def test_lines_differ_in_web_and_effect_and_about_three_in_ten_are_healthy() -> None:
     lines = [drawn(number) for number in range(1, 25)]
     assert len({text for text, _ in lines}) == 24

@@ -36,6 +36,7 @@ def plan(tmp_path):
     return found
 
 
+@pytest.mark.campaign  # real processes of refine; quick: the next
 def test_what_has_a_row_is_not_done_again_and_a_failure_is_a_row(plan, capsys):
     said = []
     outcome = refine_fleet(plan, said.append)

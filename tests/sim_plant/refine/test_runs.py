@@ -26,8 +26,10 @@ HIDDEN = {
     "parameters": {"eccentricity_m": SIZE_M, "angle_rad": 1.0},
 }
 PLANS = {"a": (0.9, 1.2), "b": (1.15, 0.8)}
-OFF, ON = slice(4200, 5200), slice(6600, 7300)
-"""Samples of run a at its first speed: before arming, and when the ripple is gone."""
+ARMED_S, END_S = 11.0, 25.0
+OFF, ON = slice(1200, 2200), slice(4200, 4900)
+"""Samples of the short run: before arming, and when the ripple is gone."""
+SEGMENT_S = 4.0
 LINE = load_declaration(LINE_FILE)
 RIVALS = {"eccentric_roller", "unbalanced_roller", "out_of_round_roll", "torque_ripple"}
 OTHERS = sorted(set(BY_NAME) - RIVALS)
@@ -48,14 +50,20 @@ def recorded(folder, name):
 
 
 @pytest.fixture(scope="module")
-def run_a(tmp_path_factory):
-    return recorded(tmp_path_factory.mktemp("run_a"), "a")
+def short_run(tmp_path_factory):
+    """The same line at one speed: 11 s off, then armed."""
+    folder = tmp_path_factory.mktemp("short")
+    made = files(folder, [HIDDEN])
+    run = RecordedRun(made, folder / "runs", line_speed_m_s=0.9, segment_s=SEGMENT_S)
+    run.bench.run(ARMED_S)
+    run.bench.arm(END_S - ARMED_S)
+    return run.end()
 
 
 @pytest.fixture(scope="module")
-def runs(run_a, tmp_path_factory):
+def runs(tmp_path_factory):
     """Two runs, at other speeds."""
-    return {"a": run_a, "b": recorded(tmp_path_factory.mktemp("run_b"), "b")}
+    return {name: recorded(tmp_path_factory.mktemp(f"run_{name}"), name) for name in PLANS}
 
 
 @pytest.fixture
@@ -87,8 +95,9 @@ def phasors(twin, measured, parts):
     return found
 
 
-def test_the_idler_is_the_same_where_aff_cancels_it_as_where_it_is_off(run_a):
-    record = run_on_line(LINE, read_record(run_a))
+@pytest.mark.campaign  # quick: what was sent, records/test_run_record.py
+def test_the_idler_is_the_same_where_aff_cancels_it_as_where_it_is_off(short_run):
+    record = run_on_line(LINE, read_record(short_run))
     twin, tension = twin_of(LINE, record), record.columns["unwind_tension_N"]
     assert np.std(tension[ON]) < 0.5 * np.std(tension[OFF])  # or AFF did nothing
     off, on = phasors(twin, tension, (OFF, ON))
@@ -129,19 +138,20 @@ def test_a_hidden_eccentric_idler_is_traced_with_aff_on_in_half_of_the_run(
     assert "not recorded: r3_tension_N, rewind_tension_N" in said
 
 
+@pytest.mark.campaign
 def test_with_one_segment_lost_and_the_last_one_torn_the_idler_is_still_what_it_is(
-    run_a, tmp_path
+    short_run, tmp_path
 ):
     run = tmp_path / "run"
-    shutil.copytree(run_a, run)
-    (run / "signals-0001.csv.gz").unlink()  # 20 s
+    shutil.copytree(short_run, run)
+    (run / "signals-0001.csv.gz").unlink()  # 4 s
     last = sorted(run.glob("signals-*"))[-1]
     last.write_bytes(last.read_bytes()[: last.stat().st_size // 2])
     (run / "summary.json").unlink()
     record = run_on_line(LINE, read_record(run))
     assert "segment 1: not there" in record.findings
     assert f"{last.name}: ends torn, its last row is whole" in record.findings
-    later = round(20.0 / STEP_S)
+    later = round(SEGMENT_S / STEP_S)
     parts = [slice(part.start - later, part.stop - later) for part in (OFF, ON)]
     off, on = phasors(twin_of(LINE, record), record.columns["unwind_tension_N"], parts)
     assert abs(off) == pytest.approx(1.0, abs=0.02)

@@ -24,13 +24,17 @@ def test_every_experiment_of_the_list_is_there_once() -> None:
     assert len(BY_IDENTITY) == len(CATALOGUE)
 
 
+campaign = pytest.mark.campaign
+"""They compute for 5 s; quick: single figures of some, test_experiments.py."""
+
+
 @pytest.fixture(scope="module")
 def results() -> dict[str, Result]:
     return {identity: BY_IDENTITY[identity].run() for identity in QUICK}
 
 
+@campaign
 @pytest.mark.parametrize("identity", QUICK)
-@pytest.mark.sweep(every=3)
 def test_has_figure_numbers_and_kept_promises(identity: str, results: dict[str, Result]) -> None:
     found = results[identity]
     assert found.rows
@@ -44,6 +48,7 @@ def value(results: dict[str, Result], identity: str, start: str) -> float:
     return row.ours
 
 
+@campaign
 def test_corrected_formulas_meet_the_exact_tangent_below_ten_nanometres(
     results: dict[str, Result],
 ) -> None:
@@ -53,6 +58,7 @@ def test_corrected_formulas_meet_the_exact_tangent_below_ten_nanometres(
         assert max(g.difference for g in lengths) < 1e-8
 
 
+@campaign
 @pytest.mark.parametrize(
     ("identity", "row", "expected", "tolerance"),
     [

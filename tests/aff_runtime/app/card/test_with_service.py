@@ -1,4 +1,7 @@
-"""The card on the console beside a running service, on a real wire."""
+"""The card on the console beside a running service, on a real wire.
+
+Without one: ``measure/`` and ``tests/aff_runtime/cli/test_card.py``.
+"""
 
 import re
 
@@ -8,7 +11,7 @@ from aff_runtime.cli.main import main
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
 
-pytestmark = pytest.mark.wire
+pytestmark = [pytest.mark.campaign, pytest.mark.wire]
 
 
 @pytest.fixture(scope="module")

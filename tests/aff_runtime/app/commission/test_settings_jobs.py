@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 
 from aff_runtime.app.card.book import CardBook
-from aff_runtime.app.commission import settings_jobs
+from aff_runtime.app.commission import settings_jobs, sources
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.settings_jobs import keep, proposed, try_proposed, undo
 from aff_runtime.app.commission.sources import Paths, parameters_of
@@ -15,6 +15,7 @@ from aff_runtime.base.errors import RefusedError
 from tests.aff_runtime.app.card.made import add, book, measured
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
 from tests.aff_runtime.app.commission.said import plain
+from tests.aff_runtime.app.judged_here import judged_here
 
 PROPOSED = "actuators.unwind.blocks.0.settle_s: 3  # was 6"
 ASKED = Request(do="try", step=9, seconds=60, reason="falls no more", account="carl")
@@ -26,7 +27,8 @@ class Talk:
 
 
 @pytest.fixture
-def where(tmp_path):
+def where(tmp_path, monkeypatch):
+    monkeypatch.setattr(sources, "load_parameters", judged_here)
     site = tmp_path / "site.yaml"
     shutil.copyfile(SITE_FILE, site)
     return Paths(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path / "card")

@@ -112,7 +112,7 @@ SCALES = st.sampled_from(
 NOISE = st.lists(st.integers(0, 65535), min_size=4, max_size=24)
 
 
-@settings(deadline=None, max_examples=150)
+@settings(deadline=None, max_examples=50)
 @given(
     address=st.integers(0, 20),
     kind=st.sampled_from(["i16", "u16", "i32", "u32"]),

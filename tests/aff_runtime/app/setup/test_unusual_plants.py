@@ -55,6 +55,7 @@ def assert_says_what_the_map_says(site: Site, plc: PlcMap) -> None:
 
 
 @pytest.mark.parametrize("name", BY_WORDS)
+@pytest.mark.sweep(every=4)
 def test_setup_finds_the_words_of_an_unusual_plant_and_its_file_is_checked(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -183,7 +183,7 @@ def misbehave(habit: str, delay_ns: int, cut: int, request: bytes) -> Arrivals:
     }[habit]
 
 
-@settings(max_examples=400, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(
     st.sampled_from(WireFunction),
     st.lists(st.tuples(HABITS, st.integers(0, 4 * MS), st.integers(1, 11)), max_size=25),

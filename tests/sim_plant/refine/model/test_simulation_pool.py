@@ -30,6 +30,7 @@ if __name__ == "__main__":
 
 
 @pytest.mark.parametrize("how", [signal.SIGKILL, signal.SIGTERM])
+@pytest.mark.sweep(every=2)
 def test_workers_end_with_a_parent_that_was_killed(tmp_path, how):
     (tmp_path / "keeper.py").write_text(KEEPER)
     assert not outlived(tmp_path / "keeper.py", how)

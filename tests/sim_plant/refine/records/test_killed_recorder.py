@@ -11,6 +11,7 @@ from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.ring import RingReader, RingWriter
 from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
 from sim_plant.refine.records.read import read_record
+from tests.aff_runtime.app.card.measure.recorded import recorded, switched
 from tests.doubles.recorded_run import PLC_FILE, Files, RecordedRun, files
 from tests.processes import kill, until
 
@@ -20,13 +21,17 @@ KEPT_ROWS, LOST_ROWS = 4096, 600
 """Rows that the ring keeps for a recorder that comes later, and those that it cannot keep."""
 
 
-WIRES = ("modbus", pytest.param("can", marks=pytest.mark.campaign))  # the rows alone differ
+ON_WIRES = [pytest.param(wire, marks=pytest.mark.campaign) for wire in ("modbus", "can")]
+"""The rows alone differ."""
 
 
-@pytest.fixture(scope="module", params=WIRES)
+@pytest.fixture(scope="module", params=["by formula", *ON_WIRES])
 def run(request, tmp_path_factory):
-    """A whole run in virtual time, on Modbus and on CAN by DBC: armed, a tension step."""
+    """A whole run, armed: by a formula; in virtual time on Modbus and on CAN by DBC."""
     folder = tmp_path_factory.mktemp("whole")
+    if request.param == "by formula":
+        columns, _ = switched(END_S, [(8.0, 18.0)])
+        return recorded(folder / "runs", columns)
     made, can_map = files(folder), None
     if request.param == "can":
         on_can = write_files(folder, drawn(IDLER, 1), "can")

@@ -12,7 +12,7 @@ from aff_runtime.base.run_window import run_window
 from sim_plant.refine.records.read import read_record
 from tests.doubles.recorded_run import RecordedRun, files
 
-STEP_S = 0.005
+STEP_S = 0.01
 APPLIED = "correction_unwind_m_s"
 pytestmark = pytest.mark.timeout(300)
 OUT_OF_ROUND = {
@@ -26,7 +26,7 @@ OUT_OF_ROUND = {
 def made(tmp_path_factory):
     """A run of 56 s: off 25 s, on 20 s, a splice, off again; what the plant had beside it."""
     folder = tmp_path_factory.mktemp("run")
-    run = RecordedRun(files(folder, [OUT_OF_ROUND]), folder / "runs")
+    run = RecordedRun(files(folder, [OUT_OF_ROUND], cycle_ms=10), folder / "runs")
     truth = []
     run.bench.plant.observers.append(
         lambda plant: truth.append(
@@ -91,7 +91,7 @@ def test_an_angle_begins_at_zero_and_its_zero_is_kept(made):
     table = read_table(run_window(f"{made[0]}@10..40")).columns
     assert part.zeros_rad[name] == table[name][0]
     turned = part.zeros_rad[name] - whole.zeros_rad[name]
-    assert turned == pytest.approx(whole.columns[name][2000 - 1], abs=0.05)  # 10 s, one count
+    assert turned == pytest.approx(whole.columns[name][1000 - 1], abs=0.05)  # 10 s, one count
     assert turned == pytest.approx(10.0 * 1.0 / 0.2032, rel=0.01)
 
 
@@ -118,11 +118,11 @@ def test_a_last_segment_torn_by_a_crash_is_used_up_to_there(made, run):
 
 
 def test_a_full_disk_in_a_segment_leaves_a_hole_that_is_named_and_not_bridged(run):
-    cut(run, 2, 400, 800)
+    cut(run, 2, 200, 400)
     record = read_record(run)
     assert record.duration_s == pytest.approx(22.0, abs=0.1)  # the second segment begins at 20 s
-    assert said_of(record, "400 rows are missing")
-    assert said_of(record, "nothing was read for 2 s")
+    assert said_of(record, "200 rows are missing")
+    assert said_of(record, "nothing was read for 2.0")
 
 
 def test_one_missed_row_is_filled_in_and_said(made, run):
@@ -175,13 +175,16 @@ def test_a_refusal_says_which_segments_are_gone(run):
 def test_a_clock_that_is_set_back_in_the_middle_is_named(run):
     segment = sorted(run.glob("signals-*"))[1]
     head, *rows = gzip.decompress(segment.read_bytes()).decode().splitlines()
-    for k in range(2000, len(rows)):
+    before_s, after_s = (float(rows[k].partition(",")[0]) for k in (999, 1000))
+    for k in range(1000, len(rows)):
         at, _, rest = rows[k].partition(",")
         rows[k] = f"{float(at) - 100.0:.10g},{rest}"
     segment.write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode()))
     record = read_record(run)
-    assert said_of(record, "its clock goes back, from 30.00 s to -70.00 s")
-    assert said_of(record, "2000 rows are of a time before 0 s; left out")
+    assert said_of(
+        record, f"its clock goes back, from {before_s:.2f} s to {after_s - 100.0:.2f} s"
+    )
+    assert said_of(record, "1000 rows are of a time before 0 s; left out")
 
 
 def test_a_site_file_of_another_run_is_named_by_the_channel_that_is_not_there(run):
@@ -202,7 +205,7 @@ def test_what_is_no_record_is_refused_with_what_was_meant(run):
 
 
 def test_no_last_digit_of_a_filled_hole_is_said_to_be_a_resolution(run):
-    cut(run, 1, 1000, 1600)
+    cut(run, 1, 500, 800)
     for said in said_of(read_record(f"{run}@3..45"), "is read in steps of"):
         assert "e-1" not in said
 
@@ -229,7 +232,7 @@ def cut(run, number, first, end):
 def test_a_channel_for_the_record_alone_that_is_missing_for_long_is_left_out_and_ends_no_piece(
     made, run
 ):
-    blank(run, "swrap_follower_speed_m_s", 400, 600)
+    blank(run, "swrap_follower_speed_m_s", 200, 300)
     record = read_record(run)
     assert record.duration_s == read_record(made[0]).duration_s
     assert "swrap_follower_speed_m_s" not in record.columns
@@ -238,7 +241,7 @@ def test_a_channel_for_the_record_alone_that_is_missing_for_long_is_left_out_and
 
 
 def test_a_reading_that_the_correction_waits_for_and_is_missing_for_long_ends_a_piece(run):
-    blank(run, "unwind_tension_N", 400, 600)
+    blank(run, "unwind_tension_N", 200, 300)
     assert said_of(read_record(run), "nothing was read for 1")
 
 

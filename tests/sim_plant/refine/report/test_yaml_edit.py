@@ -117,7 +117,7 @@ PLAIN = st.recursive(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.dictionaries(st.sampled_from(["corrections", "effects", "rollers", "new"]), PLAIN))
 def test_whatever_is_put_in_is_read_back_and_all_else_is_as_it_was(changes):
     assert quick_yaml.safe_load(with_keys(OWN, changes)) == quick_yaml.safe_load(OWN) | changes
@@ -129,7 +129,7 @@ ENTRY = st.fixed_dictionaries(
 )
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(st.dictionaries(WORDS, NUMBERS, max_size=3), st.lists(ENTRY, min_size=1, max_size=3))
 def test_corrections_and_effects_leave_every_comment_in_its_place(corrections, effects):
     changes = {"corrections": {"web.EA_N": 0.02, **corrections}, "effects": effects}

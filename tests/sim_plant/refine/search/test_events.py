@@ -25,6 +25,7 @@ def drag_of(case):
 
 
 @pytest.mark.parametrize("moment_s", [21.3, 32.8, 47.1])
+@pytest.mark.sweep(every=3)
 def test_drag_that_begins_and_stays_is_found_at_its_moment(moment_s):
     measured = white((2, SAMPLES), 4)
     measured[1] -= 2.0 * PULL_N * 0.05 * (moment_s <= TIME_S)
@@ -72,6 +73,7 @@ def test_what_ends_again_is_found_with_its_end_and_its_rise(hold_s, rise_s):
     assert found["strain"] == pytest.approx(5e-4, rel=0.1)
 
 
+@pytest.mark.campaign  # quick: moments and ends are found, above
 def test_an_event_that_stands_seconds_off_is_placed_anew():
     """What it leaves would pass for a second event."""
     numbers = {"strain": 5e-4, "from_s": 31.2, "rise_s": 0.6, "hold_s": 15.2}

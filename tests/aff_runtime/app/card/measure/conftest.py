@@ -1,12 +1,14 @@
-"""A run of a simulated line, off, on, off, on: long to make, so made once."""
+"""A run off, on, off, on: by a formula, and of a simulated line, which takes long to make."""
 
-import fcntl
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from aff_runtime.loop.messages import Bypass
+from tests.aff_runtime.app.card.measure.recorded import recorded, switched
 from tests.doubles.recorded_run import RecordedRun, files
+from tests.made_once import made_once
 
 EFFECTS = [
     {
@@ -20,20 +22,27 @@ FULL, SMALL = "amp_limit_m_s: 0.03", "amp_limit_m_s: 0.0015"
 """So small that some ripple stays: a reduction that can be told from the noise."""
 
 
-@pytest.fixture(scope="session")
-def abab_run(tmp_path_factory, worker_id):
-    """Off 25 s, on 37 s, twice; and the plant's true tension and angle."""
-    own = tmp_path_factory.getbasetemp()
-    folder = (own if worker_id == "master" else own.parent) / "abab"
-    folder.mkdir(exist_ok=True)
-    truth, name = folder / "truth.npy", folder / "name"
-    with (folder / "lock").open("w", encoding="utf-8") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)  # of several workers one makes it
-        if not name.exists():
-            path, rows = made_in(folder)
-            np.save(truth, rows)
-            name.write_text(str(path), encoding="utf-8")
-    return folder / name.read_text(encoding="utf-8"), np.load(truth)
+@pytest.fixture(
+    scope="session", params=["by formula", pytest.param("simulated", marks=pytest.mark.campaign)]
+)
+def abab_run(request, tmp_path_factory, worker_id):
+    """Off 30 s, on 37 s, off 26 s, on 37 s; and the true tension and angle."""
+    make = made_in if request.param == "simulated" else by_formula
+
+    def keep(folder):
+        path, rows = make(folder)
+        np.save(folder / "truth.npy", rows)
+        (folder / "name").write_text(str(path), encoding="utf-8")
+
+    folder = made_once(tmp_path_factory, worker_id, f"abab {request.param}", keep)
+    path = (folder / "name").read_text(encoding="utf-8")
+    return Path(path), np.load(folder / "truth.npy")
+
+
+def by_formula(folder):
+    """Return the same of a record that is made up."""
+    columns, truth = switched(130.0, [(30.0, 67.0), (93.0, 130.0)])
+    return recorded(folder / "runs", columns), truth
 
 
 def made_in(folder):

@@ -18,6 +18,7 @@ from tests.aff_runtime.app.card.measure.recorded import (
     SPEED_M_S,
     evidence,
     figure,
+    in_memory,
     recorded,
     steady,
     window,
@@ -226,7 +227,7 @@ def in_shadow(folder, frequency_ratio=1.0, seconds=601.0, change=None, events=()
     )
     if change is not None:
         change(columns)
-    return shadow.measure(evidence(window(recorded(folder, columns, events, segment_s=120.0))))
+    return shadow.measure(evidence(in_memory(folder, columns, events)))
 
 
 def test_a_rolls_frequency_is_that_of_its_peak_though_its_radius_changes(tmp_path):

@@ -1,4 +1,4 @@
-"""Two windows of runs in virtual time, against what the plant really had; attacked as runs are."""
+"""Two windows of a run, by a formula and of a plant, against the truth; attacked as runs are."""
 
 import json
 import math
@@ -10,9 +10,11 @@ import pytest
 
 from aff_runtime.app.report.comparison.comparing import compare
 from aff_runtime.app.report.comparison.page import as_json, page
+from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
 from aff_runtime.cli.main import main
 from sim_plant.base.order_tracking import order_amplitudes
+from tests.aff_runtime.app.card.measure.recorded import recorded, switched
 from tests.doubles.recorded_run import RecordedRun, files
 
 pytestmark = pytest.mark.timeout(300)
@@ -27,10 +29,20 @@ OFF, ON = "@5..33", "@50..75"
 SIGNAL, ROLL = "pullroll_tension_N", "swrap_follower"
 
 
-@pytest.fixture(scope="module")
-def made(tmp_path_factory):
-    """A run of 75 s, off and then on, an eccentric follower; the plant's own true tension."""
+@pytest.fixture(
+    scope="module", params=["by formula", pytest.param("simulated", marks=pytest.mark.campaign)]
+)
+def made(request, tmp_path_factory):
+    """A run of 75 s, off and then on, an eccentric follower; the true tension beside it."""
     folder = tmp_path_factory.mktemp("run")
+    if request.param == "simulated":
+        return simulated(folder)
+    columns, truth = switched(75.0, [(35.0, 75.0)])
+    return recorded(folder / "runs", columns), truth
+
+
+def simulated(folder):
+    """Return the run and the true tension of a plant in virtual time."""
     run = RecordedRun(files(folder, EFFECTS, cancels="", cycle_ms=10), folder / "runs")
     truth = []
     run.bench.plant.observers.append(
@@ -67,7 +79,6 @@ def true_size(truth, first_s, last_s):
     return float(abs(order_amplitudes(tension, angle, (1,))[0]))
 
 
-@pytest.mark.campaign
 def test_amplitudes_and_their_fall_are_those_of_the_plants_true_tension(made):
     found = row(of(f"{made[0]}{OFF}", f"{made[0]}{ON}"))
     before, after = true_size(made[1], 5.0, 33.0), true_size(made[1], 50.0, 75.0)
@@ -212,7 +223,8 @@ def test_windows_that_were_swapped_are_named(made, run):
 def test_a_hole_that_leaves_a_row_or_none_is_named_and_nothing_told(made, run):
     for segment in sorted(run.glob("signals-*"))[1:]:
         segment.write_bytes(b"")
-    found = of(f"{run}@20..75", f"{made[0]}{ON}")
+    last_s = read_table(run_window(f"{run}@0..75")).columns["time_s"][-1]
+    found = of(f"{run}@{last_s:g}..75", f"{made[0]}{ON}")
     assert "1 rows show readings: nothing can be told" in found.windows[0].labels
     assert any("holds no whole row" in text for text in found.windows[0].labels)
     assert {r.change.bound for r in found.rows} == {"none"}

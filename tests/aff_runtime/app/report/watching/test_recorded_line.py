@@ -25,22 +25,23 @@ def eccentric(size_m):
     }
 
 
-def recorded(folder, size_m):
-    """Return a run of 27 s on the demo's line, AFF on with a block for R6."""
-    run = RecordedRun(files(folder, [eccentric(size_m)]), folder / "runs", law_too=True)
+def recorded(folder, size_m, seconds=27.0, cycle_ms=5):
+    """Return a run on the demo's line, AFF on with a block for R6 after one second."""
+    made = files(folder, [eccentric(size_m)], cycle_ms=cycle_ms)
+    run = RecordedRun(made, folder / "runs", law_too=True)
     run.bench.run(1.0)
-    run.bench.arm(26.0)
+    run.bench.arm(seconds - 1.0)
     return run.end()
 
 
 @pytest.fixture(scope="module")
-def run(tmp_path_factory):
-    return recorded(tmp_path_factory.mktemp("run"), 1e-4)
+def short_run(tmp_path_factory):
+    return recorded(tmp_path_factory.mktemp("run"), 1e-4, 16.0, 10)
 
 
 @pytest.fixture(scope="module")
-def runs(run, tmp_path_factory):
-    return [run, recorded(tmp_path_factory.mktemp("run"), 2e-4)]
+def runs(tmp_path_factory):
+    return [recorded(tmp_path_factory.mktemp("run"), size_m) for size_m in (1e-4, 2e-4)]
 
 
 def of(run):
@@ -66,11 +67,13 @@ def test_the_stroke_is_proportional_to_the_eccentricity_though_its_ripple_is_can
     assert np.isnan(once.orders["stroke_m"][once.orders["roll"] == "unwind"]).all()
 
 
-def test_duckdb_and_pandas_read_the_records_of_the_demos_line_with_their_units(run, tmp_path):
+def test_duckdb_and_pandas_read_the_records_of_the_demos_line_with_their_units(
+    short_run, tmp_path
+):
     path = tmp_path / "run.parquet"
-    rows, lost = export_run(RunWindow(folder=run), path)
-    assert (rows, lost) == (27 * 200, ())
-    columns = read_table(RunWindow(folder=run)).columns
+    rows, lost = export_run(RunWindow(folder=short_run), path)
+    assert (rows, lost) == (16 * 100, ())
+    columns = read_table(RunWindow(folder=short_run)).columns
     frame = pd.read_parquet(path)
     for name, values in columns.items():
         np.testing.assert_array_equal(frame[name], values)

@@ -2,6 +2,9 @@
 
 R6 grows by 8 um per 1000 km of web and is exchanged on day 28; another roller is healthy. From day
 to day both differ by 1 um, whatever a single run says.
+
+Quick: trends and exchanges by formula, ``test_trend.py`` and ``test_store.py``; runs that grow,
+``tests/aff_runtime/cli/test_watch.py``.
 """
 
 import math
@@ -17,6 +20,7 @@ from aff_runtime.app.report.watching.sentences import notes
 from aff_runtime.app.report.watching.store import Store
 from tests.doubles.virtual_weeks import BEGAN, KM_A_DAY, N_PER_M, Weeks, write_weeks
 
+pytestmark = pytest.mark.campaign
 GROWS, SCATTER = 8e-9, 1e-6
 """m per km; m."""
 EXCHANGED, LAST = 28, 42
@@ -123,7 +127,6 @@ def test_a_healthy_roller_is_no_note_in_six_weeks(weeks):
     assert not any("healthy" in one for said in weeks[2] for one in said)
 
 
-@pytest.mark.campaign
 def test_with_aff_off_the_ripple_of_the_reading_tells_the_same(tmp_path):
     weeks = Weeks(r6_m=lambda km, _: FIRST_SIZE + GROWS * km, scatter_m=SCATTER, correcting=False)
     store = Store()

@@ -1,0 +1,27 @@
+"""The Euclid line as an FMU: compiled once for all that only run it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.made_once import made_once
+
+LINE_FILE = Path(__file__).parents[3] / "config" / "lines" / "euclid.yaml"
+
+
+@pytest.fixture(scope="session", params=["3.0", pytest.param("2.0", marks=pytest.mark.campaign)])
+def fmu(
+    request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, worker_id: str
+) -> Path:
+    """Return an FMU of the line; both versions are made of one source."""
+    from benchmarks.fmu.beside import exported
+    from sim_plant.export.fmu import settled_line
+    from sim_plant.line.load import load_declaration
+
+    def make(folder: Path) -> None:
+        exported(folder / "euclid.fmu", settled_line(load_declaration(LINE_FILE)), request.param)
+
+    folder = made_once(tmp_path_factory, worker_id, f"fmu {request.param}", make)
+    return folder / "euclid.fmu"
