@@ -1,7 +1,8 @@
 """Faults of the table and killed processes, over a real socket: zero at the plant, and no return.
 
-Quick is the same in virtual time, ``tests/lockstep/test_faults.py``; what is killed between real
-processes, on a PLC of its own, ``tests/aff_runtime/app/test_commissioning_kills.py``.
+Quick is the runtime that is killed as a whole: of real plant, wire and service, all that must never
+fail. The rest is quick in virtual time, ``tests/lockstep/test_faults.py``, and on a PLC of its own,
+``tests/aff_runtime/app/test_commissioning_kills.py``.
 
 Faults and kills share one plant and one service: to start both takes 8 s of a core.
 """
@@ -24,7 +25,7 @@ from tests.lockstep.fault_table import (
 )
 from tests.processes import is_running, kill, until
 
-pytestmark = [pytest.mark.campaign, pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(90)]
+pytestmark = [pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(90)]
 
 ATTEMPTS = 4
 HELD_UP_SAMPLES = 4  # 20 ms: a pause of the machine on top of the fault is a second fault
@@ -32,6 +33,7 @@ QUIET_S = 0.4
 WATCHED_S = 1.5  # after a kill: long enough for a restarted control process to do wrong
 
 
+@pytest.mark.campaign
 @pytest.mark.parametrize("name", TROUBLES)
 def test_fault_takes_the_correction_to_zero_and_only_an_edge_brings_it_back(
     line: LiveLine, name: str
@@ -103,6 +105,7 @@ def _kill_and_judge(line: LiveLine, kill_it: Callable[[], None]) -> None:
     _zero_from(line, killed_s, killed_s + ZERO_WITHIN_S + WATCHED_S)
 
 
+@pytest.mark.campaign
 def test_a_killed_control_process_is_restarted_idle(line: LiveLine):
     old = int(line.status()["control_pid"])
     _kill_and_judge(line, lambda: kill(old))
@@ -112,6 +115,7 @@ def test_a_killed_control_process_is_restarted_idle(line: LiveLine):
     line.ensure_active()
 
 
+@pytest.mark.campaign
 def test_a_killed_supervisor_takes_the_correction_with_it(line: LiveLine):
     control = int(line.status()["control_pid"])
     _kill_and_judge(line, lambda: kill(line.service.process.pid))
