@@ -1,7 +1,7 @@
 """Faults of the table and killed processes, over a real socket: zero at the plant, and no return.
 
-Quick is the runtime that is killed as a whole: of real plant, wire and service, all that must never
-fail. The rest is quick in virtual time, ``tests/lockstep/test_faults.py``, and on a PLC of its own,
+Quick is the runtime that is killed as a whole, once on real plant, wire and service. The rest is
+quick in virtual time, ``tests/lockstep/test_faults.py``, and on a PLC of its own,
 ``tests/aff_runtime/app/test_commissioning_kills.py``.
 
 Faults and kills share one plant and one service: to start both takes 8 s of a core.
