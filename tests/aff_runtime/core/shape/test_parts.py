@@ -110,6 +110,26 @@ def test_impulse_response_from_a_measured_curve_gives_the_curve_back():
         assert abs(loop.response(f, CYCLE_S, 0.2) - p) < 0.06 * abs(p)
 
 
+def two_modes(f: float) -> complex:
+    """Return a response that rings for seconds: modes at 6.2 and 11 Hz, and a delay."""
+    s = 2j * math.pi * f
+    modes = ((30.0, 6.2, 0.03), (10.0, 11.0, 0.02))
+    rates = [(gain, math.tau * Hz, zeta) for gain, Hz, zeta in modes]
+    total = sum(g * s * w / (s * s + 2 * zeta * w * s + w * w) for g, w, zeta in rates)
+    return total * cmath.exp(-0.02 * s)
+
+
+@pytest.mark.parametrize("lowest_Hz", [0.7, 0.1, 0.05])
+def test_a_low_tone_more_makes_no_high_order_less_known(lowest_Hz):
+    """The curve is read as closely at 17 Hz whatever the lowest tone is."""
+    tones = np.concatenate([[lowest_Hz], np.arange(0.9, 19.0, 0.3)])
+    response = measured(two_modes, tones, delay_s=0.02)
+    loop = from_response(response, cycle_s=CYCLE_S, memory_s=4.0)
+    for f in np.arange(7.5, 17.0, 0.13):
+        p = two_modes(f)
+        assert abs(loop.response(f, CYCLE_S, 0.2) - p) < 0.2 * abs(p), f
+
+
 @pytest.mark.parametrize("radii", [(0.2, 0.1), (0.1,), ()])
 def test_a_loop_model_refuses_what_does_not_fit(radii):
     with pytest.raises(ConfigError):
