@@ -31,9 +31,10 @@ from aff_runtime.core.shape.kalman import ShapeFilter
 from aff_runtime.core.shape.monitor import ShapeMonitor
 from aff_runtime.core.shape.profile import ShapeProfile
 from aff_runtime.core.shape.sending import Sending
-from aff_runtime.core.shape.wish import RATIO_FROM, RATIO_TO, wish_of
+from aff_runtime.core.shape.wish import wish_of
 
 NEWTON_TURNS = 0.5
+RATIO_FROM, RATIO_TO = 1.0 / 3.0, 3.0
 IMBALANCE_DRIFT = 0.1
 ABSURD = 1e6
 CHECK_TICKS = 100
@@ -220,9 +221,8 @@ class ShapeLaw:
         self._step_1_s *= 1.0 / dt_s
 
     def _allocate(self, room: Room, dt_s: float) -> None:
-        ratio, felt = self.filter.response_ratio, self._signal_per_m
         moving = self.weight, self._step_1_s, self._others()
-        wish = wish_of(self.basis, *moving, ratio=ratio, signal_per_m=felt)
+        wish = wish_of(self.basis, *moving, self._signal_per_m)
         self.allocation.step(room, wish, dt_s)
 
     def _send(self, gate: float) -> ActuatorStep:

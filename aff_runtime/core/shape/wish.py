@@ -11,7 +11,6 @@ from aff_runtime.core.shape.basis import ShapeBasis
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
-RATIO_FROM, RATIO_TO = 1.0 / 3.0, 3.0
 FADED = 0.05  # of the largest b: the signal still hears what has faded since
 
 
@@ -36,25 +35,16 @@ class Wish:
 
 
 def wish_of(
-    basis: ShapeBasis,
-    weight_m: Complexes,
-    step_1_s: Floats,
-    share: Floats,
-    *,
-    ratio: Complexes,
-    signal_per_m: Floats,
+    basis: ShapeBasis, weight_m: Complexes, step_1_s: Floats, share: Floats, signal_per_m: Floats
 ) -> Wish:
     """Return the wish of weights (m) that move by ``step_1_s`` (m/s), by their shares.
 
-    Parameters
-    ----------
-    ratio : true P over the assumed one, as learned; believed within a third and three.
-    signal_per_m : |P b| of each column by the assumed P.
+    ``signal_per_m`` is |P b| of each column by the assumed P. What was learned of P is left out:
+    in a column that is all but quiet only the sum of disturbance and correction is seen, and its
+    share in P wanders.
     """
     size = np.abs(basis.b)
-    gain = np.minimum(np.maximum(np.abs(ratio), RATIO_FROM), RATIO_TO)
-    gain *= signal_per_m
-    gain /= np.maximum(size, FADED * float(size.max()))
+    gain = signal_per_m / np.maximum(size, FADED * float(size.max()))
     return Wish(
         parts=weight_m * share * basis.b,
         carrier=basis.carrier,

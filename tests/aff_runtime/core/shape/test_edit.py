@@ -63,7 +63,7 @@ def test_the_output_goes_on_as_if_nothing_was_edited(blocks):
         mine, theirs = new.law, on.law
         for name in part.split("."):
             mine, theirs = getattr(mine, name), getattr(theirs, name)
-        close = 1e-3 if part == "allocation.share" else 1e-6  # the fit samples other angles
+        close = 2e-3 if part == "allocation.share" else 1e-6  # the fit samples other angles
         assert mine[both.mine] == pytest.approx(theirs[both.theirs], rel=2e-2, abs=close), part
 
 
