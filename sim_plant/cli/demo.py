@@ -14,6 +14,8 @@ FPM_M_S = 0.00508
 NOISE_N = 0.25
 WIRES = ("modbus", "can", "canopen")
 ROUNDING = 1e-6
+# a longer probe winds off more web: later the unwind 1x would meet that of the S-wrap when judged
+LEARN_AFTER_LONG_PROBE_S = 35.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,6 +91,7 @@ def run(arguments: argparse.Namespace) -> int:
         line_speed_m_s=speed_m_s,
         seed=arguments.seed,
         limit_m_s=arguments.limit_m_s,
+        **({} if arguments.limit_m_s is None else {"learn_s": LEARN_AFTER_LONG_PROBE_S}),
     )
     session = run_session(plan, say)
     before = window(session.record, *session.before_s)
