@@ -24,10 +24,12 @@ $(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch] si
 
 # both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM,
 # WIRE= modbus, can or canopen; LAW=blocks runs the plain law, on modbus; SITE= another site file;
+# LIMIT=0.3 is the unwind's correction limit on both sides, m/s, the probe as much louder and longer:
+# 300 FPM asks for more than the 0.15 of the site file;
 # LINE=film is a line of 600 m/min at 1 ms on modbus and 2 ms on can)
 demo: setup
 	$(BIN)/python -m sim_plant.cli.main demo --machine $(LINE) --wire $(WIRE) --speed-fpm $(SPEED) \
-		$(if $(SITE),--site $(SITE),$(if $(filter blocks,$(LAW)),--site config/euclid_blocks.yaml)) \
+		$(if $(LIMIT),--limit-m-s $(LIMIT)) $(if $(SITE),--site $(SITE),$(if $(filter blocks,$(LAW)),--site config/euclid_blocks.yaml)) \
 		--out out/demo-$(if $(filter film,$(LINE)),film-)$(WIRE)
 
 # a hidden cause, drawn by SEED (EFFECT= of the catalogue): recorded by the service, traced, corrected

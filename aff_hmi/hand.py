@@ -72,7 +72,7 @@ class Hand:
         self._moments: deque[Moment] = deque(maxlen=KEPT_MOMENTS)
         self._state: State | None = None
         self._blocked = ""
-        self._probing = False
+        self._probing = self._trying = False
 
     def look(self, seen: Seen, number: int) -> None:
         """Take note of what the frame of this number shows."""
@@ -83,6 +83,7 @@ class Hand:
         self._state = seen.row.state if seen.row is not None and is_fresh else None
         self._blocked = seen.facts.blocked if seen.facts is not None else ""
         self._probing = seen.facts is not None and seen.facts.status.probing
+        self._trying = seen.facts is not None and bool(seen.facts.status.trying)
         self._remote = seen.row is not None and seen.row.is_remote
         shown = self._state.name if self._state is not None else ""
         self._moments.append(Moment(number=number, made_ns=self._clock.now_ns(), state=shown))
@@ -151,6 +152,7 @@ class Hand:
             arms_from=rules.arms_from,
             hand_of=hand_of,
             probing=self._probing,
+            trying=self._trying,
             remote=self._remote,
             bypass_from=self._bypass_from,
         )

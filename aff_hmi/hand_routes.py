@@ -25,7 +25,7 @@ from aff_hmi.session_presses import SessionPresses
 from aff_hmi.sessions import Session
 from aff_hmi.windows.desk import WindowDesk
 from aff_hmi.words import N_, Say
-from aff_runtime.app.hand.may import Action, Code, Place, Reason, Role
+from aff_runtime.app.hand.may import BY_HAND, Action, Code, Place, Reason, Role
 from aff_runtime.app.hand.messages import NOBODY, Command, Notice, is_account_name, is_command_id
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.ports import Clock
@@ -78,7 +78,7 @@ class HandRoutes:
             "/act": self._act,
             **SessionPresses(hand.sessions, clock, self._note).answers(),
             **LesserPresses(hand.sessions, self._note, alarms, windows).answers(),
-            **CommissionPresses(hand.sessions, commission).answers(),
+            **CommissionPresses(hand, commission).answers(),
         }
 
     def routes(self) -> list[Route]:
@@ -231,7 +231,7 @@ class HandRoutes:
     async def _act(self, asked: Asked) -> Response:
         """Do a press, and count it."""
         answer = await self._press(asked)
-        if asked.said["action"] in tuple(Action):
+        if asked.said["action"] in BY_HAND:
             result = {200: "done", 503: "failed"}.get(answer.status_code, "refused")
             self._counts.presses[str(asked.said["action"]), result] += 1
         return answer
@@ -240,7 +240,7 @@ class HandRoutes:
         """Judge a press and pass it on."""
         session, said = asked.session, asked.said
         action, ident, seen = str(said["action"]), str(said["id"]), str(said["seen"])
-        is_known = action in tuple(Action) and is_command_id(ident)
+        is_known = action in BY_HAND and is_command_id(ident)
         if not is_known or seen not in ("", *State.__members__):
             return refusal(400, asked.say(NO_SENSE))
         if session is not None:

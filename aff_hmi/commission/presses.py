@@ -1,7 +1,7 @@
 """What is pressed on the pages of card and commissioning: passed on to the commissioner.
 
-A press that has settings tried, kept or taken back needs the hand as well, for the correction
-that goes out changes with them.
+A press that has settings tried, kept or taken back is judged by ``may`` first, for the correction
+that goes out changes with them; the service judges it again.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from aff_hmi.asked import DONE, Answering, Asked, because, done, refusal
 from aff_hmi.commission.in_language import refusal_in
 from aff_hmi.commission.link import Commission
 from aff_hmi.commission.sentences import sentence
-from aff_hmi.sessions import Session, Sessions
+from aff_hmi.hand import Hand
+from aff_hmi.sessions import Session
 from aff_runtime.app.commission.answers import Answer, Done
 from aff_runtime.app.commission.messages import WORDS, Refusal, Request, Why
-from aff_runtime.app.hand.may import Code, Reason
+from aff_runtime.app.hand.may import OF_SETTINGS, Action, Code, Reason
 
 SEARCH = 9  # the step that tries settings while the correction goes out
 PLAIN = ("begin", "verify", "stop", "close")  # requests with no more than who asks
-NO_HAND = Refusal(why=Why.REFUSED, name="take the hand first")
 NO_SENSE = Refusal(why=Why.NO_SENSE)
-Press = Callable[[Commission, Session, Asked], Awaitable[Answer]]
-"""Takes the way to the commissioner, who pressed, and what; returns the commissioner's answer."""
+Press = Callable[[Commission, Session, Asked], Awaitable[Answer | Reason]]
+"""Takes the way to the commissioner, who pressed, and what; returns its answer, or why not."""
 
 
 class CommissionPresses:
@@ -36,8 +36,9 @@ class CommissionPresses:
     commission : None on a screen without one.
     """
 
-    def __init__(self, sessions: Sessions, commission: Commission | None) -> None:
-        self._sessions = sessions
+    def __init__(self, hand: Hand, commission: Commission | None) -> None:
+        self._hand = hand
+        self._sessions = hand.sessions
         self._commission = commission
 
     def answers(self) -> dict[str, Answering]:
@@ -66,15 +67,19 @@ class CommissionPresses:
         if self._commission is None:
             return refusal(409, asked.say(WORDS[Why.SILENT]), Why.SILENT)
         told = await press(self._commission, session, asked)
+        if isinstance(told, Reason):
+            return because(409, told, asked.say)
         if isinstance(told, Refusal):
             return refusal(409, refusal_in(told, asked.say), str(told.why))
         said = told.text if isinstance(told, Done) else ""
         return done(sentence(said, asked.say) if said else asked.say(DONE))
 
-    async def _step(self, commission: Commission, session: Session, asked: Asked) -> Answer:
+    async def _step(
+        self, commission: Commission, session: Session, asked: Asked
+    ) -> Answer | Reason:
         said = asked.said
-        if said["step"] == SEARCH and not self._has_hand(session):
-            return NO_HAND
+        if said["step"] == SEARCH and (reasons := self._against(Action.TRY, asked)):
+            return reasons[0]
         step = Request(
             do="step",
             step=int(said["step"]),
@@ -84,12 +89,16 @@ class CommissionPresses:
         )
         return await commission.press(session, step)
 
-    async def _settings(self, commission: Commission, session: Session, asked: Asked) -> Answer:
+    async def _settings(
+        self, commission: Commission, session: Session, asked: Asked
+    ) -> Answer | Reason:
         """Try what a step proposes, keep it, or take it back: it changes what goes out."""
         said, do, reason = asked.said, str(asked.said["do"]), str(asked.said["reason"])
-        if not self._has_hand(session):
-            return NO_HAND
-        if do == "try":
+        if do not in OF_SETTINGS:
+            return NO_SENSE
+        if reasons := self._against(Action(do), asked):
+            return reasons[0]
+        if do == Action.TRY:
             tried = Request(
                 do=do,
                 step=int(said["step"]),
@@ -98,14 +107,14 @@ class CommissionPresses:
                 reason=reason,
             )
             return await commission.press(session, tried)
-        if do in ("keep", "undo"):
-            return await commission.press(session, Request(do=do, reason=reason))
-        return NO_SENSE
+        return await commission.press(session, Request(do=do, reason=reason))
 
-    async def _try_refined(self, commission: Commission, session: Session, asked: Asked) -> Answer:
+    async def _try_refined(
+        self, commission: Commission, session: Session, asked: Asked
+    ) -> Answer | Reason:
         """Try what a refinement proposes: it changes what goes out."""
-        if not self._has_hand(session):
-            return NO_HAND
+        if reasons := self._against(Action.TRY, asked):
+            return reasons[0]
         said = asked.said
         tried = Request(
             do="try_refined",
@@ -116,9 +125,8 @@ class CommissionPresses:
         )
         return await commission.press(session, tried)
 
-    def _has_hand(self, session: Session) -> bool:
-        held = self._sessions.holder()
-        return held is not None and held.session is session
+    def _against(self, action: Action, asked: Asked) -> tuple[Reason, ...]:
+        return self._hand.reasons(action, asked.session, asked.place)
 
 
 async def _open(commission: Commission, session: Session, asked: Asked) -> Answer:

@@ -140,6 +140,7 @@ function trying(step) {
   const seconds = field(words.for, "seconds", { type: "number", min: 5, max: 3600, value: 120, required: true });
   const go = part("button", "", words.try);
   go.type = "submit";
+  go.dataset.may = "try";
   const row = part("p", "fields");
   row.append(why.box, seconds.box, go);
   form.append(row);

@@ -68,6 +68,11 @@ function show() {
     if (button.disabled !== cannot) button.disabled = cannot;
     put(byId(`${button.id}-why`), why.join("; "));
   }
+  for (const button of document.querySelectorAll("[data-may]")) {
+    const why = isStale() ? [words.stale] : own.why[button.dataset.may];
+    button.disabled = why.length > 0;
+    button.title = why.join("; ");
+  }
   const against = own.why.bypass;
   bypass.disabled = against.length > 0;
   put(byId("bypass-why"), against.join("; "));

@@ -61,6 +61,7 @@ function trying(one, proposal) {
   const why = field(words.why, "reason", { maxLength: 200, minLength: 8, required: true });
   const seconds = field(words.for, "seconds", { type: "number", min: 5, max: 3600, value: 120, required: true });
   const go = part("button", "", words.try);
+  go.dataset.may = "try";
   go.type = "submit";
   const line = part("p", "fields");
   line.append(why.box, seconds.box, go);

@@ -71,7 +71,8 @@ def from_response(response: Response, *, cycle_s: float, memory_s: float) -> Loo
     kernel lambda^max(i, j)), the points are linear in them, so the most likely taps follow from
     one linear system. Between points the measured curve itself stands in, with an error that
     grows outside the band and with the points' own; a frequency of zero answers
-    nothing, because the tension loop integrates.
+    nothing, because the tension loop integrates. The curve is read closely enough that a response
+    of ``memory_s`` follows from it (``_frequencies``).
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ def from_response(response: Response, *, cycle_s: float, memory_s: float) -> Loo
     count = max(8, round(memory_s / cycle_s))
     low, high = response.band_Hz
     nyquist_Hz = 0.5 / cycle_s
-    grid = np.geomspace(max(0.02, 0.5 * low), min(1.5 * high, 0.8 * nyquist_Hz), POINTS)
+    grid = _frequencies(max(0.02, 0.5 * low), min(1.5 * high, 0.8 * nyquist_Hz), memory_s)
     wanted = np.array([response.at(float(f)) for f in grid])
     outside = np.maximum(np.maximum(low / grid, grid / high), 1.0)
     known = np.interp(
@@ -99,3 +100,14 @@ def from_response(response: Response, *, cycle_s: float, memory_s: float) -> Loo
     noise = np.tile(error**2, 2)
     taps = spread.T @ np.linalg.solve(spread @ design.T + np.diag(noise), target)
     return LoopModel(radius_m=np.array([math.nan]), taps=taps[None, :])
+
+
+def _frequencies(low_Hz: float, high_Hz: float, memory_s: float) -> Floats:
+    """Return evenly spread frequencies, twice as close as a response of that length needs.
+
+    What lasts T is known from its transform at every 1/T (the sampling theorem with time and
+    frequency exchanged). Wider apart, taps beyond that time are free to be wrong in between.
+    """
+    closest = 0.5 / memory_s
+    count = max(POINTS, math.ceil((high_Hz - low_Hz) / closest) + 1)
+    return np.linspace(low_Hz, high_Hz, count)

@@ -19,7 +19,8 @@ class Inputs:
     """What one actuator's law sees in one tick; refilled, not rebuilt, from tick to tick.
 
     ``fresh`` False: a duplicate or missing sample. ``limit_ratio`` and ``applied_ratio`` are the
-    guard's answer to this actuator's last output (see ``Permission``).
+    guard's answer to this actuator's last output, ``limit`` and ``slew_limit`` the room that it
+    has for the next one (see ``Permission``).
     """
 
     signal: float = math.nan
@@ -30,6 +31,8 @@ class Inputs:
     adapt: bool = False
     limit_ratio: float = 1.0
     applied_ratio: float = 0.0
+    limit: float = math.inf
+    slew_limit: float = math.inf
 
 
 class ActuatorLaw(Protocol):

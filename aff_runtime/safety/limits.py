@@ -50,6 +50,11 @@ class Limiter:
         """Whether the law wants more than the limits give."""
         return min(self.scale, self.wanted_scale) < _SATURATED_BELOW
 
+    @property
+    def room(self) -> tuple[float, float]:
+        """Largest ``peak_bound`` and ``slew_bound`` of a wish that goes out unscaled."""
+        return self.limit, SLEW_SHARE * self.bounds.slew_limit
+
     def step(self, wanted: ActuatorStep | None, envelope: float, dt_s: float) -> None:
         """Advance ``output`` by ``dt_s`` towards a wish that makes sense; None asks for zero."""
         self.limit = _towards(self.limit, self.bounds.limit, self._limit_rate * dt_s)

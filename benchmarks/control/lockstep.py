@@ -83,6 +83,7 @@ class _Actuator:
         given.reference = values[1] if self.signal == 0 else math.nan
         given.line_speed_m_s = values[2]
         given.dt_s = dt_s
+        given.limit = LIMIT_M_S
         given.fresh = True
         given.adapt = enabled
         wish = self.law.step(given)

@@ -14,6 +14,8 @@ FPM_M_S = 0.00508
 NOISE_N = 0.25
 WIRES = ("modbus", "can", "canopen")
 ROUNDING = 1e-6
+# a longer probe winds off more web: later the unwind 1x would meet that of the S-wrap when judged
+LEARN_AFTER_LONG_PROBE_S = 35.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,6 +52,11 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     parser.add_argument("--site", type=Path, help="site file (the wire's own in config/)")
     parser.add_argument("--out", type=Path, default=Path("out/demo"))
     parser.add_argument("--speed-fpm", type=float, help="line speed, feet per minute")
+    parser.add_argument(
+        "--limit-m-s",
+        type=float,
+        help="limit of the unwind's correction, on both sides (the site file's own)",
+    )
     parser.add_argument("--seed", type=int, default=7)
     parser.set_defaults(run=run)
 
@@ -83,6 +90,8 @@ def run(arguments: argparse.Namespace) -> int:
         wire=arguments.wire,
         line_speed_m_s=speed_m_s,
         seed=arguments.seed,
+        limit_m_s=arguments.limit_m_s,
+        **({} if arguments.limit_m_s is None else {"learn_s": LEARN_AFTER_LONG_PROBE_S}),
     )
     session = run_session(plan, say)
     before = window(session.record, *session.before_s)

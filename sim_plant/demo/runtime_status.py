@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-HELD_PHASE = "HELD phase"
-"""As ``status`` writes it."""
+HELD_PHASE, CLAMPED = "HELD phase", "CLAMPED"
+"""As ``status`` writes them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,6 +19,7 @@ class RuntimeStatus:
     missed_ticks : grid points without a tick; None before the first one.
     trying : how a try of other settings stands; empty without one.
     unsure : orders that rest since their response is not sure, ``actuator.order``.
+    giving_way : orders of which a limit takes a part, likewise.
     """
 
     state: str
@@ -27,6 +28,7 @@ class RuntimeStatus:
     missed_ticks: int | None
     trying: str = ""
     unsure: tuple[str, ...] = ()
+    giving_way: tuple[str, ...] = ()
 
     @classmethod
     def from_json(cls, said: Any) -> RuntimeStatus:
@@ -38,9 +40,14 @@ class RuntimeStatus:
             alarm=said.get("alarm", {}).get("text", ""),
             missed_ticks=None if missed is None else round(missed),
             trying=said.get("trying", ""),
-            unsure=tuple(
-                f"{order['actuator']}.{order['name']}"
-                for order in said.get("blocks", ())
-                if order.get("state") == HELD_PHASE
-            ),
+            unsure=_orders(said, HELD_PHASE),
+            giving_way=_orders(said, CLAMPED),
         )
+
+
+def _orders(said: Any, state: str) -> tuple[str, ...]:
+    return tuple(
+        f"{order['actuator']}.{order['name']}"
+        for order in said.get("blocks", ())
+        if order.get("state") == state
+    )

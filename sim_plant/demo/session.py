@@ -45,6 +45,7 @@ class Plan:
     learn_s: float = 60.0
     after_s: float = 20.0
     relearn_s: float = 30.0
+    limit_m_s: float | None = None  # of the unwind's correction; None: the site file's own
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,7 +71,7 @@ def prepare(plan: Plan) -> Bench:
         The folder holds something else than an earlier demo.
     """
     folder = fresh_folder(plan.out)
-    wired = wire_up(plan.wire, plan.site, folder)
+    wired = wire_up(plan.wire, plan.site, folder, plan.limit_m_s)
     return Bench(folder=folder, site=wired.site, plant_arguments=wired.plant_arguments)
 
 
@@ -216,6 +217,9 @@ def _correct(
         learn_s = plan.relearn_s
         progress(f"the runtime went to zero ({status.alarm}); arming again as an operator")
         runtime_command(bench, "arm")
+    if status.giving_way:
+        orders = ", ".join(status.giving_way)
+        progress(f"a limit takes part of {orders}; LIMIT=0.3 (--limit-m-s) gives more room")
     return armed, after_start, after_end
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -109,13 +109,15 @@ class Pressed:
             is_logged_in=self.pages.presses.is_logged_in,
         )
         self._ids = 0
+        self._trying = ""
         self.frame = 0
         self.show(State.READY)
 
     def show(self, state: State, blocked: str = "", **more: float) -> None:
         """Make a frame in which the guard has a state."""
+        told = facts(blocked=blocked)
         seen = Seen(
-            facts=facts(blocked=blocked),
+            facts=replace(told, status=replace(told.status, trying=self._trying)),
             facts_age_s=0.1,
             row=TickRow(row(state, **more)),
             tick_age_s=0.01,
@@ -123,6 +125,11 @@ class Pressed:
         )
         self.hub.make_frames(seen)
         self.frame = self.hub._number
+
+    def tries(self, trying: bool) -> None:
+        """Make a frame in which other settings are tried, or none are."""
+        self._trying = "settings 0123 by carl: 60 s left" if trying else ""
+        self.show(State.READY)
 
     def browser(self, name: str = "", *, client: str = "127.0.0.1") -> Browser:
         """Return a browser, logged in where a name is given."""

@@ -25,7 +25,14 @@ class Action(StrEnum):
     SHADOW = "shadow"
     END_SHADOW = "end-shadow"
     FORGET = "forget"
+    TRY = "try"
+    KEEP = "keep"
+    UNDO = "undo"
 
+
+OF_SETTINGS = (Action.TRY, Action.KEEP, Action.UNDO)
+"""What a screen asks of the commissioner, and that of the service; the hand hears all others."""
+BY_HAND = tuple(action for action in Action if action not in OF_SETTINGS)
 
 # the console's word for what no screen may do at this service
 ON_CONSOLE = {
@@ -66,9 +73,11 @@ class Code(StrEnum):
     SILENT = "silent"
     CEILING = "ceiling"
     NO_PROBE = "no probe"
+    NO_SETTINGS = "no settings"
     PLACE = "place"
     ROLE = "role"
     PROBE_ROLE = "probe role"
+    SETTINGS_ROLE = "settings role"
     IDLE = "idle"
     NO_HAND = "no hand"
     OTHER_HAND = "other hand"
@@ -79,6 +88,8 @@ class Code(StrEnum):
     GOES_OUT = "goes out"
     FADING = "fading"
     PROBING = "probing"
+    TRYING = "trying"
+    NO_TRY = "no try"
     GUARD = "guard"
     LATE = "late"
     REPEATED = "repeated"
@@ -93,9 +104,11 @@ WORDS = {
     Code.SILENT: "no fresh data from the control process",
     Code.CEILING: "the service lets no screen do this; on the gateway: aff-runtime {name}",
     Code.NO_PROBE: "the service lets no screen probe: run it with --hand commission",
+    Code.NO_SETTINGS: "the service lets no screen change settings: run it with --hand commission",
     Code.PLACE: "this is for the panel at the machine, not for the network",
     Code.ROLE: "this account may not do this; the role operate is needed",
     Code.PROBE_ROLE: "this account may not probe; the role commission is needed",
+    Code.SETTINGS_ROLE: "this account may not change settings; the role commission is needed",
     Code.IDLE: "nothing was pressed for too long: log in again",
     Code.NO_HAND: "take the hand first",
     Code.OTHER_HAND: "{name} has the hand",
@@ -106,6 +119,8 @@ WORDS = {
     Code.GOES_OUT: "a correction goes out; bypass first",
     Code.FADING: "the correction is on its way to zero; wait",
     Code.PROBING: "a probe is under way",
+    Code.TRYING: "settings are being tried; keep or undo them first",
+    Code.NO_TRY: "no settings are being tried",
     Code.GUARD: "blocked by {name}",
     Code.LATE: "it came too late, nothing was done: press again",
     Code.REPEATED: "it was heard before, nothing was done",
@@ -159,6 +174,7 @@ class Circumstances:
     arms_from : the farthest place to arm from.
     hand_of : account that has the hand, empty for none.
     probing : a probe is under way.
+    trying : other settings run, or are checked, for a try.
     remote : the line is in remote.
     bypass_from : the farthest place from which somebody who has not logged in may bypass; None:
         from nowhere.
@@ -170,6 +186,7 @@ class Circumstances:
     arms_from: Place = Place.PANEL
     hand_of: str = ""
     probing: bool = False
+    trying: bool = False
     remote: bool = False
     bypass_from: Place | None = None
 
@@ -201,19 +218,40 @@ def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...
         reasons.append(Reason(code=Code.NO_HAND))
     if action is Action.PROBE and now.probing:
         reasons.append(Reason(code=Code.PROBING))
+    if action in OF_SETTINGS:
+        return (*reasons, *against_settings(action, now))
     of_service = _of_guard if action in (Action.ARM, Action.PROBE) else _of_rest
     return (*reasons, *of_service(action, now))
 
 
+def against_settings(action: Action, now: Circumstances) -> tuple[Reason, ...]:
+    """Return what stands against a try, or its end, whoever asks; the service asks it, too.
+
+    In remote the line is the PLC's: nothing else is tried and nothing is kept. The way back stays
+    open, and a try that is not kept ends by itself.
+    """
+    is_try = action is Action.TRY
+    against = {
+        Code.SILENT: is_try and now.state is None,
+        Code.REMOTE: now.remote and not (action is Action.UNDO and now.trying),
+        Code.PROBING: is_try and now.probing,
+        Code.TRYING: is_try and now.trying,
+        Code.NO_TRY: action is Action.KEEP and not now.trying,
+    }
+    return tuple(Reason(code=code) for code, stands in against.items() if stands)
+
+
 def _of_person(action: Action, person: Person, now: Circumstances) -> list[Code]:
-    is_probe = action is Action.PROBE
-    least = Role.COMMISSION if is_probe else Role.OPERATE
+    least, no_screen, no_account = Role.OPERATE, Code.CEILING, Code.ROLE
+    if action is Action.PROBE:
+        least, no_screen, no_account = Role.COMMISSION, Code.NO_PROBE, Code.PROBE_ROLE
+    elif action in OF_SETTINGS:
+        least, no_screen, no_account = Role.COMMISSION, Code.NO_SETTINGS, Code.SETTINGS_ROLE
     against = {
         Code.LOGGED_OUT: person.role is None,
-        Code.NO_PROBE if is_probe else Code.CEILING: now.ceiling < least,
+        no_screen: now.ceiling < least,
         Code.PLACE: person.place is Place.NETWORK and now.arms_from is not Place.NETWORK,
-        Code.PROBE_ROLE if is_probe else Code.ROLE: person.role is not None
-        and person.role < least,
+        no_account: person.role is not None and person.role < least,
         Code.IDLE: person.is_idle,
     }
     return [code for code, stands in against.items() if stands]

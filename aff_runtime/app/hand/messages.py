@@ -11,7 +11,7 @@ import re
 from dataclasses import asdict, dataclass
 from typing import Any, TypeAlias
 
-from aff_runtime.app.hand.may import ROLES, Action, Code, Place, Reason, Role
+from aff_runtime.app.hand.may import BY_HAND, ROLES, Action, Code, Place, Reason, Role
 from aff_runtime.base.signals import State
 
 PROTOCOL = 1
@@ -130,7 +130,7 @@ def read_said(packet: bytes) -> Said:
         raise HandMessageError("valid_until_ns: a time of the monotonic clock is needed")
     return Command(
         id=_matching(said, "id", _ID),
-        action=Action(_one_of(said, "action", tuple(Action))),
+        action=Action(_one_of(said, "action", BY_HAND)),
         account=_account(said),
         role=ROLES[_one_of(said, "role", tuple(ROLES))],
         place=_place(said),

@@ -15,6 +15,7 @@ from dataclasses import replace
 from functools import partial
 
 from aff_runtime.app.door.messages import Facts
+from aff_runtime.app.hand.may import Circumstances
 from aff_runtime.app.link.answers import Answer, Done, as_answer, refusal
 from aff_runtime.app.link.messages import (
     Arm,
@@ -99,7 +100,9 @@ class Supervisor:
         self._edits = EditSession(
             self._processes, self._pending, options.site, result, options.state_directory, watch
         )
-        self._settings = SettingsDesk(self._processes, self._edits, options, self._clock)
+        self._settings = SettingsDesk(
+            self._processes, self._edits, options, self._clock, self._circumstances
+        )
         self._probes = Probes(self._processes, self._pending, self._edits, self._settings)
         self._counts = CommandTally()
         self._hand_is_wanted = options.hand is not None
@@ -274,9 +277,16 @@ class Supervisor:
         if act in ("try", "keep", "undo"):
             self._note_command(asked, act)
             asked.then = partial(self._count, f"settings-{act}")
-        if act == "try" and self._probes.is_under_way:
-            raise RefusedError("a probe is under way; try after it")
         self._settings.do(asked)
+
+    def _circumstances(self) -> Circumstances:
+        """Return what ``may`` has to know of the service for a try of settings."""
+        latest = self._processes.latest() if self._processes.control is not None else None
+        return Circumstances(
+            state=latest.state if latest is not None else None,
+            remote=latest is not None and latest.is_remote,
+            probing=self._probes.is_under_way,
+        )
 
     def _start_probe(self, asked: Asked) -> None:
         """Have the control process measure; the caller is answered when it is fitted."""

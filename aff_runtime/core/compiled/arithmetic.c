@@ -366,12 +366,13 @@ void law_send(const sending *p, const peak_bound *bound, double gate, double ram
     memset(terms, 0, 4 * bound->orders * sizeof *terms);
     for (long i = 0; i < p->n; i++) {
         const double *w = p->weight + 2 * i, *b = p->b + 2 * i, *q = p->carrier + 2 * i;
+        const double *f = p->factor + 2 * i;
         double *sent = p->sent + 2 * i, *part = p->parts + 2 * i;
         double shares = p->shares[0][i];
-        for (int k = 1; k < 4; k++) shares *= p->shares[k][i];
+        for (int k = 1; k < 3; k++) shares *= p->shares[k][i];
         const double size = size_of(b), order = p->order[i];
-        sent[0] = w[0] * gate * shares;
-        sent[1] = w[1] * gate * shares;
+        sent[0] = (w[0] * f[0] - w[1] * f[1]) * gate * shares;
+        sent[1] = (w[0] * f[1] + w[1] * f[0]) * gate * shares;
         part[0] = sent[0] * b[0] - sent[1] * b[1];
         part[1] = sent[0] * b[1] + sent[1] * b[0];
         value += part[0];

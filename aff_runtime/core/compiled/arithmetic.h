@@ -103,8 +103,8 @@ typedef struct {
 
 typedef struct {
     long n, at;                        /* at: a column of the own roll, for its speed */
-    const double *weight, *b, *carrier;                  /* complex */
-    const double *shares[4];
+    const double *weight, *b, *carrier, *factor;         /* complex */
+    const double *shares[3];
     const double *step_1_s, *order, *omega_rad_s;
     double *sent, *parts;                                /* complex */
 } sending;

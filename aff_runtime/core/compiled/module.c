@@ -248,7 +248,7 @@ static PyObject *py_newton_step(PyObject *m, PyObject *const *args, Py_ssize_t g
     RETURN_NONE;
 }
 
-/* ---- sending: weight, b, carrier, four shares, step_1_s, order, sent, parts, and of the bound
+/* ---- sending: weight, b, carrier, factor, three shares, step_1_s, order, sent, parts, and of the bound
  * its orders, order_of, cosines, sines, sums; omega_rad_s ---- */
 
 static PyObject *step_names[3];
@@ -287,7 +287,8 @@ static PyObject *py_send(PyObject *m, PyObject *const *args, Py_ssize_t given)
     sending p = {.n = n, .weight = DOUBLES(&c, 2 * n)};
     p.b = DOUBLES(&c, 2 * n);
     p.carrier = DOUBLES(&c, 2 * n);
-    for (int k = 0; k < 4; k++) p.shares[k] = DOUBLES(&c, n);
+    p.factor = DOUBLES(&c, 2 * n);
+    for (int k = 0; k < 3; k++) p.shares[k] = DOUBLES(&c, n);
     p.step_1_s = DOUBLES(&c, n);
     p.order = DOUBLES(&c, n);
     p.sent = DOUBLES(&c, 2 * n);

@@ -1,93 +1,158 @@
-"""Which orders give way when the output meets its limit."""
+"""What of every column goes out when the output meets its limit."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.core.shape.bounds import PeakBound
 from aff_runtime.core.shape.columns import ColumnState
+from aff_runtime.core.shape.fitting import WaveFit
+from aff_runtime.core.shape.wish import Wish
 
 Floats = npt.NDArray[np.float64]
-RATIO_EPS = 1e-9
-SHARE_EPS = 1e-9
-MARGIN = 0.97
-TAKEN_MORE = 0.01  # of the output, so that the next tick is not at the limit again
-RETURN_S = 2.0
-LIMIT_GROWS_PER_S = 0.02
-LEAST_LIMIT = 0.1  # of the whole wish, from which a limit that took everything grows again
-TINY = 1e-9
+MARGIN = 0.98  # of the room, so that the guard need not scale what is on its way
+FOLLOW_S = 0.1
+FIT_S = 0.005  # from one step of the fit to the next; a shorter cycle has no time for more
+DAMPED = 0.1
+WHOLE = 1e-3
+LEAST_SLEW = 0.2  # of the slew limit, what learning leaves at least
+TINY = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Room:
+    """What the guard lets out unscaled: value and slew, output units and per second."""
+
+    limit: float
+    slew_limit: float
 
 
 class OutputAllocation:
-    """A share (0..1) per column; the limit takes first what buys least.
+    """A complex factor per column; together they leave the least ripple that fits in the room.
 
-    A limit in force comes back as a ratio of the last output's bound. Columns that cost most
-    output per unit of signal are shortened until the rest fits; they come back slowly, the most
-    useful first, when there is room; a limit that once took everything grows from a tenth of the
-    whole wish, so that nothing stays shut for good. The weights keep the shape: what the limit
-    took is not learned away, nothing winds up; whole columns are scaled, so no harmonics arise.
+    The own roll's waveform is fitted by ``WaveFit``. A column of another roll, whose angle goes
+    its own way, takes its amplitude off the room and pays the same price: it is shortened by
+    price / (2 q |c|), never below zero. The weights keep the shape: what the limit took is not
+    learned away, nothing winds up; whole orders are scaled and turned, so no harmonics arise.
+
+    Attributes
+    ----------
+    factor : what of each weight goes out, 1 without a limit; it follows the fit within 0.1 s.
+    share : 1 - |1 - factor|, 0..1: how much of the column's ripple is taken off.
+    limited : whether a limit takes something.
+    peak, slew : bounds of the last output.
+    moved_1_s : slew of the output by factors that moved in this tick, output units per second.
     """
 
-    __slots__ = ("_limit", "limited", "peak", "share")
+    __slots__ = (
+        "_first",
+        "_fit",
+        "_fitted",
+        "_gather",
+        "_mine",
+        "_of",
+        "_order",
+        "_others",
+        "_slack",
+        "_waited_s",
+        "factor",
+        "limited",
+        "moved_1_s",
+        "peak",
+        "share",
+        "slew",
+    )
 
-    def __init__(self, state: ColumnState) -> None:
-        self.share = state.array("allocation.share", 1.0)
-        self.peak = 0.0
-        self.limited = False  # whether any column is shortened
-        self._limit = math.inf
-
-    def step(
+    def __init__(
         self,
-        limit_ratio: float,
-        b: npt.NDArray[np.complex128],
-        weight: npt.NDArray[np.complex128],
-        signal_per_m: Floats,
-        dt_s: float,
+        state: ColumnState,
+        order: Floats,
+        roll_of: Sequence[str],
+        own: str,
+        bounds: PeakBound,
     ) -> None:
-        """Adjust the shares to the guard's answer on the last output of bound ``peak``.
+        self.factor = state.array("allocation.factor", 1.0, dtype=np.complex128)
+        self._fitted = state.array("allocation.fitted", 1.0, dtype=np.complex128)
+        self.share = state.array("allocation.share", 1.0)
+        mine = np.array([roll == own for roll in roll_of])
+        self._mine, self._others = np.flatnonzero(mine), np.flatnonzero(~mine)
+        orders, first, of = np.unique(order[mine], return_index=True, return_inverse=True)
+        self._first, self._of = self._mine[first], of
+        self._gather = (of == np.arange(orders.size)[:, None]).astype(np.float64)
+        self._order = order
+        self._fit = WaveFit(orders)
+        self._slack = bounds.slack
+        self._waited_s = FIT_S
+        self.limited = False
+        self.peak = self.slew = self.moved_1_s = 0.0
 
-        ``signal_per_m`` is |P b|: what a metre of each column does to the signal.
-        """
-        if 0.0 <= limit_ratio < 1.0 - RATIO_EPS:
-            self._limit = limit_ratio * self.peak
-            excess = (1.0 - limit_ratio + TAKEN_MORE) * self.peak
-            self._shorten(excess, b, weight, signal_per_m)
-        elif self.limited:
-            whole = float(np.abs(weight * b).sum())
-            self._limit += LIMIT_GROWS_PER_S * dt_s * max(self._limit, LEAST_LIMIT * whole)
-            if self.peak < MARGIN * self._limit:
-                cost = np.where(self.share < 1.0, _cost(b, signal_per_m), math.inf)
-                at = int(np.argmin(cost))
-                risen = self.share[at] + dt_s / RETURN_S
-                # whole, but for the rounding of the steps: no rounding decides on one step more
-                self.share[at] = 1.0 if risen > 1.0 - SHARE_EPS else risen
-                self.limited = bool((self.share < 1.0).any())
+    def binds(self, room: Room) -> bool:
+        """Whether there is work: a limit takes something, or the last output is at one."""
+        return (
+            self.limited or self.peak > MARGIN * room.limit or self.slew > MARGIN * room.slew_limit
+        )
+
+    def step(self, room: Room, wish: Wish, dt_s: float) -> None:
+        """Move the factors towards what fits."""
+        self.limited = True
+        size = np.abs(wish.parts)
+        self._waited_s += dt_s
+        if self._waited_s > 0.9 * FIT_S:
+            self._waited_s = 0.0
+            self._find(room, wish, size)
+        self._follow(size, dt_s)
+
+    def _find(self, room: Room, wish: Wish, size: Floats) -> None:
+        own, others, fitted = self._mine, self._others, self._fitted
+        omega = max(abs(float(wish.omega_rad_s[own[0]])), TINY) if own.size else TINY
+        turning = np.abs(self._order * wish.omega_rad_s)[others]
+        taken = np.abs(fitted[others]) * size[others]
+        slew_room = MARGIN * room.slew_limit - wish.learning_1_s
+        slew = max(slew_room, LEAST_SLEW * room.slew_limit) - float(taken @ turning)
+        limit = max(MARGIN * room.limit - float(taken.sum()), 0.0) / self._slack
+        slope = max(slew, 0.0) / (self._slack * omega)
+        if own.size:
+            self._fit_own(wish, limit, slope)
+        if others.size:
+            price, of_slope = self._fit.prices()
+            per_unit = price + of_slope * turning / omega
+            worth = 2.0 * wish.worth[others] * size[others]
+            left = np.maximum(1.0 - per_unit / np.maximum(worth, TINY), 0.0)
+            fitted[others] += DAMPED * (left - fitted[others])
+
+    def _fit_own(self, wish: Wish, limit: float, slope: float) -> None:
+        parts, own, of = wish.parts, self._mine, self._of
+        wanted = self._gather @ (parts[own] * wish.carrier[own].conj())
+        before = self._fitted[self._first] * wanted
+        found = self._fit.step(before, wanted, wish.worth[self._first], limit, slope)
+        there = np.abs(wanted) > TINY
+        self._fitted[own] = np.where(there, found / np.where(there, wanted, 1.0), 1.0)[of]
+
+    def _follow(self, size: Floats, dt_s: float) -> None:
+        move = (self._fitted - self.factor) * -math.expm1(-dt_s / FOLLOW_S)
+        self.factor += move
+        missing = np.abs(1.0 - self.factor)
+        if not self._fit.price.any() and float(missing.max()) < WHOLE:
+            self.factor[:] = self._fitted[:] = 1.0
+            self.limited = False
+        np.subtract(1.0, np.minimum(missing, 1.0), out=self.share)
+        if not self.limited:
+            self.share[:] = 1.0
+        self.moved_1_s = float(np.abs(move) @ size) / dt_s
 
     def adopt(self, old: OutputAllocation) -> None:
-        """Go on where ``old`` stands, once the shares are taken over."""
-        self.peak, self._limit = old.peak, old._limit
-        self.limited = bool((self.share < 1.0).any())
+        """Go on where ``old`` stands, once the arrays per column are taken over."""
+        self.peak, self.slew, self.limited = old.peak, old.slew, old.limited
+        self._fit.adopt(old._fit)
 
-    def _shorten(
-        self,
-        excess: float,
-        b: npt.NDArray[np.complex128],
-        weight: npt.NDArray[np.complex128],
-        signal_per_m: Floats,
-    ) -> None:
-        amplitude = np.abs(weight * b)
-        cost = np.where(self.share * amplitude > TINY, _cost(b, signal_per_m), -1.0)
-        for at in np.argsort(-cost):
-            if excess <= TINY or cost[at] < 0.0:
-                return
-            taken = min(float(self.share[at]), excess / float(amplitude[at]))
-            self.share[at] -= taken
-            excess -= taken * float(amplitude[at])
-            self.limited = self.limited or taken > 0.0
-
-
-def _cost(b: npt.NDArray[np.complex128], signal_per_m: Floats) -> Floats:
-    """Return output spent per unit of signal."""
-    return np.asarray(np.abs(b) / np.maximum(signal_per_m, TINY))
+    def restart(self) -> None:
+        """Start from nothing."""
+        self.factor[:] = self._fitted[:] = self.share[:] = 1.0
+        self._fit.price[:] = 0.0
+        self.peak = self.slew = self.moved_1_s = 0.0
+        self.limited = False

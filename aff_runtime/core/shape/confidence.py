@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
-from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response
+from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response, arming_objections
+from aff_runtime.core.shape.basis import ShapeBasis
 from aff_runtime.core.shape.columns import ColumnState
 
 Floats = npt.NDArray[np.float64]
@@ -50,6 +54,23 @@ class ResponseConfidence:
         if self.moving:
             change = dt_s / FADE_S
             self.share += np.clip(target - self.share, -change, change)
+
+    def objections(self, basis: ShapeBasis, roll_of: Sequence[str], own: str) -> tuple[str, ...]:
+        """Return why nothing may go out: no order of the roll ``own`` has a sure response."""
+        if self._response is None:
+            return ()
+        self.judge(basis.frequency_Hz)
+        end_rad_s = math.tau * basis.band.end_Hz
+        columns = zip(basis.names, basis.order, basis.omega_rad_s, roll_of, self.held, strict=True)
+        wanted = [
+            (name, n * w / math.tau)
+            for name, n, w, roll, held in columns
+            if roll == own and not held and abs(n * w) < end_rad_s
+        ]
+        if not wanted:
+            return (f"no order of {own} has a sure response; run the probe",)
+        found = [arming_objections(self._response, [one]) for one in wanted]
+        return () if not all(found) else tuple(text for texts in found for text in texts)
 
     def adopt(self) -> None:
         """Go on with shares that were taken over."""

@@ -19,8 +19,8 @@ from aff_runtime.core.monitor import Trend
 from aff_runtime.core.order_status import STATE, Column, column_names, column_values
 from aff_runtime.core.params import ActuatorParams, DriveParams
 from aff_runtime.core.phase import RollPhase
-from aff_runtime.core.response import Response, arming_objections
-from aff_runtime.core.shape.allocation import OutputAllocation
+from aff_runtime.core.response import Response
+from aff_runtime.core.shape.allocation import OutputAllocation, Room
 from aff_runtime.core.shape.availability import RollAvailability
 from aff_runtime.core.shape.basis import ShapeBasis
 from aff_runtime.core.shape.bounds import PeakBound
@@ -31,12 +31,14 @@ from aff_runtime.core.shape.kalman import ShapeFilter
 from aff_runtime.core.shape.monitor import ShapeMonitor
 from aff_runtime.core.shape.profile import ShapeProfile
 from aff_runtime.core.shape.sending import Sending
+from aff_runtime.core.shape.wish import wish_of
 
 NEWTON_TURNS = 0.5
-IMBALANCE_DRIFT = 0.1
 RATIO_FROM, RATIO_TO = 1.0 / 3.0, 3.0
+IMBALANCE_DRIFT = 0.1
 ABSURD = 1e6
 CHECK_TICKS = 100
+GIVES_WAY = 0.95  # share below which an order is said to give way to the limit
 SILENT = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
 
 
@@ -54,8 +56,8 @@ class ShapeLaw:
     W_n <- W_n - rate m_n / (1 + d_n), so an error of the gain correction slows but leaves nothing
     behind. The weights stay when the speed changes. What goes out of a column is its weight times
     shares: of the speed gate, of the roll's presence (its angle is known, it was not changed), of
-    the limit's room, of the monitor's trust; the filter is told what went out, so none of these
-    is mistaken for the roll.
+    the monitor's trust, and times the factor that the limit's room leaves; the filter is told
+    what went out, so none of these is mistaken for the roll.
     """
 
     def __init__(
@@ -92,7 +94,6 @@ class ShapeLaw:
         self.filter = ShapeFilter(count, memory_turns, signal_sd, drift, pair)
         self.monitor = ShapeMonitor(state, self._roll_of, signal_sd, pair)
         self.availability = RollAvailability(state, self._roll_of, used)
-        self.allocation = OutputAllocation(state)
         self.confidence = ResponseConfidence(state, response)
         self._gate = SpeedGate(params.active_above_m_s)
         self.weight = state.array("law.weight_m", dtype=np.complex128, of_roll=True)
@@ -102,13 +103,18 @@ class ShapeLaw:
         self._step_1_s = np.zeros(count)
         self._tension_N = drive.tension_N
         self._ticks = 0
+        self._binds = False
         self.adapting = False
         self._compiled, weight, found = chosen(), self.weight, self.filter
         self._held = holding(weight, self._step_1_s, found.deviation, found.response_ratio)
+        bounds = PeakBound(self.basis.order, self._roll_of, drive.roll)
+        own = drive.roll
+        self.allocation = OutputAllocation(state, self.basis.order, self._roll_of, own, bounds)
         self._sending = Sending(
             self.basis,
-            PeakBound(self.basis.order, self._roll_of, drive.roll),
+            bounds,
             weight_m=weight,
+            factor=self.allocation.factor,
             sent_m=self._sent,
             step_1_s=self._step_1_s,
             shares=[part.share for part in self._sharing()],
@@ -121,11 +127,10 @@ class ShapeLaw:
             return SILENT
         self._ticks += 1
         ratio = inputs.applied_ratio if 0.0 <= inputs.applied_ratio <= 1.0 else 0.0
-        b, limit_ratio = self.basis.b, inputs.limit_ratio
-        if self.allocation.limited or limit_ratio < 1.0:
-            self.allocation.step(limit_ratio, b, self.weight, self._signal_per_m, dt_s)
+        room = Room(inputs.limit, inputs.slew_limit)
+        self._binds = self.allocation.binds(room)
         self._loop.follow_radius(self._own.radius_m)
-        self._loop.push(b, self._sent, ratio, round(dt_s / self._cycle_s))
+        self._loop.push(self.basis.b, self._sent, ratio, round(dt_s / self._cycle_s))
         self._settle_availability(dt_s)
         self.confidence.step(self.basis.frequency_Hz, dt_s)
         speed_m_s = self._speed_m_s(inputs.line_speed_m_s)
@@ -134,6 +139,8 @@ class ShapeLaw:
         if 0.0 < inputs.reference < ABSURD:
             self._tension_N = inputs.reference
         self.basis.step(speed_m_s, self._tension_N, dt_s)
+        if self._binds:
+            self._allocate(room, dt_s)
         return self._send(gate)
 
     def _speed_m_s(self, line_speed_m_s: float) -> float:
@@ -173,7 +180,7 @@ class ShapeLaw:
             memory = self._p.shape.memory_turns
             self.monitor.compare(self.basis.frequency_Hz, turn_s, memory)
             self.filter.check()
-        if self.allocation.limited or inputs.limit_ratio < 1.0:
+        if self._binds:
             np.abs(phi, out=self._signal_per_m)
         self._newton(dt_s)
 
@@ -213,28 +220,39 @@ class ShapeLaw:
         np.abs(move, out=self._step_1_s)
         self._step_1_s *= 1.0 / dt_s
 
+    def _allocate(self, room: Room, dt_s: float) -> None:
+        moving = self.weight, self._step_1_s, self._others()
+        wish = wish_of(self.basis, *moving, self._signal_per_m)
+        self.allocation.step(room, wish, dt_s)
+
     def _send(self, gate: float) -> ActuatorStep:
         moving = self._gate.moving or self.availability.moving or self.confidence.moving
         step = self._sending.step(gate, min(RAMP_S, self.availability.fade_s) if moving else 0.0)
         if not math.isfinite(step.value + step.slew_bound):
             self._restart()
             return SILENT
-        self.allocation.peak = step.peak_bound
+        if self._binds:
+            slew = step.slew_bound + self.allocation.moved_1_s
+            step = ActuatorStep(value=step.value, peak_bound=step.peak_bound, slew_bound=slew)
+        self.allocation.peak, self.allocation.slew = step.peak_bound, step.slew_bound
         return step
 
     def _sharing(self) -> tuple[Sharing, ...]:
-        return self.allocation, self.availability, self.monitor, self.confidence
+        return self.availability, self.monitor, self.confidence
+
+    def _others(self) -> npt.NDArray[np.float64]:
+        return np.asarray(math.prod(part.share for part in self._sharing()))
 
     def shares(self) -> npt.NDArray[np.float64]:
-        """Return how much of every column may go out, 0..1, the speed gate apart."""
-        return np.asarray(math.prod(part.share for part in self._sharing()))
+        """Return how much of every column's ripple may be taken off, 0..1, the gate apart."""
+        return np.asarray(self._others() * self.allocation.share)
 
     def _restart(self) -> None:
         """Start from nothing: a number stopped being one."""
         self._forget(np.ones(self.weight.size, dtype=bool))
         self.filter.restart()
         self.basis.restart()
-        self.allocation.peak = 0.0
+        self.allocation.restart()
 
     def reset_roll(self, roll: str) -> None:
         """Let the shape of a changed roll fade, then forget it; P's correction stays."""
@@ -307,26 +325,7 @@ class ShapeLaw:
         An order whose response is not sure is held and does not stand against the others; one
         of the drive's own roll must be sure.
         """
-        if self._response is None:
-            return ()
-        self.confidence.judge(self.basis.frequency_Hz)
-        end_rad_s = math.tau * self.basis.band.end_Hz
-        wanted = [
-            (name, n * w / math.tau)
-            for name, n, w, roll, held in zip(
-                self.basis.names,
-                self.basis.order,
-                self.basis.omega_rad_s,
-                self._roll_of,
-                self.confidence.held,
-                strict=True,
-            )
-            if roll == self._drive.roll and not held and abs(n * w) < end_rad_s
-        ]
-        if not wanted:
-            return (f"no order of {self._drive.roll} has a sure response; run the probe",)
-        found = [arming_objections(self._response, [one]) for one in wanted]
-        return () if not all(found) else tuple(text for texts in found for text in texts)
+        return self.confidence.objections(self.basis, self._roll_of, self._drive.roll)
 
     def ripple(self) -> tuple[float, float]:
         """Return the root sum of squares of all orders' amplitudes, without and now.
@@ -380,7 +379,7 @@ class ShapeLaw:
             return Trend.HELD_FREQUENCY
         if self.confidence.held[at]:
             return Trend.HELD_PHASE
-        if self.allocation.share[at] < 1.0:
+        if self.allocation.share[at] < GIVES_WAY:
             return Trend.CLAMPED
         if not self.adapting:
             return Trend.FROZEN

@@ -18,21 +18,23 @@ Complexes = npt.NDArray[np.complex128]
 
 
 class Sending:
-    """Sums weight times b over the columns, each by its shares, and bounds value and slew.
+    """Sums weight times b over the columns, by factor and shares, and bounds value and slew.
 
     Parameters
     ----------
     basis, bounds : of the same columns.
     weight_m : what the law has learned, (columns,).
+    factor : complex, what of each the limit leaves, (columns,).
     sent_m : becomes what goes out of it, (columns,).
     step_1_s : how fast each weight moves now, m/s, (columns,).
-    shares : four of 0..1, (columns,) each.
+    shares : three of 0..1, (columns,) each.
     """
 
     __slots__ = (
         "_basis",
         "_bounds",
         "_compiled",
+        "_factor",
         "_held",
         "_parts",
         "_sent_m",
@@ -47,17 +49,19 @@ class Sending:
         bounds: PeakBound,
         *,
         weight_m: Complexes,
+        factor: Complexes,
         sent_m: Complexes,
         step_1_s: Floats,
         shares: Sequence[Floats],
     ) -> None:
         self._basis, self._bounds = basis, bounds
         self._weight_m, self._sent_m, self._step_1_s = weight_m, sent_m, step_1_s
+        self._factor = factor
         self._shares = tuple(shares)
         self._parts = np.zeros(weight_m.size, dtype=np.complex128)
         self._compiled = chosen()
         self._held = holding(
-            *(weight_m, basis.b, basis.carrier, *self._shares, step_1_s, basis.order),
+            *(weight_m, basis.b, basis.carrier, factor, *self._shares, step_1_s, basis.order),
             *(sent_m, self._parts, *bounds.quarter),
         )
 
@@ -70,7 +74,8 @@ class Sending:
             )
         basis, weight_m = self._basis, self._weight_m
         sent, parts, b = self._sent_m, self._parts, basis.b
-        np.multiply(weight_m, gate, out=sent)
+        np.multiply(weight_m, self._factor, out=sent)
+        sent *= gate
         for share in self._shares:
             sent *= share
         np.multiply(sent, b, out=parts)

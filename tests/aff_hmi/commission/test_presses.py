@@ -13,6 +13,9 @@ pytest.importorskip("starlette")
 from aff_hmi.commission.link import Commission
 from aff_runtime.app.commission.answers import Answer, decode
 from aff_runtime.app.commission.messages import Request, encode
+from aff_runtime.app.hand.may import Place, Role
+from aff_runtime.app.hand.messages import Welcome
+from aff_runtime.base.signals import State, Status
 from tests.aff_hmi.pressed import PASSWORD, Pressed, quick
 
 STEP = {"step": 4, "typed": "reaction=ramp", "plc": "", "leave_out": ""}
@@ -168,8 +171,15 @@ def test_no_word_but_its_own_is_passed_on(at: Pressed, heard: Heard, do: str) ->
     assert heard.said == []
 
 
+def commissioned(at: Pressed, **more: float) -> Any:
+    """Return a browser of who commissions, of a service that lets screens do it."""
+    at.service.rules = Welcome(version="1", ceiling=Role.COMMISSION, arms_from=Place.PANEL)
+    at.show(State.READY, **more)
+    return at.browser("carl")
+
+
 def test_a_search_needs_the_hand(at: Pressed, heard: Heard) -> None:
-    carl = at.browser("carl")
+    carl = commissioned(at)
     assert carl.post("/card/step", STEP | {"step": 9}).said["text"] == "take the hand first"
     assert heard.said == []
     carl.take()
@@ -187,7 +197,8 @@ def test_a_search_needs_the_hand(at: Pressed, heard: Heard) -> None:
 def test_what_is_proposed_is_tried_kept_or_taken_back_with_the_hand(
     at: Pressed, heard: Heard, do: str, passed: dict[str, Any]
 ) -> None:
-    carl = at.browser("carl")
+    carl = commissioned(at)
+    at.tries(do != "try")
     said = {"do": do, "step": 9, "measured": "0" * 64, "seconds": 120, "reason": "it is better"}
     assert carl.post("/card/settings", said).said["text"] == "take the hand first"
     assert heard.said == []
@@ -195,6 +206,37 @@ def test_what_is_proposed_is_tried_kept_or_taken_back_with_the_hand(
     assert carl.post("/card/settings", said).status == 200
     assert heard.said == [{"do": do, "key": "", "place": "panel", **passed}]
     assert carl.post("/card/settings", said | {"do": "history"}).code == "no sense"
+
+
+REFINED = {"number": 1, "measured": "0" * 64, "seconds": 120, "reason": "it is better"}
+
+
+@pytest.mark.parametrize("lang", ["", "?lang=de"])
+def test_what_may_refuses_of_settings_is_not_passed_on(
+    at: Pressed, heard: Heard, lang: str
+) -> None:
+    carl = commissioned(at, status=float(int(Status.REMOTE)))
+    carl.take()
+    card = {"do": "try", "step": 9} | {k: v for k, v in REFINED.items() if k != "number"}
+    presses = {
+        f"/refine/try{lang}": REFINED,
+        f"/card/settings{lang}": card,
+        f"/card/step{lang}": STEP | {"step": 9},
+    }
+    remote = "die Anlage ist auf Fern" if lang else "the line is in remote"
+    for path, said in presses.items():
+        reply = carl.post(path, said)
+        assert (reply.status, reply.code) == (409, "remote")
+        assert reply.said["text"].startswith(remote), reply.said
+    at.show(State.READY)
+    at.tries(True)
+    for path, said in presses.items():
+        assert carl.post(path, said).code == "trying"
+    at.tries(False)
+    assert carl.post("/card/settings", card | {"do": "keep"}).code == "no try"
+    at.service.rules = Welcome(version="1", ceiling=Role.OPERATE, arms_from=Place.PANEL)
+    assert carl.post("/refine/try", REFINED).code == "no settings"
+    assert heard.said == []
 
 
 def test_a_refusal_is_said_in_the_readers_language(at: Pressed, heard: Heard) -> None:

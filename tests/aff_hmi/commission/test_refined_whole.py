@@ -6,9 +6,7 @@ minute of a processor.
 
 from __future__ import annotations
 
-import asyncio
 import json
-import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -22,14 +20,10 @@ pytest.importorskip("numba")
 
 from aff_hmi.commission.link import Commission
 from aff_runtime.app.commission import refine_program
-from aff_runtime.app.commission.commissioner import Commissioner
-from aff_runtime.app.commission.listening import Listener
 from aff_runtime.app.commission.sources import Paths
-from aff_runtime.app.hand.accounts import Accounts
-from aff_runtime.app.hand.audit import Audit, verify
-from aff_runtime.app.hand.may import Place
-from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.app.hand.audit import verify
 from sim_plant.effects.catalogue import BY_NAME
+from tests.aff_hmi.commission.serving import Serving
 from tests.aff_hmi.pressed import PASSWORD, Browser, Pressed, quick
 from tests.doubles.recorded_run import LINE_FILE, RecordedRun, files
 
@@ -38,37 +32,6 @@ PATIENCE_S = 500.0
 KEPT = "roll_bounce"
 WITHOUT = " ".join(sorted(set(BY_NAME) - {KEPT}))
 SECONDS = 21.0
-
-
-class Serving:
-    """A commissioner in a thread of its own."""
-
-    def __init__(self, where: Paths, accounts: Path, folder: Path) -> None:
-        self.audit = Audit(folder / "audit")
-        self._commissioner = Commissioner(
-            where, Accounts(accounts), self.audit, MonotonicClock(), Place.PANEL
-        )
-        self._ready, self._ended = threading.Event(), threading.Event()
-        self._thread = threading.Thread(
-            target=lambda: asyncio.run(self._serve(where.socket.parent))
-        )
-        self._thread.start()
-        assert self._ready.wait(20.0)
-
-    async def _serve(self, folder: Path) -> None:
-        listener = Listener(folder, self._commissioner.answer, is_private=True)
-        serving = asyncio.create_task(listener.run())
-        self._ready.set()
-        while not self._ended.is_set():
-            await asyncio.sleep(0.05)
-        serving.cancel()
-        self._commissioner.close()
-        await asyncio.gather(serving, return_exceptions=True)
-        listener.close()
-
-    def close(self) -> None:
-        self._ended.set()
-        self._thread.join(20.0)
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import pytest
 
 pytest.importorskip("starlette")
 
-from tests.aff_hmi.commission.test_presses import SITE, STATE, Heard
+from tests.aff_hmi.commission.test_presses import SITE, STATE, Heard, commissioned
 from tests.aff_hmi.pressed import PASSWORD, Pressed, quick
 
 WINDOWS = {"windows": "a@0..60\nb", "holdout": "c@2:00..", "without": "roll_bounce"}
@@ -117,7 +117,7 @@ def test_the_page_of_refine_comes_as_a_file_and_never_as_a_page_of_ours(at: Pres
 def test_every_press_is_passed_on_with_key_and_place_and_no_more(
     at: Pressed, heard: Heard
 ) -> None:
-    carl = at.browser("carl")
+    carl = commissioned(at)
     carl.post("/commission/open", {"password": PASSWORD, "over": False})
     carl.take()
     for path, said in (
@@ -141,7 +141,7 @@ def test_every_press_is_passed_on_with_key_and_place_and_no_more(
 
 
 def test_a_try_of_what_refine_proposes_needs_the_hand(at: Pressed, heard: Heard) -> None:
-    carl = at.browser("carl")
+    carl = commissioned(at)
     assert carl.post("/refine/try", TRY).said["text"] == "take the hand first"
     assert heard.said == []
 

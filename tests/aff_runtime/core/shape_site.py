@@ -89,6 +89,7 @@ class Rig:
         unwind = self.phases["unwind"]
         given.line_speed_m_s = unwind.omega_rad_s * unwind.radius_m
         given.dt_s, given.fresh, given.adapt = CYCLE_S, fresh, adapt
+        given.limit, given.slew_limit = self.limit, self.slew_limit
         step = self.last = self.law.step(given)
         scale = min(1.0, self.limit / step.peak_bound) if step.peak_bound > 0 else 1.0
         scale = min(scale, self.slew_limit / step.slew_bound) if step.slew_bound > 0 else scale

@@ -7,8 +7,17 @@ and the service takes it for what it was announced as. Until it is saved nothing
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from aff_runtime.app.check.result import CheckResult
+from aff_runtime.app.hand.may import (
+    OF_SETTINGS,
+    WORDS,
+    Action,
+    Circumstances,
+    Code,
+    against_settings,
+)
 from aff_runtime.app.link.answers import Done
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.replies import Reply
@@ -31,7 +40,6 @@ from aff_runtime.base.ports import Clock
 from aff_runtime.config.diff import Change, diff_sites
 from aff_runtime.config.plain_file import read_plain
 
-BUSY = "settings are being tried; keep or undo them first"
 Checked = Callable[[Asked, CheckResult], None]
 
 
@@ -41,11 +49,18 @@ class SettingsDesk:
     Parameters
     ----------
     edits : follows the site file; hands settings over.
+    stands : how the service stands, but for a try.
     """
 
     def __init__(
-        self, processes: Processes, edits: EditSession, options: RunOptions, clock: Clock
+        self,
+        processes: Processes,
+        edits: EditSession,
+        options: RunOptions,
+        clock: Clock,
+        stands: Callable[[], Circumstances],
     ) -> None:
+        self._stands = stands
         self._processes, self._edits, self._clock = processes, edits, clock
         self._site, self._state = options.site.absolute(), options.state_directory
         history = SiteHistory(history_folder(options.site, options.state_directory))
@@ -76,17 +91,17 @@ class SettingsDesk:
         RefusedError
             When settings are being tried or checked for it.
         """
-        if self._tried is not None or self._check is not None:
-            raise RefusedError(BUSY)
+        if self._is_trying:
+            raise RefusedError(WORDS[Code.TRYING])
 
     def do(self, asked: Asked) -> None:
         """Do what a request asks, or say why not; answers now or later."""
         request = asked.request.settings or SettingsRequest(act="state")
+        self._refuse_what_may_not(request.act)
         match request.act:
             case "diff":
                 self._begin_check(asked, request.text, self._tell_diff)
             case "try":
-                self.refuse_while_trying()
                 self._check_file()
                 self._begin_check(asked, request.text, self._try)
             case "keep":
@@ -97,6 +112,16 @@ class SettingsDesk:
                 self._tell_history(asked, request)
             case _:
                 asked.answer(self._answer())
+
+    def _refuse_what_may_not(self, act: str) -> None:
+        if act in OF_SETTINGS:
+            now = replace(self._stands(), trying=self._is_trying)
+            for reason in against_settings(Action(act), now):
+                raise RefusedError(reason.text)
+
+    @property
+    def _is_trying(self) -> bool:
+        return self._tried is not None or self._check is not None
 
     def step(self, latest: TickRow | None) -> None:
         """Do what time brings: a check that has ended, ripple, the end of a try."""
@@ -201,7 +226,7 @@ class SettingsDesk:
     def _keep(self, asked: Asked, request: SettingsRequest) -> None:
         tried = self._tried
         if tried is None or not tried.runs:
-            raise RefusedError("no settings are being tried")
+            raise RefusedError(WORDS[Code.NO_TRY])
         self._check_file(tried.former.site_text)
         tried.grant()
         text, former = tried.plan.parameters.site_text, tried.former.site_text

@@ -50,7 +50,7 @@ MONITOR += [reals(8)]
 BASIS = [reals(N), reals(N), wholes(0, 0, 1), reals(6, 2), pairs(N), reals(6, N), pairs(2, N)]
 BASIS += [pairs(2, N), pairs(N), reals(N), reals(N), reals(6)]
 NEWTON = [pairs(N), reals(N), pairs(N), pairs(N)]
-SEND = [pairs(N), pairs(N), pairs(N), *(reals(N) for _ in range(5)), reals(N), pairs(N), pairs(N)]
+SEND = [*(pairs(N) for _ in range(4)), *(reals(N) for _ in range(5)), pairs(N), pairs(N)]
 SEND += [reals(2), wholes(0, 1, -1), reals(2, 5), reals(2, 5), reals(8 + 40)]
 CALLS = {
     "loop_push": (LOOP, [pairs(N), pairs(N), 1.0, 2]),

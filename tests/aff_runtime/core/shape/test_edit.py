@@ -63,7 +63,8 @@ def test_the_output_goes_on_as_if_nothing_was_edited(blocks):
         mine, theirs = new.law, on.law
         for name in part.split("."):
             mine, theirs = getattr(mine, name), getattr(theirs, name)
-        assert mine[both.mine] == pytest.approx(theirs[both.theirs], rel=2e-2, abs=1e-6), part
+        close = 2e-3 if part == "allocation.share" else 1e-6  # the fit samples other angles
+        assert mine[both.mine] == pytest.approx(theirs[both.theirs], rel=2e-2, abs=close), part
 
 
 def test_an_order_that_rests_rests_on_and_one_that_is_taken_out_is_gone():

@@ -8,6 +8,7 @@ from typing import Any
 
 from aff_runtime.app.check import validate
 from aff_runtime.app.check.result import CheckResult
+from aff_runtime.app.hand.may import Circumstances
 from aff_runtime.app.link.answers import Answer, refusal
 from aff_runtime.app.link.messages import Parameters
 from aff_runtime.app.link.parameter_record import ParameterRecord
@@ -21,7 +22,7 @@ from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.settings.desk import SettingsDesk
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.signals import StateBits
+from aff_runtime.base.signals import State, StateBits
 from tests.doubles.virtual_clock import VirtualClock
 from tests.parameter_records import CONFIG
 
@@ -168,7 +169,14 @@ class Rig:
             state_directory=state,
         )
         self.edits = EditSession(self.running, self.pending, self.site, found, state)  # type: ignore[arg-type]
-        self.desk = SettingsDesk(self.running, self.edits, options, self.clock)  # type: ignore[arg-type]
+        self.now = Circumstances(state=State.ACTIVE)
+        self.desk = SettingsDesk(
+            self.running,  # type: ignore[arg-type]
+            self.edits,
+            options,
+            self.clock,
+            lambda: self.now,
+        )
 
     def other(self, before: str = "settle_s: 6,", after: str = "settle_s: 12,") -> str:
         """Return the former text with one value changed."""

@@ -1,0 +1,56 @@
+"""The copies that the demo makes of site file and PLC map: another limit, on both sides."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.base.errors import PlantError
+from aff_runtime.config.loader import load_site
+from sim_plant.base.shipped import shipped
+from sim_plant.demo.wires import SITES, wire_up
+from sim_plant.servers.map_file import load_plc_map
+
+
+# the DBC's word of what is applied carries 0.2047 m/s
+@pytest.mark.parametrize(("wire", "limit_m_s"), [("modbus", 0.3), ("can", 0.2), ("canopen", 0.3)])
+def test_another_limit_stands_on_both_sides_and_nothing_else_changes(wire, limit_m_s, tmp_path):
+    (tmp_path / "plain").mkdir()
+    plain = load_site(wire_up(wire, shipped(SITES[wire]), tmp_path / "plain").site)
+    wired = wire_up(wire, shipped(SITES[wire]), tmp_path, limit_m_s)
+    site = load_site(wired.site)
+    before, after = plain.actuators["unwind"], site.actuators["unwind"]
+    assert (before.limit_m_s, before.slew_m_s2) == (0.15, 10.0)
+    assert (after.limit_m_s, after.slew_m_s2) == (
+        limit_m_s,
+        pytest.approx(limit_m_s / 0.015, rel=1e-5),
+    )
+    assert site.actuators["swrap_follower"] == plain.actuators["swrap_follower"]
+    at = wired.plant_arguments.index("--plc")
+    found = load_plc_map(Path(wired.plant_arguments[at + 1]))
+    own = load_plc_map(shipped("plc/gateway_block.yaml"))
+    limits = {row.item.name: row.limit_m_s for row in found.corrections}
+    assert limits == {row.item.name: row.limit_m_s for row in own.corrections} | {
+        "unwind": limit_m_s
+    }
+
+
+def test_without_a_limit_the_plant_keeps_its_own_map(tmp_path):
+    assert "--plc" not in wire_up("modbus", shipped(SITES["modbus"]), tmp_path).plant_arguments
+
+
+@pytest.mark.parametrize("limit_m_s", [0.4, 0.0, -0.1])
+def test_a_limit_that_no_word_can_carry_is_refused(limit_m_s, tmp_path):
+    with pytest.raises(PlantError, match=r"give above 0 to 0\.328 m/s"):
+        wire_up("modbus", shipped(SITES["modbus"]), tmp_path, limit_m_s)
+
+
+def test_a_site_file_in_plant_units_is_refused_by_name(tmp_path):
+    odd = tmp_path / "odd.yaml"
+    text = shipped(SITES["modbus"]).read_text()
+    odd.write_text(text.replace("limit_m_s: 0.15\n", "limit_m_s: 9 m/min\n"))
+    folder = tmp_path / "out"
+    folder.mkdir()
+    with pytest.raises(PlantError, match=r"odd\.yaml: expected 'limit_m_s:'"):
+        wire_up("modbus", odd, folder, 0.3)
