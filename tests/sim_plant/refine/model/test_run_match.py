@@ -213,6 +213,22 @@ def test_a_run_of_another_line_with_the_same_channels_is_refused_by_what_does_no
         twin_of(LINE, run_on_line(LINE, run(columns, speed_reference="v_m_s")))
 
 
+def test_a_roll_that_grows_thin_within_the_record_is_no_other_line():
+    """From 0.19 to 0.13 m: over all of it the roll turns as its mean radius makes it."""
+    end_m, metres = 0.13, SPEED_M_S * (TIME_S[-1] + STEP_S)
+    thickness_m = np.pi * (UNWIND_M**2 - end_m**2) / metres
+    radius = np.sqrt(UNWIND_M**2 - thickness_m * SPEED_M_S * TIME_S / np.pi)
+    turned = 2.0 * np.pi * (UNWIND_M - radius) / thickness_m
+    thick = LINE.model_copy(
+        update={"web": LINE.web.model_copy(update={"thickness_m": thickness_m})}
+    )
+    record = run({"turns_rad": turned, "roll_m": radius}, speed_reference="v_m_s")
+    twin = twin_of(thick, run_on_line(thick, record))
+    assert twin.declaration.initial_radii_m.unwind == pytest.approx(UNWIND_M, rel=1e-4)
+    with pytest.raises(PlantError, match=r"unwind turns as a body of 0.128.* by the run"):
+        twin_of(thick, run_on_line(thick, run(record.columns | {"turns_rad": 1.25 * turned})))
+
+
 def test_a_radius_that_is_roughly_declared_makes_no_other_line():
     near = run({"follower_rad": 1.03 * FOLLOWER_RAD}, speed_reference="v_m_s")
     assert twin_of(LINE, run_on_line(LINE, near))
