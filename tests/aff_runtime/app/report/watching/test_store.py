@@ -161,6 +161,15 @@ def test_a_start_that_no_clock_shows_is_named(runs, tmp_path, start):
         run_hours(odd)
 
 
+def test_a_run_by_a_clock_that_was_not_set_is_left_out(runs, tmp_path):
+    """One reading of 1970 beside those of a week would be all that a slope goes by."""
+    odd = shutil.copytree(runs[0], tmp_path / "run")
+    text = (odd / "run.yaml").read_text()
+    (odd / "run.yaml").write_text(text.replace("start_utc: '2026-01", "start_utc: '1970-01"))
+    with pytest.raises(AffError, match=r"began on 1970-01-0. by a clock that was not set yet"):
+        run_hours(odd)
+
+
 @pytest.mark.parametrize("time", ["1e300", "-1e18", "5e8"])
 def test_a_row_at_no_time_of_a_run_adds_at_most_its_own_hour(runs, tmp_path, time):
     odd = shutil.copytree(runs[0], tmp_path / "run")
