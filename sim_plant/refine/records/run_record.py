@@ -120,7 +120,12 @@ def read_run_record(path: Path) -> Recording:
         findings=(*said, *grid.said, *oddities(measured, counts_seen(read, site.steps))),
         zeros_rad=grid.zeros_rad,
         run=RunFacts(
-            site=site, phases=grid.phases, delivery_known=grid.known, scan_s=scans.scan_s
+            site=site,
+            phases=grid.phases,
+            delivery_known=grid.known,
+            scan_s=scans.scan_s,
+            from_s=piece.from_s,
+            to_s=piece.to_s,
         ),
     )
 

@@ -11,7 +11,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_limits import lines_of, run_limits
+from sim_plant.refine.model.run_limits import lines_of, run_limits, shared
 from sim_plant.refine.model.run_match import acting, run_on_line
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_phases import Phases
@@ -241,6 +241,24 @@ def test_runs_of_several_lines_are_named():
     )
     assert lines_of([one, one]) == []
     assert "RUN of L, LATER of Film" in lines_of([one, other])[0]
+
+
+def windowed(path, from_s, to_s):
+    record = run()
+    facts = replace(record.run, from_s=from_s, to_s=to_s)
+    return replace(record, path=Path(path), run=facts)
+
+
+def test_windows_of_one_run_that_overlap_are_named_and_others_are_not():
+    fitted = windowed("RUN@10..40", 10.0, 40.0)
+    assert shared([fitted], [windowed("RUN@30..70", 30.0, 70.0)]) == [
+        "RUN@10..40 and RUN@30..70 share 10 s of one run: it counts twice, and judges on what was "
+        "fitted; give windows that do not overlap"
+    ]
+    apart = [windowed("RUN@40..70", 40.0, 70.0), windowed("LATER@30..70", 30.0, 70.0)]
+    assert shared([fitted], apart) == []
+    assert shared([fitted], [replace(fitted, run=None)]) == []
+    assert shared([run()], [run()]) == []  # where a piece lies is not known
 
 
 def test_what_the_window_lacks_is_said_with_what_it_costs():
