@@ -46,7 +46,7 @@ _CHUNK = 1 << 20
 _SEGMENT = re.compile(r"signals-(\d{1,9})\.csv\.gz")
 _LOSSES = {
     "rows_lost_to_disk": "{} rows were refused by the disk",
-    "files_lost_to_disk": "{} small files were refused by the disk",
+    "files_lost_to_disk": "{} events or small files were refused by the disk",
     "segments_deleted": "{} segments were deleted to bound the disk, of this run or older ones",
     "ring_overruns": "{} rows were overwritten before the recorder had read them",
 }

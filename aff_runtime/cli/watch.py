@@ -28,7 +28,7 @@ def add(commands: Any, _service: argparse.ArgumentParser) -> None:
     )
     _add_limits(act)
     act.set_defaults(command=add_runs)
-    act = acts.add_parser("trend", help="every trend that a store knows")
+    act = acts.add_parser("trend", help="every trend that a store knows, and rolls of web by rank")
     _add_store(act)
     _add_limits(act)
     act.add_argument("--json", action="store_true", help="for programs, SI")
@@ -73,6 +73,7 @@ def trend(options: argparse.Namespace) -> int:
     """Print what the store says: what to know first, then everything."""
     from aff_runtime.app.report.watching import findings, sentences  # noqa: PLC0415
     from aff_runtime.app.report.watching.store import load_store  # noqa: PLC0415
+    from aff_runtime.app.report.watching.wound_rolls import rankings  # noqa: PLC0415
 
     store = load_store(options.store)
     found = findings.findings(store, dict(options.limit))
@@ -83,6 +84,8 @@ def trend(options: argparse.Namespace) -> int:
         say(line)
     for line in sentences.table(found):
         say(f"  {line}")
+    for line in sentences.rolls(rankings(store)):
+        say(line)
     if not found:
         say("no roller has been read yet: give `aff-runtime watch add` runs at a steady speed")
     return 0

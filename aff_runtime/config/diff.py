@@ -38,12 +38,14 @@ def diff_sites(old: Site, new: Site) -> tuple[Change, ...]:
     for path, leaf in after.items():
         previous = before.get(path)
         if previous is None:
+            if leaf.value is None:
+                continue  # of a new part, and not given: nothing is none before and after
             live = _part(leaf.path) not in _parts(before)
             changes.append(_change(path, ABSENT, leaf.shown, live=live))
         elif previous.value != leaf.value:
             changes.append(_change(path, previous.shown, leaf.shown, live=leaf.declared.live))
     for path, leaf in before.items():
-        if path not in after:
+        if path not in after and leaf.value is not None:
             live = _part(leaf.path) not in _parts(after)
             changes.append(_change(path, leaf.shown, ABSENT, live=live))
     return (*changes, *_orders(old, new))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import errno
 import io
 import os
 import re
@@ -138,8 +139,7 @@ class RunFolder:
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows(rows)
         try:
-            with (self.path / "events.csv").open("a", encoding="utf-8", errors="replace") as file:
-                file.write(text.getvalue())
+            _append_whole(self.path / "events.csv", text.getvalue().encode("utf-8", "replace"))
         except OSError:
             self.files_lost += 1
 
@@ -151,6 +151,19 @@ class RunFolder:
             self.files_lost += 1
             return False
         return True
+
+
+def _append_whole(path: Path, added: bytes) -> None:
+    """Append bytes, all of them or none: half a row would swallow the next one."""
+    with path.open("ab", buffering=0) as file:
+        there = file.tell()
+        try:
+            taken = file.write(added)
+            if taken < len(added):
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+        except OSError:
+            file.truncate(there)
+            raise
 
 
 def _free_name(directory: Path, name: str) -> Path:

@@ -1,4 +1,8 @@
-"""Writes rows as gzip CSV segments of bounded length; a full disk costs rows, nothing else."""
+"""Writes rows as gzip CSV segments of bounded length; a full disk costs rows, nothing else.
+
+A segment that the disk refused whole is written again in its own place: a disk that is full for
+hours leaves one empty file, and not one for every batch.
+"""
 
 from __future__ import annotations
 
@@ -33,6 +37,7 @@ class SegmentWriter:
         self._file: io.BufferedWriter | None = None
         self._gzip: gzip.GzipFile | None = None
         self._index = 0
+        self._holds_rows = True
         self._end_s = 0.0
         self.rows_written = 0
         self.rows_lost = 0
@@ -72,7 +77,9 @@ class SegmentWriter:
     def _begin(self, time_s: float) -> None:
         """Open the next segment, whose rows lie before ``time_s + segment_s``."""
         self.close()
-        self._index += 1
+        if self._holds_rows:
+            self._index += 1
+        self._holds_rows = False
         self._end_s = time_s + self._segment_s
         try:
             self._file = self.path.open("wb")
@@ -96,6 +103,7 @@ class SegmentWriter:
             self.rows_lost += len(lines)
             self._abandon()
         else:
+            self._holds_rows = True
             self.rows_written += len(lines)
 
     def _abandon(self) -> None:

@@ -13,6 +13,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.cli.output import say
 
 if TYPE_CHECKING:
+    from aff_runtime.base.refinement import RecordLacks
     from sim_plant.line.load import LineFile
     from sim_plant.refine.report.outcome import Outcome, Plan
     from sim_plant.refine.without_line.verdict import RecordVerdict
@@ -41,7 +42,8 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         metavar="RECORD",
         help="records to fit: .csv, .csv.gz, .txt, .parquet, .mf4; columns are "
         "time_s, both references and the channels the line declares; or a run of aff-runtime, "
-        "whole or a part: RUN_DIR, RUN_DIR@FROM..TO (s, m:s or h:m:s since it began)",
+        "whole or a part: RUN_DIR, RUN_DIR@FROM..TO (s, m:s or h:m:s of its column time_s; its "
+        "events.csv has when it was armed, edited, stopped)",
     )
     parser.add_argument(
         "--example",
@@ -142,8 +144,12 @@ def tell_lacking(plan: Plan, line: LineFile) -> int:
     for one in found.records:
         if one.refused:
             say(f"{one.name}: cannot be used: {one.refused}")
-        for text in (*one.lacks, *one.said):
-            say(f"{one.name}: {text}")
+            continue
+        say(f"{one.name}: {_held(one)}")
+        for text in one.lacks:
+            say(f"  cannot be claimed: {text}")
+        for text in one.said:
+            say(f"  {text}")
     for text in found.together:
         say(text)
     try:
@@ -153,6 +159,19 @@ def tell_lacking(plan: Plan, line: LineFile) -> int:
     except OSError as error:
         raise PlantError(f"--out {plan.out}: cannot be written ({error})") from error
     return 0 if found.can_begin else 2
+
+
+def _held(one: RecordLacks) -> str:
+    """Return what a record holds: how long, at which speeds, tensions and radius."""
+    slow, fast = one.speed_m_s
+    low, high = one.tension_N
+    speeds = f"{slow:.3g} to {fast:.3g} m/s" if fast - slow > 1e-3 * fast else f"{fast:.3g} m/s"
+    tensions = f"{low:.3g} to {high:.3g} N" if high - low > 1e-3 * high else f"{high:.3g} N"
+    judged = "to be judged on" if one.is_held else "to be fitted"
+    return (
+        f"{one.length_s:.1f} s {judged}, {speeds}, tension reference {tensions}, "
+        f"unwind radius {1e3 * one.radius_m:.1f} mm"
+    )
 
 
 def plan_of(arguments: argparse.Namespace) -> Plan:

@@ -144,15 +144,22 @@ def runtime_command(bench: Bench, *words: str, patience_s: float = 90.0) -> str:
     Raises
     ------
     PlantError
-        When it exits with an error; the message is the command's own.
+        When it exits with an error; the message is the command's own. Or it takes longer than
+        ``patience_s``, s.
     """
-    done = subprocess.run(
-        [*RUNTIME, *words, "--runtime-dir", str(bench.runtime_dir)],
-        capture_output=True,
-        text=True,
-        timeout=patience_s,
-        check=False,
-    )
+    try:
+        done = subprocess.run(
+            [*RUNTIME, *words, "--runtime-dir", str(bench.runtime_dir)],
+            capture_output=True,
+            text=True,
+            timeout=patience_s,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise PlantError(
+            f"aff-runtime {' '.join(words)}: no answer within {patience_s:g} s: free the machine "
+            f"of other work and try again; {bench.folder / 'runtime.log'} says how far it came"
+        ) from None
     allowed = (0, ALARM_EXIT) if words[0] == "status" else (0,)
     if done.returncode not in allowed:
         raise PlantError(

@@ -28,6 +28,7 @@ from sim_plant.line.record_file import read_columns
 Progress = Callable[[str], None]
 ATTEMPTS = 3
 SETTLED_S = 6.0  # a pause this long before a window still shows in it
+PROBE_S = 200.0  # the command itself gives up 150 s after its excitation: a fit takes its time
 OF_A_PAUSE = ("PLC_STALE", "OVERRUN")  # alarms that a busy machine raises
 
 
@@ -173,7 +174,7 @@ def probe(bench: Bench, progress: Progress) -> str:
     attempt = 1
     while True:
         try:
-            return runtime_command(bench, "probe", str(bench.site), patience_s=120.0)
+            return runtime_command(bench, "probe", str(bench.site), patience_s=PROBE_S)
         except PlantError as error:
             if attempt == ATTEMPTS or not any(alarm in str(error) for alarm in OF_A_PAUSE):
                 raise

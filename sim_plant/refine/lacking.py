@@ -12,7 +12,7 @@ from aff_runtime.base.refinement import Lacking, RecordLacks
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration
 from sim_plant.refine.model.record_match import limits, twin_of
-from sim_plant.refine.model.run_limits import lines_of, run_limits
+from sim_plant.refine.model.run_limits import lines_of, run_limits, shared
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.records.read import read_record
@@ -39,7 +39,8 @@ def lacking(plan: Plan, line: Declaration) -> Lacking:
                 continue
             found.append(record)
             rows.append(_row(record, twin, is_held=is_held))
-    together = [*_given_twice(fitted, held), *holdout_limits(held), *lines_of((*fitted, *held))]
+    together = _given_twice(fitted, held) or shared(fitted, held)
+    together += [*holdout_limits(held), *lines_of((*fitted, *held))]
     return Lacking(records=tuple(rows), together=tuple(together))
 
 

@@ -24,7 +24,7 @@ from sim_plant.refine.judge.refutation import (
 from sim_plant.refine.lacking import limits_of
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_limits import lines_of
+from sim_plant.refine.model.run_limits import lines_of, shared
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case, Twin
@@ -74,7 +74,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     cannot = limits_of([(f.record, f.twin) for f in fitted])
     cannot += holdout_limits([h.record for h in held])
     records = tuple(recorded.record for recorded in (*fitted, *held))
-    cannot += lines_of(records)
+    cannot += [*shared([r.record for r in fitted], [h.record for h in held]), *lines_of(records)]
     announce(cannot, records, progress)
     selection = find(fitted, plan.without, plan.workers, progress)
     if selection.corrections:

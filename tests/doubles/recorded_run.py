@@ -15,7 +15,7 @@ from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import RunFolder
 from tests import quick_yaml
 from tests.aff_runtime.telemetry.heads import head_of
-from tests.lockstep.bench import Bench, Setup
+from tests.lockstep.bench import SEED, Bench, Setup
 from tests.lockstep.can_bench import CanBench
 from tests.lockstep.known_response import ROOT, known_responses
 
@@ -92,7 +92,8 @@ class RecordedRun:
     bench : plant and runtime; ``run``, ``arm`` and ``inject`` as there.
     recording : whether rows are written.
     folder : writes the run; with ``law_too`` what the law says of its orders as well; with
-        ``can_map`` plant and runtime speak CAN by DBC; ``start_utc`` : what its head says.
+        ``can_map`` plant and runtime speak CAN by DBC; ``start_utc`` : what its head says;
+        ``seed`` : of the plant's noise.
     """
 
     def __init__(
@@ -105,6 +106,7 @@ class RecordedRun:
         law_too: bool = False,
         can_map: Path | None = None,
         start_utc: str = UTC,
+        seed: int = SEED,
     ) -> None:
         site = load_site(made.site)
         setup = Setup(
@@ -114,6 +116,7 @@ class RecordedRun:
             line_speed_m_s=line_speed_m_s,
             responses=known_responses(line_speed_m_s, site.cycle_s),
             soft_start_s=1.5,
+            seed=seed,
         )
         self.bench = Bench(setup) if can_map is None else CanBench(setup, can_map)
         outputs = [f"{name}_m_s" for name in site.actuators]

@@ -11,6 +11,7 @@ from aff_runtime.app.link.peer import own_process
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
+from aff_runtime.app.supervisor.recorder_losses import RecorderLosses
 from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_sentences
 from aff_runtime.app.supervisor.restart_policy import RestartPolicy
 from aff_runtime.app.supervisor.run_options import RunOptions
@@ -58,6 +59,7 @@ class Processes:
         self._recorder: RecorderChild | None = None
         self._recorder_policy = RestartPolicy()
         self._recorder_lost = False
+        self._losses = RecorderLosses()
         self._old_recorders: list[RecorderChild] = []
         self._restart_at_ns: int | None = None
         self._started_at_ns = 0
@@ -160,7 +162,10 @@ class Processes:
         recorder, ring = self._recorder, self.ring
         if recorder is None or ring is None or self._recorder_lost:
             return
-        if recorder.report().alive or not ring.writer_alive():
+        report = recorder.report()
+        if said := self._losses.step(report):
+            LOG.warning("%s", said)
+        if report.alive or not ring.writer_alive():
             return
         if self._recorder_policy.died(self._clock.now_ns() * 1e-9) is None:
             LOG.error("the recorder died three times within 60 s; nothing is recorded from now on")

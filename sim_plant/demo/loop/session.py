@@ -16,7 +16,14 @@ from sim_plant.base.order_tracking import order_amplitudes
 from sim_plant.demo.loop.correcting import Decision, correct
 from sim_plant.demo.loop.drawn import Files, Hidden, angle_of, drawn, write_files
 from sim_plant.demo.loop.judging import BlockOrder, Judgement, judged, new_orders
-from sim_plant.demo.processes import PLANT, Bench, Child, runtime_command, runtime_status
+from sim_plant.demo.processes import (
+    PLANT,
+    Bench,
+    Child,
+    plant_status,
+    runtime_command,
+    runtime_status,
+)
 from sim_plant.demo.runtime_status import RuntimeStatus
 from sim_plant.demo.session import (
     Progress,
@@ -36,9 +43,17 @@ TENSION_N, STEP_N = 88.9644, 95.0
 RAMP_S, RAMP_STEP_S = 3.0, 0.1
 ALONE_S, LEARN_S, SLOW_S, STEP_S = 8.0, 22.0, 18.0, 12.0
 WINDOW_S = 16.0
+THINNEST_M, THIN_M = 0.125, 0.135
+"""A roll is changed at the one radius; at the other before a window: no splice may be in it."""
+SPLICE_S = 3.0
+"""After the exchange: the splice has passed, and what it took back has armed itself."""
 FIRST_S = 3.0
 """Of a run, left out of its window: what was adopted comes in."""
+LOOK_S = 3.0
+"""From one look at the service to the next: each is a command, and slows the trace down."""
 ARM_ATTEMPTS, ARM_PATIENCE_S = 4, 8.0
+NO_REPLY = "did not reply in time"
+"""What the service says of a control process that the machine holds up."""
 REFINE_S = 270.0
 """Longest time for the trace; it then says what it lacks: nothing is guessed."""
 RESTING = ("FAULT", "BYPASS", "READY", "OFF")
@@ -172,7 +187,7 @@ class _Script:
             work = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
             try:
                 while work.poll() is None:
-                    self.watch(1.0)
+                    self.watch(LOOK_S)
                     if (clock.now_ns() - began_ns) * 1e-9 > REFINE_S:
                         raise PlantError(
                             f"the trace took more than {REFINE_S:.0f} s: free the machine of "
@@ -246,6 +261,8 @@ class _Script:
 
     def window(self) -> tuple[tuple[float, float], str]:
         """Let a window pass; return it in plant time, and as the service's own record has it."""
+        if self._changes_rolls(THIN_M):
+            self.watch(LEARN_S)
         start = plant_time(self.bench)
         self.watch(WINDOW_S)
         end = plant_time(self.bench)
@@ -254,29 +271,45 @@ class _Script:
         return (start, end), f"{run}@{max(first_s, last_s - WINDOW_S):.2f}..{last_s:.2f}"
 
     def arm(self) -> None:
-        """Arm as an operator does; once more where the machine paused right after it."""
+        """Arm as an operator does; once more where the machine paused right then."""
         for attempt in range(1, ARM_ATTEMPTS + 1):
-            runtime_command(self.bench, "arm")
-            self.story.arms += 1
             try:
+                runtime_command(self.bench, "arm")
+                self.story.arms += 1
                 await_state(self.bench, self.runtime, {"ACTIVE"}, ARM_PATIENCE_S)
-            except PlantError:
-                if attempt == ARM_ATTEMPTS or runtime_status(self.bench).state != "FAULT":
+            except PlantError as error:
+                paused = NO_REPLY in str(error) or runtime_status(self.bench).state == "FAULT"
+                if attempt == ARM_ATTEMPTS or not paused:
                     raise
             else:
                 return
 
     def watch(self, seconds: float) -> None:
-        """Let time pass; arm again where the machine's pauses took the correction back."""
+        """Let time pass; arm again where the machine's pauses took the correction back.
+
+        A trace that takes long outlasts a roll: then it is changed at speed, as a turret does.
+        """
         clock = MonotonicClock()
         end_ns = clock.now_ns() + int(seconds * 1e9)
         while clock.now_ns() < end_ns:
-            pause(min(1.0, max(0.0, (end_ns - clock.now_ns()) * 1e-9)))
+            pause(min(LOOK_S, max(0.0, (end_ns - clock.now_ns()) * 1e-9)))
             self.story.load.append(os.getloadavg()[0])
+            self._changes_rolls(THINNEST_M)
             status = runtime_status(self.bench)
             if status.state in RESTING:
                 self.say(f"the correction went to zero ({status.alarm}); arming again")
                 self.arm()
+
+    def _changes_rolls(self, below_m: float) -> bool:
+        """Put full rolls on where the unwind's is smaller than ``below_m``; return whether."""
+        radius_m = plant_status(self.bench).measured.get("unwind_radius_m")
+        if radius_m is None or radius_m >= below_m:
+            return False
+        self.say(f"the roll is down to {1e3 * radius_m:.0f} mm: another one is spliced on")
+        change_s = ask(self.bench.plant_socket, "roll")["change_s"]
+        while plant_time(self.bench) < change_s + SPLICE_S:
+            pause(0.5)
+        return True
 
     def ramp(self, start_m_s: float, end_m_s: float) -> None:
         """Change the line speed evenly."""

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
+from aff_runtime.base.run_window import run_window
 from sim_plant.line.declaration import Declaration, LoadCell
 from sim_plant.refine.model.run_match import SPEED_REF
 from sim_plant.refine.model.twin import Twin
@@ -59,6 +61,28 @@ def lines_of(records: Sequence[Recording]) -> list[str]:
         return []
     said = ", ".join(f"{path} of {name}" for name, path in names.items())
     return [f"by their site files the runs are of several lines: {said}; are they of this one?"]
+
+
+def shared(fitted: Sequence[Recording], held: Sequence[Recording]) -> list[str]:
+    """Return a sentence for every two windows of one run that overlap.
+
+    What is fitted twice counts twice; an error held out on what was fitted proves less.
+    """
+    sentences = []
+    for one, other in itertools.combinations((*fitted, *held), 2):
+        if one.run is None or other.run is None or _folder(one) != _folder(other):
+            continue
+        both = min(one.run.to_s, other.run.to_s) - max(one.run.from_s, other.run.from_s)
+        if both > 0.0:
+            sentences.append(
+                f"{one.path.name} and {other.path.name} share {both:.3g} s of one run: it counts "
+                "twice, and judges on what was fitted; give windows that do not overlap"
+            )
+    return sentences
+
+
+def _folder(record: Recording) -> Path:
+    return run_window(record.path).folder.resolve()
 
 
 def _reference_mapped(record: Recording) -> bool:

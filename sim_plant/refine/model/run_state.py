@@ -66,10 +66,17 @@ def at_run(line: Declaration, record: Recording) -> Declaration:
 
 
 def _check_turning(line: Declaration, record: Recording, radii: Mapping[str, float]) -> None:
-    """Refuse a run in which a body turns as one of another radius would."""
+    """Refuse a run in which a body turns as one of another radius would; ``radii``: at its start.
+
+    A roll of web turns as its mean radius makes it, that of its first and last turn.
+    """
     metres = abs(float(np.sum(record.columns[SPEED_REF][:-1]))) * record.sample_time_s
+    wound = metres * line.web.thickness_m / math.pi
+    square = dict(zip(radii, (-wound, wound), strict=True))
     for roller in line.rollers:
         radius = radii.get(roller.name, roller.radius_m)
+        if roller.name in square:
+            radius = 0.5 * (radius + math.sqrt(max(radius**2 + square[roller.name], 0.0)))
         turned = next(_turning(line, record, roller.name, record.samples), 0.0)
         if metres < LEAST_M or abs(turned) < LEAST_RAD:
             continue

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -23,12 +24,15 @@ class RunFacts:
     phases : what line and service did in it.
     delivery_known : per actuator, whether the PLC says what it added and when.
     scan_s : period of the PLC's scans.
+    from_s, to_s : the piece that is taken, s of the run's ``time_s``; NaN where not known.
     """
 
     site: RunSite
     phases: Phases
     delivery_known: Mapping[str, bool]
     scan_s: float
+    from_s: float = math.nan
+    to_s: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -31,7 +31,7 @@ from sim_plant.refine.records.run_grid import (
 )
 from sim_plant.refine.records.run_phases import Phases, phases_of
 from sim_plant.refine.records.run_site import DEFAULT_SPEED, RunSite, run_site
-from sim_plant.refine.records.sanity import oddities, unwrapped
+from sim_plant.refine.records.sanity import counts_seen, oddities, unwrapped
 from sim_plant.refine.records.word_steps import counts_of
 
 LONGEST_S = 300.0
@@ -117,10 +117,15 @@ def read_run_record(path: Path) -> Recording:
         sha256=_digest(grid.columns),
         sample_time_s=scans.step_s,
         columns=grid.columns,
-        findings=(*said, *grid.said, *oddities(measured)),
+        findings=(*said, *grid.said, *oddities(measured, counts_seen(read, site.steps))),
         zeros_rad=grid.zeros_rad,
         run=RunFacts(
-            site=site, phases=grid.phases, delivery_known=grid.known, scan_s=scans.scan_s
+            site=site,
+            phases=grid.phases,
+            delivery_known=grid.known,
+            scan_s=scans.scan_s,
+            from_s=piece.from_s,
+            to_s=piece.to_s,
         ),
     )
 

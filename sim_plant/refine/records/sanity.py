@@ -110,15 +110,20 @@ def _stamps_beside(odd: Flags) -> int:
     return int(np.sum((lengths + 1) // 2))
 
 
-def oddities(columns: Mapping[str, Array]) -> list[str]:
-    """Return sentences about spikes, saturation, resolution and columns that stand still."""
+def oddities(columns: Mapping[str, Array], counts: Mapping[str, float] | None = None) -> list[str]:
+    """Return sentences about spikes, saturation, resolution and columns that stand still.
+
+    ``counts``: one count of a column, where that is known (``counts_seen``).
+    """
     sentences = []
+    known = {} if counts is None else counts
     for name, values in columns.items():
         if np.ptp(values) == 0.0:
             sentences.append(f"{name} stands still at {values[0]:g}")
             continue
         levels, unit = np.unique(values), suffix_of(name).replace("_s", "/s")
-        smallest = _smallest_step(levels)
+        count = known.get(name, 0.0)
+        smallest = count or _smallest_step(levels)
         if (
             levels.size < RECORDS.coarse_levels_share * values.size
             and smallest > 0.0
@@ -133,10 +138,25 @@ def oddities(columns: Mapping[str, Array]) -> list[str]:
                 and "_ref_" not in name
             ):
                 sentences.append(f"{name} sits at its {side} {level:g} for {100 * stuck:.0f} %")
-        spikes = count_spikes(values, smallest if levels.size > RECORDS.stuck_levels else 0.0)
+        few = levels.size <= RECORDS.stuck_levels  # two levels are a count apart, or a spike
+        spikes = count_spikes(values, count if few else smallest)
         if spikes:
             sentences.append(f"{name} has {spikes} spike{'s' * (spikes > 1)}")
     return sentences
+
+
+def counts_seen(columns: Mapping[str, Array], words: Mapping[str, float]) -> dict[str, float]:
+    """Return one count of each column of readings (samples,): of its word, or the sensor's own.
+
+    A sensor may be coarser than its word; of few levels that is not told from a spike. To be asked
+    before anything is filled in between two readings, which would show a smaller one.
+    """
+    found = {}
+    for name, values in columns.items():
+        levels = np.unique(values[np.isfinite(values)])
+        seen = _smallest_step(levels) if levels.size > RECORDS.stuck_levels else 0.0
+        found[name] = max(words.get(name, 0.0), seen)
+    return found
 
 
 def _smallest_step(levels: Array) -> float:

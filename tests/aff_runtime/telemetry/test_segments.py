@@ -47,12 +47,32 @@ def test_a_folder_that_is_gone_costs_rows_and_writing_resumes_when_it_is_back(
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full")
-def test_a_full_disk_is_counted_not_raised(tmp_path: Path) -> None:
-    (tmp_path / "signals-0001.csv.gz").symlink_to("/dev/full")
+def test_a_full_disk_is_counted_not_raised_and_leaves_one_empty_segment(tmp_path: Path) -> None:
+    for number in (1, 2, 3, 4):
+        (tmp_path / f"signals-{number:04d}.csv.gz").symlink_to("/dev/full")
     writer = SegmentWriter(tmp_path, ["time_s", "a_N"], segment_s=60)
     writer.append(rows(0, 4))
-    assert writer.rows_lost == 4
-    assert "space" in writer.last_error
     writer.append(rows(4, 6))
+    assert (writer.rows_lost, writer.rows_written) == (6, 0)
+    assert "space" in writer.last_error
+    assert writer.path.name == "signals-0001.csv.gz"  # not one more for every batch
+    writer.path.unlink()  # the disk has room again
+    writer.append(rows(6, 9))
     writer.close()
-    assert writer.rows_written == 2
+    assert (writer.rows_lost, writer.rows_written) == (6, 3)
+    text = gzip.decompress((tmp_path / "signals-0001.csv.gz").read_bytes())
+    assert text.splitlines() == [b"time_s,a_N", b"0.6,6", b"0.7,7", b"0.8,8"]
+
+
+def test_what_was_written_before_the_disk_was_full_stays(tmp_path: Path) -> None:
+    writer = SegmentWriter(tmp_path, ["time_s", "a_N"], segment_s=60)
+    writer.append(rows(0, 3))
+    refused = tmp_path / "signals-0002.csv.gz"
+    refused.symlink_to("/dev/full")
+    writer.append([(60.0, 1.0)])  # the next segment, which the disk refuses
+    refused.unlink()
+    writer.append([(61.0, 2.0)])
+    writer.close()
+    texts = [gzip.decompress(p.read_bytes()) for p in sorted(tmp_path.glob("*.csv.gz"))]
+    assert [text.splitlines()[1:] for text in texts] == [[b"0,0", b"0.1,1", b"0.2,2"], [b"61,2"]]
+    assert writer.rows_lost == 1

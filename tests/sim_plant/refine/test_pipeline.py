@@ -89,6 +89,9 @@ def test_what_records_lack_is_told_without_work_and_what_cannot_be_used_is_named
     assert "b.csv" in second["refused"]
     said = capsys.readouterr().out
     assert "b.csv: cannot be used" in said
+    length = f"a.csv: {0.01 * ROWS:.1f} s to be fitted, 0.9 to 1.3 m/s, tension reference 89 N"
+    assert length in said
+    assert "  cannot be claimed: a wrong scale or zero of a load cell" in said
     assert "simulating" not in said
 
 

@@ -25,6 +25,8 @@ from aff_runtime.base.run_window import MARK, RunWindow
 from aff_runtime.base.yaml_section import Section
 
 HOUR_S = 3600.0
+EARLIEST = datetime(2020, 1, 1, tzinfo=UTC)
+"""No run is older than this software: the clock of that machine was not set yet."""
 READ_S = 150.0
 """Of an hour read at once; a stretch is at most ``stretches.LONGEST_S`` of it."""
 PLACES = (0.0, 1.0 / 3.0, 2.0 / 3.0)
@@ -241,12 +243,18 @@ def _start(shown: str, about: Section) -> datetime:
     said = word(about.get("start_utc"))
     try:
         found = datetime.fromisoformat(said)
-        return found.astimezone(UTC) if found.tzinfo else found.replace(tzinfo=UTC)
+        start = found.astimezone(UTC) if found.tzinfo else found.replace(tzinfo=UTC)
     except (ValueError, OverflowError):
         raise AffError(
             f"{shown}: start_utc says {printable(said, 40)!r}, expected a time such as "
             "2026-01-02T03:04:05+00:00; without it nobody knows when the run was"
         ) from None
+    if start < EARLIEST:
+        raise AffError(
+            f"{shown}: began on {start:%Y-%m-%d} by a clock that was not set yet; once somebody "
+            f"knows when it was, write that as start_utc into its {MARK}"
+        )
+    return start
 
 
 def _speeds(

@@ -12,10 +12,13 @@ import numpy as np
 from aff_runtime.app.report.watching.findings import Finding, Readings
 from aff_runtime.app.report.watching.store import Taken
 from aff_runtime.app.report.watching.trend import SIGMA, Slope
+from aff_runtime.app.report.watching.wound_rolls import Ranking
 
 SHOWN = {"m": ("um", 1e6), "N": ("N", 1.0), "": ("", 1.0)}
 PER_KM = 1000.0
 A_LONG_TIME_WEEKS = 520.0
+MOST_ROLLS = 20
+NORMAL_95 = 1.96
 
 
 def notes(findings: Sequence[Finding]) -> Iterator[str]:
@@ -41,6 +44,31 @@ def table(findings: Sequence[Finding]) -> Iterator[str]:
             yield f"{head}; {_shown(readings, float(readings.size[-1]))}, too few for a trend"
         else:
             yield f"{head}; {_size_now(readings, one.per_km)}, {_slope(readings, one.per_km)}"
+
+
+def rolls(rankings: Sequence[Ranking]) -> Iterator[str]:
+    """Yield the rolls of web of each place, the farthest from round first, ``MOST_ROLLS`` at most.
+
+    A place at which no second roll ran has nothing to compare.
+    """
+    for one in rankings:
+        if one.by is None or len(one.rolls) < 2:
+            continue
+        quantity = one.by
+        yield f"rolls at {one.roll}, the farthest from round first, by their {quantity.word}:"
+        for rank, roll in enumerate(one.rolls[:MOST_ROLLS], start=1):
+            worst = roll.worst.get(quantity.name)
+            unit, factor = SHOWN[quantity.unit]
+            size = "not known"
+            if worst is not None:
+                interval = f"(+- {factor * NORMAL_95 * worst.error:.2g})"
+                size = f"{factor * worst.size:.4g} {unit} {interval} at {worst.order}x"
+            yield (
+                f"  {rank}. roll {roll.roll_id}: {size}, {roll.hours} hours from "
+                f"{np.datetime_as_string(roll.first, 'D')} on"
+            )
+        if len(one.rolls) > MOST_ROLLS:
+            yield f"  {len(one.rolls) - MOST_ROLLS} more"
 
 
 def taken(what: Taken) -> str:

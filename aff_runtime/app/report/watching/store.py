@@ -203,7 +203,7 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
     paths = [folder / name for name in FILES]
     if not paths[0].exists():
         if begin:
-            return Store()
+            return _begun(paths[2])
         raise ConfigError(
             f"{folder}: holds no store; `aff-runtime watch add STORE RUN_DIR` begins one"
         )
@@ -212,6 +212,8 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
         raise ConfigError(
             f"{paths[0]}: is no store of this release's `aff-runtime watch`; move it away"
         )
+    if not paths[1].exists():  # somebody moved a broken one away: its hours are to be read again
+        return _begun(paths[2], about["line"])
     tables = [
         read_parquet(path, fields)[0] if path.exists() else empty(fields)
         for path, fields in zip(paths[1:], (ORDERS, EXCHANGES), strict=True)
@@ -225,6 +227,14 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
     )
     store.drop_orphans()
     return store
+
+
+def _begun(exchanges: Path, line: str = "") -> Store:
+    """Return a store in which no hour has been read, with the exchanges that people told."""
+    if not exchanges.exists():
+        return Store(line=line)
+    told, about = read_parquet(exchanges, EXCHANGES)
+    return Store(line=line or about.get("line", ""), exchanges=told)
 
 
 def save_store(folder: Path, store: Store) -> None:

@@ -11,7 +11,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.line.load import load_declaration
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_limits import lines_of, run_limits
+from sim_plant.refine.model.run_limits import lines_of, run_limits, shared
 from sim_plant.refine.model.run_match import acting, run_on_line
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_phases import Phases
@@ -213,6 +213,22 @@ def test_a_run_of_another_line_with_the_same_channels_is_refused_by_what_does_no
         twin_of(LINE, run_on_line(LINE, run(columns, speed_reference="v_m_s")))
 
 
+def test_a_roll_that_grows_thin_within_the_record_is_no_other_line():
+    """From 0.19 to 0.13 m: over all of it the roll turns as its mean radius makes it."""
+    end_m, metres = 0.13, SPEED_M_S * (TIME_S[-1] + STEP_S)
+    thickness_m = np.pi * (UNWIND_M**2 - end_m**2) / metres
+    radius = np.sqrt(UNWIND_M**2 - thickness_m * SPEED_M_S * TIME_S / np.pi)
+    turned = 2.0 * np.pi * (UNWIND_M - radius) / thickness_m
+    thick = LINE.model_copy(
+        update={"web": LINE.web.model_copy(update={"thickness_m": thickness_m})}
+    )
+    record = run({"turns_rad": turned, "roll_m": radius}, speed_reference="v_m_s")
+    twin = twin_of(thick, run_on_line(thick, record))
+    assert twin.declaration.initial_radii_m.unwind == pytest.approx(UNWIND_M, rel=1e-4)
+    with pytest.raises(PlantError, match=r"unwind turns as a body of 0.128.* by the run"):
+        twin_of(thick, run_on_line(thick, run(record.columns | {"turns_rad": 1.25 * turned})))
+
+
 def test_a_radius_that_is_roughly_declared_makes_no_other_line():
     near = run({"follower_rad": 1.03 * FOLLOWER_RAD}, speed_reference="v_m_s")
     assert twin_of(LINE, run_on_line(LINE, near))
@@ -225,6 +241,24 @@ def test_runs_of_several_lines_are_named():
     )
     assert lines_of([one, one]) == []
     assert "RUN of L, LATER of Film" in lines_of([one, other])[0]
+
+
+def windowed(path, from_s, to_s):
+    record = run()
+    facts = replace(record.run, from_s=from_s, to_s=to_s)
+    return replace(record, path=Path(path), run=facts)
+
+
+def test_windows_of_one_run_that_overlap_are_named_and_others_are_not():
+    fitted = windowed("RUN@10..40", 10.0, 40.0)
+    assert shared([fitted], [windowed("RUN@30..70", 30.0, 70.0)]) == [
+        "RUN@10..40 and RUN@30..70 share 10 s of one run: it counts twice, and judges on what was "
+        "fitted; give windows that do not overlap"
+    ]
+    apart = [windowed("RUN@40..70", 40.0, 70.0), windowed("LATER@30..70", 30.0, 70.0)]
+    assert shared([fitted], apart) == []
+    assert shared([fitted], [replace(fitted, run=None)]) == []
+    assert shared([run()], [run()]) == []  # where a piece lies is not known
 
 
 def test_what_the_window_lacks_is_said_with_what_it_costs():

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.refine.records.sanity import count_spikes, even_grid, oddities, unwrapped
+from sim_plant.refine.records.sanity import (
+    count_spikes,
+    counts_seen,
+    even_grid,
+    oddities,
+    unwrapped,
+)
 
 HERE = Path("record.csv")
 
@@ -48,6 +54,25 @@ def test_a_stepped_reference_is_no_coarse_reading():
     assert oddities({"tension_ref_N": values}) == []
     said = oddities({"unwind_tension_N": np.round(values + np.sin(np.arange(2000)), 1)})
     assert said[0] == "unwind_tension_N is read in steps of 0.1 N"
+
+
+def test_one_count_of_a_word_is_no_spike_where_the_count_is_known():
+    """A speed that stands on the edge of a count, and a hole that was filled in between."""
+    values = np.full(2000, 0.85)
+    values[200::100] += 0.001
+    values[[700, 1300]] += 0.004
+    counts = counts_seen({"line_speed_m_s": values}, {"line_speed_m_s": 0.001})
+    values[50:53] = 0.85 + 0.001 * np.array([0.25, 0.5, 0.75])
+    assert oddities({"line_speed_m_s": values}, counts) == [
+        "line_speed_m_s is read in steps of 0.001 m/s",
+        "line_speed_m_s has 2 spikes",
+    ]
+
+
+def test_a_sensor_may_be_coarser_than_its_word():
+    read = {"a_N": np.round(20.0 * np.sin(np.arange(2000.0)) / 0.05) * 0.05, "b_N": np.zeros(9)}
+    counts = counts_seen(read, {"a_N": 0.001, "b_N": 0.01})
+    assert counts == {"a_N": pytest.approx(0.05), "b_N": 0.01}
 
 
 def test_steps_and_stops_are_said():

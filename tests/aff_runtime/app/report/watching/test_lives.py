@@ -6,6 +6,7 @@ from datetime import UTC, datetime
 import numpy as np
 import pytest
 
+from aff_runtime.app.report.watching import sentences
 from aff_runtime.app.report.watching.lives import lives
 from aff_runtime.app.report.watching.store import Store
 from aff_runtime.app.report.watching.wound_rolls import rankings
@@ -69,6 +70,20 @@ def test_rolls_whose_shape_nobody_learned_are_ranked_by_what_most_of_them_have()
     (ranking,) = rankings(store)
     assert ranking.by.name == "ripple_N"
     assert ranking.rolls[0].roll_id == 43
+
+
+def test_the_ranking_is_told_a_roll_a_line_with_order_interval_and_day():
+    head, *told = sentences.rolls(rankings(made_store(30)))
+    assert head == "rolls at unwind, the farthest from round first, by their shape:"
+    assert told == [
+        "  1. roll 42: 5000 um (+- 6.2) at 1x, 10 hours from 2026-01-15 on",
+        "  2. roll 41: 2000 um (+- 6.2) at 1x, 10 hours from 2026-01-05 on",
+        "  3. roll 43: 1000 um (+- 6.2) at 1x, 10 hours from 2026-01-25 on",
+    ]
+
+
+def test_one_roll_alone_is_not_ranked():
+    assert list(sentences.rolls(rankings(made_store(5)))) == []
 
 
 def test_an_empty_store_has_neither():

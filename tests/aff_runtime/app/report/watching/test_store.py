@@ -6,7 +6,7 @@ import os
 import re
 import shutil
 from dataclasses import replace
-from datetime import timedelta
+from datetime import UTC, datetime, timedelta
 
 import duckdb
 import numpy as np
@@ -161,6 +161,15 @@ def test_a_start_that_no_clock_shows_is_named(runs, tmp_path, start):
         run_hours(odd)
 
 
+def test_a_run_by_a_clock_that_was_not_set_is_left_out(runs, tmp_path):
+    """One reading of 1970 beside those of a week would be all that a slope goes by."""
+    odd = shutil.copytree(runs[0], tmp_path / "run")
+    text = (odd / "run.yaml").read_text()
+    (odd / "run.yaml").write_text(text.replace("start_utc: '2026-01", "start_utc: '1970-01"))
+    with pytest.raises(AffError, match=r"began on 1970-01-0. by a clock that was not set yet"):
+        run_hours(odd)
+
+
 @pytest.mark.parametrize("time", ["1e300", "-1e18", "5e8"])
 def test_a_row_at_no_time_of_a_run_adds_at_most_its_own_hour(runs, tmp_path, time):
     odd = shutil.copytree(runs[0], tmp_path / "run")
@@ -206,6 +215,27 @@ def test_a_file_that_is_no_table_is_named(tmp_path, content):
     (tmp_path / "hours.parquet").write_bytes(content)
     with pytest.raises(ConfigError, match=r"hours.parquet: cannot be read \("):
         load_store(tmp_path)
+
+
+@pytest.mark.parametrize("broken", ["hours", "orders"])
+def test_a_table_that_broke_is_moved_away_and_read_anew_with_the_exchanges_kept(
+    runs, tmp_path, broken
+):
+    store = of(*runs)
+    store.exchange("r6", datetime(2026, 1, 6, tzinfo=UTC), "serial 4711")
+    save_store(tmp_path, store)
+    path = tmp_path / f"{broken}.parquet"
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+    with pytest.raises(ConfigError, match=rf"{broken}.parquet: cannot be read.*Move it away"):
+        load_store(tmp_path)
+    path.unlink()
+    again = load_store(tmp_path, begin=True)
+    assert again.line == store.line
+    for run in runs:
+        again.add(run_hours(run))
+    assert again.exchanges["why"].tolist() == ["serial 4711"]
+    for name, values in store.orders.items():
+        np.testing.assert_array_equal(again.orders[name], values)
 
 
 def test_a_second_command_on_the_same_store_is_refused(tmp_path):

@@ -32,9 +32,9 @@ DAYS, EXCHANGED = 42, 28
 DAY_S, OFF_S, LEARNS_S, ON_S = 36_000.0, 1.0, 14.0, 23.0
 KM_A_DAY = 1e-3 * DAY_S
 """At 1 m/s."""
-FIRST_M, NEXT_M, GROWS_M_KM, SCATTER_M = 1e-4, 6e-5, 8e-9, 1e-6
+FIRST_M, NEXT_M, GROWS_M_KM, SCATTER_M = 1e-4, 6e-5, 16e-9, 1e-6
 """Eccentricity of the one idler and the next, its growth, and how days differ (sd)."""
-LIMIT_SHARE = 1.15
+LIMIT_SHARE = 1.35
 """The limit that is asked about: so many times the first evening's stroke."""
 SEED = 1
 
@@ -75,7 +75,14 @@ def write_day(folder, day, size_m):
     runs.mkdir(parents=True)
     effect = {"effect": "eccentric_roller", "location": "R6", "parameters": shape}
     begun = (BEGAN + timedelta(days=day)).isoformat()
-    run = RecordedRun(files(runs, [effect]), runs, law_too=True, segment_s=60.0, start_utc=begun)
+    run = RecordedRun(
+        files(runs, [effect]),
+        runs,
+        law_too=True,
+        segment_s=60.0,
+        start_utc=begun,
+        seed=100 * SEED + day,
+    )
     run.recording = False
     run.bench.run(OFF_S)
     run.bench.arm(LEARNS_S)
@@ -108,11 +115,14 @@ def evenings(folder):
     return store, found, limit
 
 
-def expected_day():
-    """Return the first day on which 4 sigma of a slope through the days are below the growth."""
+def expected_day(scatter_m):
+    """Return the first day on which 4 sigma of a slope through the days are below the growth.
+
+    ``scatter_m``: of the days, as an eccentricity.
+    """
     for count in range(8, DAYS):
         days = np.arange(count)
-        error = SCATTER_M / math.sqrt(float(np.sum((days - days.mean()) ** 2)))
+        error = scatter_m / math.sqrt(float(np.sum((days - days.mean()) ** 2)))
         sigma = 4.0 + (4.0**3 + 4.0) / (4.0 * (count - 2))  # Student's, first order
         if sigma * error < GROWS_M_KM * KM_A_DAY:
             return count - 1
@@ -126,7 +136,8 @@ def report(folder):
     last = stroke_of(all_[EXCHANGED - 1].found)
     ratio = last.readings.size / had_m[:EXCHANGED]
     gain, spread = float(np.mean(ratio)), float(np.std(ratio, ddof=1) / np.mean(ratio))
-    line = last.per_km
+    scatter_m = math.hypot(SCATTER_M, spread * float(np.mean(had_m[:EXCHANGED])))
+    by_4_sigma, line = expected_day(scatter_m), last.per_km
     own = GROWS_M_KM * gain  # what the plant's growth is as a stroke
     told = next((e.day for e in all_ if any("r6 1x stroke grows" in s for s in e.said)), None)
     asked = next((e.day for e in all_ if any("jumped" in s for s in e.said)), None)
@@ -139,15 +150,15 @@ def report(folder):
     rows = [
         (
             f"growth on the evening of day {EXCHANGED - 1}, stroke in um per 1000 km",
-            f"{um * own:.2f}",
+            f"{um * own:.2f}; of the days as drawn {um * gain * _drawn(had_m[:EXCHANGED]):.2f}",
             _interval(um, line),
             line.low <= own <= line.high,
         ),
         (
             "first evening that tells it",
-            f"day {expected_day()} by 4 sigma",
+            f"day {by_4_sigma} by 4 sigma of {1e6 * scatter_m:.1f} um a day",
             f"day {told}",
-            told is not None and abs(told - expected_day()) <= 6,
+            told is not None and abs(told - by_4_sigma) <= 6,
         ),
         (
             f"weeks from there to {1e6 * limit['r6'][0]:.0f} um of stroke",
@@ -163,7 +174,7 @@ def report(folder):
         ),
         (
             f"growth of the new one after {DAYS - EXCHANGED} days, um per 1000 km",
-            f"{um * own:.2f}",
+            f"{um * own:.2f}; of the days as drawn {um * gain * _drawn(had_m[EXCHANGED:]):.2f}",
             _interval(um, new.per_km),
             new.per_km.low <= own <= new.per_km.high,
         ),
@@ -180,6 +191,11 @@ def report(folder):
     return text, all(ok for *_, ok in rows)
 
 
+def _drawn(had_m):
+    """Return the slope of what the plant had with its scatter, day by day, m per km."""
+    return float(np.polyfit(KM_A_DAY * np.arange(had_m.size), had_m, 1)[0])
+
+
 def _interval(um, line):
     return f"{um * line.value:.2f} ({um * line.low:.2f} to {um * line.high:.2f})"
 
@@ -190,10 +206,12 @@ Repeat: `{{command}}`.
 Plant, PLC and runtime in virtual time, a run folder a day for {DAYS} days, AFF on all along with a
 block for idler R6. The plant's R6 begins at {1e6 * FIRST_M:.0f} um off centre and grows by
 {1e9 * GROWS_M_KM:.0f} um per 1000 km of web ({KM_A_DAY:.0f} km a day); from day to day it differs
-by {1e6 * SCATTER_M:.0f} um (sd); on day {EXCHANGED} another of {1e6 * NEXT_M:.0f} um is put in.
-The service knows none of this. Its readings are strokes, {{gain:.2f}} times the eccentricity at
-this speed (the readings of {EXCHANGED} days keep to that within {{spread:.1f}} %, 1 sigma); what
-the plant had is shown times that. Days count from 0.
+by {1e6 * SCATTER_M:.0f} um (sd), in an angle of its own; on day {EXCHANGED} another of
+{1e6 * NEXT_M:.0f} um is put in. The service knows none of this. Its readings are strokes,
+{{gain:.2f}} times the eccentricity at this speed; the readings of {EXCHANGED} days keep to that
+within {{spread:.1f}} % (1 sigma), which is what noise makes of one stretch of {ON_S:.0f} s (a line
+that runs all day has one of 60 s and more an hour). What the plant had is shown times that. Days
+count from 0.
 
 | what | the plant | `watch` | holds |
 |---|---|---|---|

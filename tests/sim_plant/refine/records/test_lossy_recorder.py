@@ -1,4 +1,8 @@
-"""A recorder that is killed in the middle: what the two run folders still are, as records."""
+"""A recorder that is killed in the middle, or has no disk for a while: what its runs still are."""
+
+import os
+import subprocess
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,7 +23,10 @@ pytestmark = [pytest.mark.processes, pytest.mark.timeout(300)]
 STEP_S, KILLED_S, END_S = 0.005, 21.5, 46.0
 KEPT_ROWS, LOST_ROWS = 4096, 600
 """Rows that the ring keeps for a recorder that comes later, and those that it cannot keep."""
-
+FULL_S, ROOM_S = 21.0, 25.0
+"""The disk is full from the one to the other."""
+BUFFERED_ROWS = 100
+"""Rows in half a second: so much of a part may be in a file still, or in none yet."""
 
 ON_WIRES = [pytest.param(wire, marks=pytest.mark.campaign) for wire in ("modbus", "can")]
 """The rows alone differ."""
@@ -51,9 +58,7 @@ def folders(run, tmp_path_factory):
     table = read_table(run_window(run))
     rows = list(zip(*table.columns.values(), strict=True))
     runs = tmp_path_factory.mktemp("killed")
-    ring = RingWriter(list(table.columns), meta=RunMeta(start_ns=1), capacity=KEPT_ROWS)
-    descriptor = ring.open_for_readers()
-    reader = RingReader(descriptor)
+    ring, reader = _ring(table)
     at = round(KILLED_S / STEP_S)
     first = _recorder(reader, runs, table.site_text)
     _feed(ring, first, rows[:at])
@@ -74,18 +79,27 @@ def folders(run, tmp_path_factory):
     return [first.report().folder, second.report().folder]
 
 
+def _ring(table):
+    ring = RingWriter(list(table.columns), meta=RunMeta(start_ns=1), capacity=KEPT_ROWS)
+    return ring, RingReader(ring.open_for_readers())
+
+
 def _recorder(reader, runs, site_text):
     return RecorderChild(reader, runs, RunContext(name="Euclid", site_text=site_text, max_MB=50))
 
 
-def _feed(ring, recorder, rows):
+def _feed(ring, recorder, rows, fed=0):
     """Write rows no faster than the recorder takes them, which it says once a second."""
     for start in range(0, len(rows), KEPT_ROWS // 2):
         part = rows[start : start + KEPT_ROWS // 2]
         for row in part:
             ring.write(row)
-        fed = start + len(part)
-        until("they are written", lambda n=fed: recorder.report().rows >= n)
+        fed += len(part)
+        until("they are taken", lambda n=fed: _taken(recorder.report()) >= n)
+
+
+def _taken(report):
+    return report.rows + report.rows_lost
 
 
 def test_what_was_written_before_is_a_record_and_it_says_that_its_end_is_missing(run, folders):
@@ -107,3 +121,71 @@ def test_the_one_that_follows_has_what_the_ring_still_held_and_says_what_it_did_
     assert f"{before} rows were overwritten before the recorder had read them" in rest.findings
     first_kept_s = KILLED_S + LOST_ROWS * STEP_S
     assert rest.duration_s == pytest.approx(END_S - first_kept_s, abs=0.05)
+
+
+@pytest.fixture(scope="module")
+def disk(tmp_path_factory):
+    """A file system of its own, some MB large."""
+    if os.geteuid():
+        pytest.skip("only root mounts a file system")
+    folder = tmp_path_factory.mktemp("disk")
+    mount = ["mount", "-t", "tmpfs", "-o", "size=16m", "tmpfs", str(folder)]
+    if subprocess.run(mount, capture_output=True, check=False).returncode:
+        pytest.skip("no file system can be mounted here")
+    yield folder
+    subprocess.run(["umount", str(folder)], check=True)
+
+
+def _filled(disk):
+    """Leave nothing of it; return the file to remove."""
+    filler = disk / "filler"
+    with filler.open("ab", buffering=0) as file:
+        try:
+            while file.write(bytes(1 << 20)):
+                pass
+        except OSError:
+            return filler
+
+
+@pytest.fixture(scope="module")
+def short_of_disk(run, disk):
+    """The same rows to a recorder whose disk is full for a while; its folder, what it reported."""
+    table = read_table(run_window(run))
+    rows = list(zip(*table.columns.values(), strict=True))
+    ring, reader = _ring(table)
+    recorder = _recorder(reader, disk, table.site_text)
+    full, room = (round(at / STEP_S) for at in (FULL_S, ROOM_S))
+    _feed(ring, recorder, rows[:full])
+    filler = _filled(disk)
+    _feed(ring, recorder, rows[full:room], fed=full)
+    report = recorder.report()
+    segments = len(list(Path(report.folder).glob("signals-*")))
+    filler.unlink()
+    _feed(ring, recorder, rows[room:], fed=room)
+    ring.close()
+    until("the recorder has ended", lambda: not recorder.report().alive)
+    recorder.wait(0.0)
+    reader.close()
+    return Path(report.folder), report, segments
+
+
+def test_a_full_disk_costs_the_rows_of_its_time_and_the_recorder_says_how_many(short_of_disk):
+    _, report, segments = short_of_disk
+    assert report.alive
+    assert report.rows_lost == pytest.approx((ROOM_S - FULL_S) / STEP_S, abs=BUFFERED_ROWS)
+    assert "No space left" in report.error
+    assert report.free_bytes == 0
+    assert segments <= 2  # not one more for every try
+
+
+def test_the_run_is_a_record_on_both_sides_of_the_hole_and_says_what_it_lost(run, short_of_disk):
+    folder, _, _ = short_of_disk
+    whole, later = read_record(run), read_record(folder)
+    assert later.duration_s == pytest.approx(END_S - ROOM_S, abs=BUFFERED_ROWS * STEP_S)
+    (lost,) = [text for text in later.findings if "rows were refused by the disk" in text]
+    assert int(lost.split()[0]) == pytest.approx((ROOM_S - FULL_S) / STEP_S, abs=BUFFERED_ROWS)
+    assert any("ends torn, its last row is whole" in text for text in later.findings)
+    before = read_record(f"{folder}@0..{ROOM_S}")
+    assert before.duration_s == pytest.approx(FULL_S, abs=BUFFERED_ROWS * STEP_S)
+    for name, values in before.columns.items():
+        assert values == pytest.approx(whole.columns[name][: before.samples]), name
