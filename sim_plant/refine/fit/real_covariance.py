@@ -12,6 +12,9 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.objective import Objective
 
+MANY = 1e9
+"""Degrees of freedom of what is known and not estimated, where a quantile needs a number."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class RealCovariance:
@@ -73,10 +76,6 @@ def real_covariance(objective: Objective, columns: Array, residual: Array) -> Re
     )
 
 
-MANY = 1e9
-"""Degrees of freedom of what is known and not estimated, where a quantile needs a number."""
-
-
 def moved_by_runs(objective: Objective, unit: Array) -> Array:
     """Return Z' of the noise of every seeded run (runs, q).
 
@@ -87,7 +86,7 @@ def moved_by_runs(objective: Objective, unit: Array) -> Array:
     data = unit[: objective.rows]
     whitened = objective.whitening.vector
     runs = [whitened(each) @ data for each in zip(*objective.whitening.realisations, strict=True)]
-    return np.array(runs)
+    return np.array(runs).reshape(-1, unit.shape[1])
 
 
 def blocks(objective: Objective, products: Array) -> Array:
