@@ -2,54 +2,91 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+
 import numpy as np
+from scipy.special import fdtri
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.objective import Objective
 
+MANY = 1e9
+"""Degrees of freedom of what is known and not estimated, where a quantile needs a number."""
 
-def block_covariance(objective: Objective, columns: Array, residual: Array) -> Array:
-    """Return the covariance of numbers, told by how their estimates differ from block to block.
 
-    ``columns`` (rows, q) are what the numbers change, ``residual`` (rows,) what is left. Where
-    that is white noise this is the covariance of noise and tolerances, to the square root of two
-    over the number of blocks. A model that is off at one plateau of speed, or after one step of
-    tension, leaves there what pulls a number, and elsewhere what pulls it back.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class RealCovariance:
+    """What moves numbers, in two parts that know nothing of each other.
 
-    Equation: H^-1 (sum over blocks of g g' + Q' Q) H^-1 with H = Z' Z, Z what nuisances cannot
-    explain of the columns, g = Z' r within a block, Q the rows of Z that stand for tolerances
-    [White 1980, Liang and Zeger 1986].
+    Attributes
+    ----------
+    noise : as the weighing takes it (q, q).
+    tolerances : of declared numbers (q, q).
+    variance : of every number (q,) by noise as it really is, and what a model has wrong in places.
+    freedom : degrees of freedom of ``variance`` (q,).
+    """
+
+    noise: Array
+    tolerances: Array
+    variance: Array
+    freedom: Array
+
+
+def real_covariance(objective: Objective, columns: Array, residual: Array) -> RealCovariance:
+    """Return what moves numbers; ``columns`` (rows, q) are what they change, ``residual`` is left.
+
+    Three estimates of one variance, and the largest would be high by chance alone. The weighing
+    is exact where noise is what it takes it for, and knows the steps of words; the seeded runs
+    (`moved_by_runs`) know noise that channels share and that a limit changes: the larger of the
+    two counts. What pulls differently from block to block (`blocks`) is an error of the model
+    where it is more than that noise does by chance.
+
+    Equation: A = (Z'Z)^-1 Z' with Z what nuisances cannot explain of the columns, its rows those
+    of records and of tolerances; A A' of either rows. Of blocks A_b r summed as squares
+    [White 1980, Liang and Zeger 1986], significance by the quantile of F.
     """
     own = objective.projector.project(columns)
     size = np.sqrt(np.maximum(np.einsum("ij,ij->j", own, own), 1e-300))
     unit = own / size
+    inverse = np.linalg.pinv(unit.T @ unit, rcond=1e-9, hermitian=True) / size[:, np.newaxis]
+    data, prior = unit[: objective.rows], unit[objective.rows :]
+    noise = inverse @ (data.T @ data) @ inverse.T
+    variance = np.maximum(noise.diagonal(), 0.0)
+    freedom = np.full(variance.size, math.inf)
+    runs = moved_by_runs(objective, unit) @ inverse.T
+    if len(runs) > 1:
+        seeded = runs.var(axis=0, ddof=1)
+        freedom = np.where(seeded > variance, len(runs) - 1.0, freedom)
+        variance = np.maximum(variance, seeded)
     left = objective.projector.project(residual)
-    pulls = blocks(objective, unit * left[:, np.newaxis])
-    tolerances = unit[objective.rows :]
-    middle = pulls.T @ pulls + tolerances.T @ tolerances
-    inverse = np.linalg.pinv(unit.T @ unit, rcond=1e-9, hermitian=True)
-    found: Array = inverse @ middle @ inverse / np.outer(size, size)
-    return found
+    pulls = blocks(objective, unit * left[:, np.newaxis]) @ inverse.T
+    pulled, free = np.sum(pulls**2, axis=0), len(pulls) - 1.0
+    if free > 0.0:
+        chance = fdtri(free, np.minimum(freedom, MANY), CRITERIA.report.confidence)
+        wrong = pulled > chance * variance
+        freedom = np.where(wrong, free, freedom)
+        variance = np.where(wrong, pulled, variance)
+    return RealCovariance(
+        noise=noise,
+        tolerances=inverse @ (prior.T @ prior) @ inverse.T,
+        variance=variance,
+        freedom=freedom,
+    )
 
 
-def realised_covariance(objective: Objective, columns: Array) -> Array:
-    """Return the covariance of numbers, told by how noise of seeded runs of the line moves them.
+def moved_by_runs(objective: Objective, unit: Array) -> Array:
+    """Return Z' of the noise of every seeded run (runs, q).
 
     The weighing takes channels one by one. Noise of a drive moves them together, and where it
-    meets a limit it is no longer what it was: both move numbers by more than it says.
-
-    Equation: mean of d d' over the runs, d what each one's noise is taken for  [parametric
-    bootstrap, one linear step].
+    meets a limit it is no longer what it was: both move numbers by more than it says. What all
+    runs share is no noise: the steps of words, on bodies that all turn alike.
     """
-    runs, numbers = objective.whitening.realisations, columns.shape[1]
-    nothing = np.zeros(len(objective.nuisances))
-    moved = []
-    for each in zip(*runs, strict=True):
-        noise = np.concatenate([objective.whitening.vector(each), nothing])
-        moved.append(objective.projector.joint_estimate(noise, columns)[-numbers:])
-    found: Array = np.mean([np.outer(d, d) for d in moved], axis=0)
-    return found
+    data = unit[: objective.rows]
+    whitened = objective.whitening.vector
+    runs = [whitened(each) @ data for each in zip(*objective.whitening.realisations, strict=True)]
+    return np.array(runs).reshape(-1, unit.shape[1])
 
 
 def blocks(objective: Objective, products: Array) -> Array:

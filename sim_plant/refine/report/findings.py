@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from sim_plant.base.effects import Value
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.report.confidence import interval, standard_deviations
+from sim_plant.refine.report.confidence import (
+    amplitude_standard_deviation,
+    interval,
+    standard_deviations,
+)
 from sim_plant.refine.report.experiments import experiments
 from sim_plant.refine.report.verdict import (
     Ambiguity,
@@ -78,7 +82,13 @@ def effect_findings(selection: Selection) -> tuple[EffectFinding, ...]:
     ranges = selection.ranges or ({},) * len(fit.hypotheses)
     rows = zip(selection.accepted, fit.hypotheses, fit.values, ranges, strict=True)
     for accepted, h, values, known in rows:
-        findings.append(_finding(accepted, h, values, sd[at : at + len(values)], known))
+        numbers = {name: at + k for k, name in enumerate(h.names)}
+        sizes = {
+            pair.amplitude: amplitude_standard_deviation(fit, numbers[pair.cos], numbers[pair.sin])
+            for pair in h.effect.quadratures
+            if pair.cos in numbers and pair.sin in numbers
+        }
+        findings.append(_finding(accepted, h, values, sd[at : at + len(values)], sizes, known))
         at += len(values)
     return tuple(findings)
 
@@ -88,6 +98,7 @@ def _finding(
     h: Hypothesis,
     values: Sequence[float],
     sd: Sequence[float],
+    sizes: Mapping[str, float],
     known: Ranges,
 ) -> EffectFinding:
     rows = list(zip(h.names, values, sd, strict=True))
@@ -99,7 +110,7 @@ def _finding(
             size = math.hypot(cos, sin)
             parameters[pair.amplitude] = size
             parameters[pair.angle] = math.atan2(sin, cos)
-            intervals[pair.amplitude] = interval(size, max(sd))
+            intervals[pair.amplitude] = interval(size, sizes.get(pair.amplitude, max(sd)))
     return EffectFinding(
         place=EffectAt(h.effect.name_in_version_1 or h.effect.name, h.location),
         parameters=parameters,

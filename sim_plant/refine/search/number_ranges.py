@@ -7,13 +7,14 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy.special import stdtrit
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.signatures import Frequency
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, jacobian
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.fit.real_covariance import block_covariance, realised_covariance
+from sim_plant.refine.fit.real_covariance import MANY, real_covariance
 from sim_plant.refine.fit.spread import SPREAD, model_errors
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.likely_range import LikelyRange, likely_range, values_of
@@ -37,7 +38,7 @@ def with_number_ranges(objective: Objective, selection: Selection) -> Selection:
             return selection
         noise = objective.projector.linear_fit(fit.residual, columns).covariance
         explained = [a.score for a in selection.accepted]
-        known = with_covariance(objective, fit, columns, noise, explained)
+        known = with_covariance(objective, fit, columns, explained)
         ends = _Ends(known)
         walks = _walks(objective, known, columns, noise.diagonal(), ends)
         better = _better(objective, known, walks)
@@ -52,26 +53,30 @@ def with_number_ranges(objective: Objective, selection: Selection) -> Selection:
 
 
 def with_covariance(
-    objective: Objective, fit: Fit, columns: Array, noise: Array, explained: Sequence[float]
+    objective: Objective, fit: Fit, columns: Array, explained: Sequence[float]
 ) -> Fit:
     """Return the fit with a covariance of noise, tolerances, what the model leaves, and wander.
 
-    Noise moves a number by more than the weighing says (``realised_covariance``), and what is
-    left pulls it in one part of a record more than in another (``block_covariance``): the largest
-    of the three counts. And the answer to an effect may be wrong by the share e anywhere: that
-    moves any number of it by e sqrt(X) of its standard deviations, where X is the chi-square that
-    the effect explains; a size, alone, by e of it (``model_errors``, which is not in here).
+    ``SPREAD`` of its standard deviations hold a number with the stated confidence: a variance of
+    few degrees of freedom (`real_covariance`) counts by Student's t of those of all parts.
+    And the answer to an effect may be wrong by the share e anywhere: that moves any number of it
+    by up to e sqrt(X) of what noise does, where X is the chi-square that the effect explains; a
+    size by e of it (``model_errors``, which is not in here).
+    Equation: v = sum v_i, freedom v^2 / sum (v_i^2 / f_i)  [Satterthwaite 1946].
     """
-    blocks = block_covariance(objective, columns, fit.residual).diagonal()
-    runs = realised_covariance(objective, columns).diagonal()
-    chi2 = np.repeat(np.maximum(explained, 0.0), [len(row) for row in fit.values])
-    plain = np.maximum(noise.diagonal(), 0.0)
-    own = np.square(model_errors(fit))
-    wrong = np.maximum(REPORT.model_share**2 * chi2 * plain - own, 0.0)
-    most = np.maximum.reduce([plain, blocks, runs])
-    scale = np.sqrt((most + wrong) / np.where(plain > 0.0, plain, 1.0))
-    known = replace(fit, covariance=noise * np.outer(scale, scale))
-    return with_wander_known(objective, known)
+    real = real_covariance(objective, columns, fit.residual)
+    plain = np.maximum(real.noise.diagonal(), 0.0)
+    counts = [len(row) for row in fit.values]
+    share = REPORT.model_share * np.sqrt(np.repeat(np.maximum(explained, 0.0), counts))
+    wrong = np.where(np.array(model_errors(fit)) > 0.0, 0.0, share**2 * plain)
+    part = np.where(plain > 0.0, plain, 1.0)
+    moved = np.sqrt((real.variance + wrong) / part)
+    covariance = real.noise * np.outer(moved, moved) + real.tolerances
+    known = with_wander_known(objective, replace(fit, covariance=covariance))
+    total = np.maximum(known.covariance.diagonal(), 1e-300) + np.square(model_errors(fit))
+    freedom = np.minimum(real.freedom * (total / np.maximum(real.variance, 1e-300)) ** 2, MANY)
+    wide = stdtrit(freedom, 0.5 + 0.5 * REPORT.confidence) / SPREAD
+    return replace(known, covariance=known.covariance * np.outer(wide, wide))
 
 
 class _Ends:

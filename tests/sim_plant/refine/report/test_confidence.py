@@ -7,7 +7,7 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.report.confidence import standard_deviations
+from sim_plant.refine.report.confidence import amplitude_standard_deviation, standard_deviations
 from tests.sim_plant.refine.small import LINE, fit_of
 
 DRAG = hypothesis(BY_NAME["bearing_drag"], "R7", (), ("constant_N_m",), LINE)
@@ -33,3 +33,18 @@ def test_a_mass_is_a_size_and_a_frequency_is_none():
     fit = replace(fit_of(bounce, values=[(3.4, 30.0)]), covariance=np.diag([0.002, 0.1]) ** 2)
     mass = math.hypot(0.1, 30.0 * CRITERIA.report.model_share)
     assert standard_deviations(fit) == pytest.approx([0.002, mass])
+
+
+def test_what_turns_a_phasor_says_nothing_of_its_length():
+    off_axis = hypothesis(BY_NAME["eccentric_roller"], "R6", (), ("cos_m", "sin_m"), LINE)
+    along, across = np.array([0.6, 0.8]), np.array([-0.8, 0.6])
+    known = 1e-6**2 * np.outer(along, along) + 1e-4**2 * np.outer(across, across)
+    fit = replace(fit_of(off_axis, values=[(3e-4, 4e-4)]), covariance=known)
+    own = 5e-4 * CRITERIA.report.model_share
+    assert amplitude_standard_deviation(fit, 0, 1) == pytest.approx(math.hypot(1e-6, own))
+
+
+def test_of_a_phasor_of_which_no_step_ran_the_length_is_known_as_its_parts():
+    off_axis = hypothesis(BY_NAME["eccentric_roller"], "R6", (), ("cos_m", "sin_m"), LINE)
+    fit = replace(fit_of(off_axis, values=[(3e-4, 4e-4)]), covariance=np.zeros((0, 0)))
+    assert amplitude_standard_deviation(fit, 0, 1) == max(standard_deviations(fit))

@@ -8,7 +8,8 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
+from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, jacobian, nominal_fit
+from sim_plant.refine.fit.real_covariance import real_covariance
 from sim_plant.refine.fit.spread import SPREAD
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.twin import Case
@@ -71,6 +72,34 @@ def test_a_plain_size_lies_within_noise_and_what_a_model_has_wrong_of_it():
     sd = math.hypot(noise, 0.2 * CRITERIA.report.model_share)
     assert 0.5 * (high - low) == pytest.approx(SPREAD * sd, rel=0.3)
     assert low < 0.2 < high
+
+
+def test_what_a_size_explains_widens_it_by_no_more_than_its_own_error():
+    """What e of an answer may be, e of the size is, however many standard deviations it is."""
+    drag = hypothesis(BY_NAME["bearing_drag"], "R2", (), ("constant_N_m",), LINE)
+    widths = []
+    for score in (1e3, 1e7):
+        found = with_number_ranges(*selected(drag, (0.2,), score=score))
+        low, high = found.ranges[0]["constant_N_m"]
+        widths.append(high - low)
+    assert widths[1] == pytest.approx(widths[0], rel=1e-6)
+
+
+def test_a_variance_of_twelve_runs_counts_by_students_t():
+    drag = hypothesis(BY_NAME["bearing_drag"], "R2", (), ("constant_N_m",), LINE)
+    objective, selection = selected(drag, (0.002,))
+    noise = white((12, 2, SAMPLES), 8)
+    noise[:, 1] = -noise[:, 0]  # shares of the answer are 1 and -0.5: it moves it by more
+    whitening = replace(objective.whitening, realisations=(noise,))
+    objective = replace(objective, whitening=whitening)
+    low, high = with_number_ranges(objective, selection).ranges[0]["constant_N_m"]
+    column = jacobian(objective, (drag,), selection.fit.values, selection.fit.shifts)
+    real = real_covariance(objective, column, selection.fit.residual)
+    assert real.freedom[0] == 11.0
+    sd = math.sqrt(real.variance[0] + real.tolerances[0, 0])
+    own = 0.002 * CRITERIA.report.model_share
+    # 0.975 quantile of Student's t of 11 degrees of freedom
+    assert 0.5 * (high - low) == pytest.approx(math.hypot(2.201 * sd, SPREAD * own), rel=0.01)
 
 
 def test_a_delay_is_known_to_a_drive_tick_however_quiet_the_record():
