@@ -56,6 +56,7 @@ def test_every_sentence_is_one_that_law_or_guard_can_say() -> None:
         "core/response.py",
         "core/phase.py",
         "core/blocks/bank.py",
+        "core/shape/confidence.py",
         "core/shape/law.py",
         "safety/guard.py",
     )

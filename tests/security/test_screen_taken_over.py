@@ -13,12 +13,13 @@ import pytest
 
 from aff_runtime.app.door.messages import Hello, decode
 from aff_runtime.app.hand.client import HandClient
-from aff_runtime.app.hand.may import Action, Role
+from aff_runtime.app.hand.may import BY_HAND, OF_SETTINGS, Action, Role
 from aff_runtime.app.hand.messages import Answer, Command, Welcome
 from aff_runtime.app.link.request_socket import RequestSocket
 from aff_runtime.app.supervisor import door as door_module
 from aff_runtime.app.supervisor.hand import visits as visits_module
 from aff_runtime.app.supervisor.hand.desk import HandRules
+from aff_runtime.base.errors import WireError
 from tests.aff_runtime.app.door.stand import Stand
 from tests.aff_runtime.app.hand.stand import Stand as HandStand
 
@@ -166,7 +167,7 @@ def hand(monkeypatch: pytest.MonkeyPatch) -> Iterator[HandStand]:
         found.close()
 
 
-@pytest.mark.parametrize("action", Action)
+@pytest.mark.parametrize("action", BY_HAND)
 def test_whatever_role_it_claims_it_gets_the_ceiling_and_no_more(
     hand: HandStand, action: Action
 ) -> None:
@@ -192,6 +193,29 @@ def test_whatever_role_it_claims_it_gets_the_ceiling_and_no_more(
     assert hand.service.bypassed == (action is Action.BYPASS)
     (row,) = hand.rows()
     assert row["peer"].startswith(f"uid {NOBODY}")
+
+
+@pytest.mark.parametrize("action", OF_SETTINGS)
+def test_settings_are_no_word_of_the_hand(hand: HandStand, action: Action) -> None:
+    said: Command = hand.command(action, role=Role.COMMISSION)
+
+    def press() -> None:
+        client = HandClient(hand.path)
+        client.say(said)
+        told: list[object] = []
+        with contextlib.suppress(WireError):  # the service hangs up
+            while len(told) < 2:
+                message = client.receive()
+                told += [message] if message is not None else []
+        assert len(told) < 2
+        assert not any(isinstance(one, Answer) for one in told)
+
+    child = in_child_as_screen(press)
+    while (ended := os.waitpid(child, os.WNOHANG))[0] == 0:
+        hand.round()
+    assert os.waitstatus_to_exitcode(ended[1]) == 0
+    assert not hand.service.asked
+    assert not hand.service.bypassed
 
 
 AUDIT_DEEDS: dict[str, Callable[[HandStand], object]] = {
