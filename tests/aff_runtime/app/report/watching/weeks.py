@@ -213,6 +213,10 @@ within {{spread:.1f}} % (1 sigma), which is what noise makes of one stretch of {
 that runs all day has one of 60 s and more an hour). What the plant had is shown times that. Days
 count from 0.
 
+The growth was chosen so that four weeks tell it. At half of it (8 um per 1000 km, limit at 1.15
+times the first stroke, one noise for all days) no trend stood on day 27, and the first note said
+44.6 (30.5 to 58.6) um per 1000 km where the plant had 22.7.
+
 | what | the plant | `watch` | holds |
 |---|---|---|---|
 {{table}}
