@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import os
 import socket
@@ -25,6 +26,7 @@ from tests.aff_runtime.app.hand.stand import Stand as HandStand
 
 pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="only root can be another user")
 NOBODY, DOOR_GROUP = 65534, 60
+codecs.lookup("ascii")  # a child as another user may not read where Python would load it from
 
 
 class Place:
