@@ -228,7 +228,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     rows = []
     for name, case in draws(given.rounds, given.only):
         kept = given.out / "rows" / f"{name}.json"
-        row = read_row(kept, KEYS) if kept.exists() else None
+        row = read_row(kept, KEYS)
         if row is None:
             row = row_of(name, case, given.out / "work" / name)
             write_row(kept, row)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
@@ -90,9 +90,9 @@ def run(arguments: argparse.Namespace) -> int:
         wire=arguments.wire,
         line_speed_m_s=speed_m_s,
         seed=arguments.seed,
-        limit_m_s=arguments.limit_m_s,
-        **({} if arguments.limit_m_s is None else {"learn_s": LEARN_AFTER_LONG_PROBE_S}),
     )
+    if arguments.limit_m_s is not None:
+        plan = replace(plan, limit_m_s=arguments.limit_m_s, learn_s=LEARN_AFTER_LONG_PROBE_S)
     session = run_session(plan, say)
     before = window(session.record, *session.before_s)
     after = window(session.record, *session.after_s)

@@ -15,7 +15,7 @@ from dataclasses import replace
 from functools import partial
 
 from aff_runtime.app.door.messages import Facts
-from aff_runtime.app.hand.may import Circumstances
+from aff_runtime.app.hand.may import OF_SETTINGS, Circumstances
 from aff_runtime.app.link.answers import Answer, Done, as_answer, refusal
 from aff_runtime.app.link.messages import (
     Arm,
@@ -274,7 +274,7 @@ class Supervisor:
     def _change_settings(self, asked: Asked) -> None:
         """Have the settings' desk do what is asked; what only looks is not put on record."""
         act = asked.request.settings.act if asked.request.settings is not None else ""
-        if act in ("try", "keep", "undo"):
+        if act in OF_SETTINGS:
             self._note_command(asked, act)
             asked.then = partial(self._count, f"settings-{act}")
         self._settings.do(asked)

@@ -40,15 +40,16 @@ class WaveFit:
         the highest order.
     """
 
-    __slots__ = ("_bend", "_pair", "_waves", "orders", "price")
+    __slots__ = ("_bend", "_highest", "_pair", "_waves", "orders", "price")
 
     def __init__(self, orders: Floats) -> None:
         self.orders = orders
-        points = POINTS_PER_ORDER * int(orders.max(initial=1.0))
+        self._highest = float(orders.max(initial=1.0))
+        points = POINTS_PER_ORDER * int(self._highest)
         angle = np.arange(points) * (math.tau / points)
         # Re (x e^{j a}) = re x cos a - im x sin a, for x as pairs of reals
         self._waves = np.exp(-1j * np.outer(angle, orders)).view(np.float64)
-        self._bend = orders / orders.max(initial=1.0)
+        self._bend = orders / self._highest
         self._pair = np.zeros((2, orders.size), dtype=np.complex128)
         self.price = np.zeros((2, points))
 
@@ -73,7 +74,7 @@ class WaveFit:
         points = self.price.shape[1]
         bend = self._bend
         pull = STIFFNESS * math.exp(float(np.log(q[wanted]).mean()))
-        top = np.array([[limit], [slew_per_rad / self.orders.max()]])
+        top = np.array([[limit], [slew_per_rad / self._highest]])
         np.stack((x, 1j * bend * x), out=self._pair)
         reached = self._pair.view(np.float64) @ self._waves.T
         reached += self.price * (0.5 * points / pull)
@@ -93,7 +94,7 @@ class WaveFit:
     def prices(self) -> tuple[float, float]:
         """Return the price of the limit and of the slew limit per radian, summed over the turn."""
         sums = np.abs(self.price).sum(axis=1)
-        return float(sums[0]), float(sums[1]) / float(self.orders.max(initial=1.0))
+        return float(sums[0]), float(sums[1]) / self._highest
 
     def adopt(self, old: WaveFit) -> None:
         """Go on with the prices of ``old``, each at the nearest angle of one's own."""
@@ -102,4 +103,4 @@ class WaveFit:
         self.price[:] = 0.0
         for mine, theirs in zip(self.price, old.price, strict=True):
             np.add.at(mine, nearest, theirs)
-        self.price[1] *= self.orders.max(initial=1.0) / old.orders.max(initial=1.0)
+        self.price[1] *= self._highest / old._highest
