@@ -208,12 +208,11 @@ def _shown(readings: Readings, size: float) -> str:
 
 
 def _weeks(weeks: tuple[float, float, float]) -> str:
-    value, low, high = weeks
-    if value < 1.0:
-        about = f"about {7.0 * value:.0f} days"
-    elif value > A_LONG_TIME_WEEKS:
+    if weeks[0] > A_LONG_TIME_WEEKS:
         return "more than 10 years"
-    else:
-        about = f"about {value:.0f} weeks"
-    end = "without end" if not math.isfinite(high) else f"{high:.1f}"
-    return f"{about} ({low:.1f} to {end} weeks)"
+    factor, word = (7.0, "day") if weeks[0] < 1.0 else (1.0, "week")
+    value, low, high = (factor * one for one in weeks)
+    count = round(value)
+    about = f"about {count} {word}" + ("" if count == 1 else "s")
+    end = f"to {high:.1f} {word}s" if math.isfinite(high) else f"{word}s at least"
+    return f"{about if count else 'less than a day'} ({low:.1f} {end})"
