@@ -1,14 +1,14 @@
 """Refining and maintenance in the reader's language.
 
-What stands in refine's own page and in `aff-runtime watch` stays as it is there, in English: names
-of effects, what to do about each, what was found about a record.
+What `verdict_sentences.py` does not know stays as it is in refine's own page, in English: the
+names of numbers, experiments, an effect that is new.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from aff_hmi.commission.sentences import sentence
+from aff_hmi.commission.sentences import parts, sentence, sentences
 from aff_hmi.words import N_, Say
 from aff_runtime.app.commission.maintenance_views import MaintenanceView, RankingRow, TrendRow
 from aff_runtime.app.commission.refine_views import (
@@ -18,6 +18,7 @@ from aff_runtime.app.commission.refine_views import (
     RefinedView,
     RefiningView,
 )
+from aff_runtime.base.refinement import EffectSaid, Summary
 
 # what a verdict is: its mark, its word, and what it means
 KINDS = {
@@ -68,9 +69,34 @@ def refined_in(view: RefinedView, say: Say) -> RefinedView:
     """Return one refinement."""
     summary = view.summary
     if summary is not None:
-        summary = replace(summary, limits=tuple(_of_record(one, say) for one in summary.limits))
+        summary = _summary(summary, say)
     proposal = _proposal(view.proposal, say) if view.proposal is not None else None
     return replace(view, row=_row(view.row, say), summary=summary, proposal=proposal)
+
+
+def _summary(said: Summary, say: Say) -> Summary:
+    """Return a verdict."""
+    sure, mark, decides = said.sure.partition(". A ")
+    return replace(
+        said,
+        headline=sentences(said.headline, say),
+        sure=f"{parts(sure, say)}. {sentence(f'A {decides}', say)}" if mark else sure,
+        gain=sentences(said.gain, say),
+        next_step=sentences(said.next_step, say),
+        unknown=tuple(sentence(one, say) for one in said.unknown),
+        effects=tuple(_effect(one, say) for one in said.effects),
+        limits=tuple(_of_record(one, say) for one in said.limits),
+    )
+
+
+def _effect(said: EffectSaid, say: Say) -> EffectSaid:
+    return replace(
+        said,
+        place=sentence(said.place, say),
+        text=sentence(said.text, say),
+        to_do=sentence(said.to_do, say),
+        others=tuple(sentence(one, say) for one in said.others),
+    )
 
 
 def maintenance_in(view: MaintenanceView, say: Say) -> MaintenanceView:

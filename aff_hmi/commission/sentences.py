@@ -9,10 +9,12 @@ What stands in a place called ``what`` or ``why`` is itself such a sentence, or 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from functools import cache
 
 from aff_hmi.commission.run_sentences import RUNS
 from aff_hmi.commission.setup_sentences import SETUP
+from aff_hmi.commission.verdict_sentences import PATTERNS as VERDICTS
 from aff_hmi.words import N_, Say
 
 PATTERNS = (
@@ -39,11 +41,14 @@ PATTERNS = (
     N_("its process ended without an answer; see the log of the commissioner"),
     *SETUP,
     *RUNS,
+    *VERDICTS,
 )
 _PLACE = re.compile(r"\\\{(\w+)\\\}")
 _NESTED = ("what", "why")
 _LISTS = (*_NESTED, "bits", "rest", "reason", "site", "text", "thing", "words")
-LONGEST, DEEPEST = 700, 3
+LIST_MARKS = ("; ", ", ")
+_END = re.compile(r"(?<=\.) ")
+LONGEST, DEEPEST = 700, 6
 
 
 @cache
@@ -57,7 +62,7 @@ def _any(place: re.Match[str]) -> str:
     """Return what stands in a place: a word's number; no list, unless it is for one."""
     if place[1] == "word":
         return r"(?P<word>\d+)"
-    return f"(?P<{place[1]}>.+?)" if place[1] in _LISTS else f"(?P<{place[1]}>(?:(?!, ).)+?)"
+    return f"(?P<{place[1]}>.+?)" if place[1] in _LISTS else f"(?P<{place[1]}>(?:(?!, |; ).)+?)"
 
 
 def sentence(text: str, say: Say, depth: int = 0) -> str:
@@ -71,7 +76,7 @@ def sentence(text: str, say: Say, depth: int = 0) -> str:
             continue
         said = say(template)
         for name, value in found.groupdict().items():
-            shown = _parts(value, say, depth) if name in _NESTED else value
+            shown = parts(value, say, depth) if name in _NESTED else value
             said = said.replace(f"{{{name}}}", shown)
         return said
     return text
@@ -82,8 +87,30 @@ def _bounded(text: str) -> str:
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}\u2026"
 
 
-def _parts(text: str, say: Say, depth: int) -> str:
+def parts(text: str, say: Say, depth: int = 0) -> str:
+    """Return a sentence, or a list of them, in the reader's language."""
     whole = sentence(text, say, depth + 1)
-    if whole != text or ", " not in text:
+    if whole != text:
         return whole
-    return ", ".join(sentence(one, say, depth + 1) for one in text.split(", "))
+    for mark in LIST_MARKS:
+        if mark in text:
+            return mark.join(_list(text.split(mark), mark, say, depth))
+    return text
+
+
+def _list(pieces: list[str], mark: str, say: Say, depth: int) -> Iterator[str]:
+    """Yield the parts of a list; a sentence that has the mark in it is one part."""
+    while pieces:
+        for count in (2, 1):
+            text = mark.join(pieces[:count])
+            said = sentence(text, say, depth + 1)
+            if said != text or len(pieces[:count]) == 1:
+                break
+        pieces = pieces[count:]
+        yield parts(said, say, depth + 1) if said == text else said
+
+
+def sentences(text: str, say: Say) -> str:
+    """Return several sentences in the reader's language, each by itself."""
+    said = _END.split(text)
+    return " ".join(sentence(one, say) if len(one) <= LONGEST else one for one in said)

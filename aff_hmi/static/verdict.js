@@ -20,7 +20,7 @@ const english = (tag, kind, text) => {
   return made;
 };
 
-function list(title, texts, language = "en") {
+function list(title, texts, language = root.lang) {
   if (!texts.length) return [];
   const made = part("ul");
   made.lang = language;
@@ -31,14 +31,14 @@ function list(title, texts, language = "en") {
 function effect(one) {
   const box = part("div", "effect");
   const others = one.others.length ? ` (${words.others} ${one.others.join(", ")})` : "";
-  box.append(english("h4", "", `${one.place}${others}`), english("p", "note", one.text));
+  box.append(part("h4", "", `${one.place}${others}`), part("p", "note", one.text));
   const rows = one.numbers.map((n) => {
     const interval = n.low ? `${n.low} – ${n.high}` : words.assumed;
     return row([n.name, `${n.value} ${n.unit}`.trim(), interval]);
   });
   box.append(table([words.name, words.value, words.interval], rows));
   box.append(part("p", "", one.can_cancel ? words.cancel : words.noCancel));
-  box.append(...list(words.do, [one.to_do]), ...list(words.tell, one.experiments));
+  box.append(...list(words.do, [one.to_do]), ...list(words.tell, one.experiments, "en"));
   return box;
 }
 
@@ -79,7 +79,7 @@ function proposed(one, proposal, isOpen) {
   box.id = "proposal";
   box.append(part("h4", "", words.proposed));
   if (proposal.against) box.append(part("p", "bad", proposal.against));
-  box.append(...list(words.changes, proposal.changes), ...list(words.remarks, proposal.remarks));
+  box.append(...list(words.changes, proposal.changes, "en"), ...list(words.remarks, proposal.remarks, "en"));
   const text = part("pre", "diff scroll");
   text.tabIndex = 0;
   text.append(
@@ -102,15 +102,15 @@ export function showVerdict(one, summary, proposal, command, isOpen) {
   const buttons = part("p", "buttons");
   buttons.append(page);
   return [
-    english("p", "asked", summary.headline),
+    part("p", "asked", summary.headline),
     ...list(words.next, [summary.next_step]),
     ...summary.effects.map(effect),
     ...list(words.unknown, summary.unknown),
     ...errors(summary),
-    english("p", "note", summary.gain),
-    ...(summary.sure ? [english("p", "note", summary.sure)] : []),
-    ...list(words.limits, summary.limits, root.lang),
-    ...list(words.site, summary.site_said),
+    part("p", "note", summary.gain),
+    ...(summary.sure ? [part("p", "note", summary.sure)] : []),
+    ...list(words.limits, summary.limits),
+    ...list(words.site, summary.site_said, "en"),
     ...(proposal ? [proposed(one, proposal, isOpen)] : []),
     buttons,
     ...again,

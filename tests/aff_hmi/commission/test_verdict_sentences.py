@@ -1,0 +1,133 @@
+"""A verdict of refine is told in the reader's language: what, where, what to do."""
+
+from __future__ import annotations
+
+import pytest
+
+pytest.importorskip("numba")
+
+from aff_hmi.commission.of_runs import refined_in
+from aff_hmi.commission.sentences import sentence
+from aff_hmi.commission.verdict_sentences import NAMES, REMEDIES, TEXTS
+from aff_hmi.words import say_in
+from aff_runtime.app.commission.refine_views import AskedOf, RefinedRow, RefinedView
+from aff_runtime.base.refinement import EffectSaid, Summary
+from sim_plant.effects.catalogue import CATALOGUE
+from sim_plant.refine.model.effect_at import EffectAt
+from sim_plant.refine.report.wording import coordinate_text, place_words
+
+ENGLISH, GERMAN = say_in("en"), say_in("de")
+DRAG = "turn R4 by hand with the web off; clean, grease or change its bearings"
+
+
+def test_what_is_known_of_effects_is_still_what_the_catalogue_says():
+    """A pattern whose words the catalogue no longer has would never be found."""
+    names = {
+        place_words(EffectAt(effect=one.name, location="R1")).replace("R1", "{place}")
+        for one in CATALOGUE
+    }
+    assert set(NAMES) <= names
+    assert set(TEXTS) <= {one.text for one in CATALOGUE}
+    assert set(REMEDIES) <= {one.remedy for one in CATALOGUE}
+
+
+@pytest.mark.parametrize(
+    ("kind", "where"),
+    [
+        ("time", {"frequency_Hz": 12.5}),
+        ("angle", {"order": 2.0, "roll": "unwind"}),
+        ("travel", {"wavenumber_1_m": 2.0, "equivalent_radius_m": 0.08}),
+        ("event", {"from_s": 43.2, "zone": "the pull roll's zone", "channel": "pullroll_N"}),
+        ("state", {"declared": "web.EA_N", "standard_deviations": 7.0}),
+        ("noise", {"channels": "a_N, b_N", "from_Hz": 1.0, "to_Hz": 2.0}),
+        ("noise", {}),
+    ],
+)
+def test_what_is_unknown_is_told_in_german_with_the_same_numbers(kind, where):
+    text = coordinate_text(kind, where)
+    said = sentence(text, GERMAN)
+    assert said != text
+    assert [c for c in said if c.isdigit()] == [c for c in text if c.isdigit()]
+    assert sentence(text, ENGLISH) == text
+
+
+def summary(**words: object) -> Summary:
+    said = {
+        "kind": "traced",
+        "headline": "Traced: slip at pull_roll, slope 0.1 s/m (95 %: 0.09 to 0.11); bearing drag "
+        "at R4, constant 0.17 N m.",
+        "sure": "slip at pull_roll scores 900, the next best explanation (loop delay at unwind) "
+        "120; bearing drag at R4 scores 80, no other explains the record as well. A difference of "
+        "10 decides.",
+        "gain": "On the held-out record the error in load_cell_N is 3.1 N rms as declared, 0.27 N "
+        "as amended; noise alone leaves 0.26 N. As amended, all tensions and speeds are within "
+        "10 % of noise.",
+        "next_step": "This is no ripple to cancel: clean the surface of pull_roll, give it more "
+        f"wrap or nip, or run slower; {DRAG}.",
+        "effects": (
+            EffectSaid(
+                place="bearing drag at R4",
+                text=CATALOGUE[4].text,
+                numbers=(),
+                can_cancel=False,
+                to_do=DRAG,
+                others=("bearing drag at R5",),
+                experiments=("lift the web off R4",),
+            ),
+        ),
+        "unknown": (),
+        "errors": (),
+        "limits": (),
+        "judged_on": "b.csv",
+        "held_out": True,
+        "site_said": (),
+    }
+    return Summary(**{**said, **words})
+
+
+def told(said: Summary, say) -> Summary:
+    asked = AskedOf(windows=("a",), holdout=(), without=(), by="carl", utc="u")
+    row = RefinedRow(number=1, asked=asked, kind="traced", text="")
+    view = RefinedView(row=row, summary=said, proposal=None, command="")
+    found = refined_in(view, say).summary
+    assert found is not None
+    return found
+
+
+def test_a_verdict_reads_german_from_its_headline_to_what_to_do():
+    found = told(summary(), GERMAN)
+    assert found.headline == (
+        "Gefunden: Schlupf: pull_roll, slope 0.1 s/m (95 %: 0.09 to 0.11); schwergängiges "
+        "Lager: R4, constant 0.17 N m."
+    )
+    assert found.sure == (
+        "Schlupf: pull_roll erreicht 900, die nächstbeste Erklärung (Verzug im Zugregelkreis: "
+        "unwind) 120; schwergängiges Lager: R4 erreicht 80, nichts anderes erklärt die "
+        "Aufzeichnung so gut. Ein Unterschied von 10 entscheidet."
+    )
+    assert found.gain.endswith("innerhalb 10 % des Rauschens.")
+    assert "3.1 N" in found.gain
+    drag = "R4 ohne Bahn von Hand drehen; Lager reinigen, schmieren oder tauschen"
+    assert found.next_step.endswith(f"oder langsamer fahren; {drag}.")
+    (effect,) = found.effects
+    assert effect.to_do == drag
+    assert effect.others == ("schwergängiges Lager: R5",)
+    assert effect.experiments == ("lift the web off R4",)
+
+
+def test_a_verdict_in_english_is_what_refine_wrote():
+    assert told(summary(), ENGLISH) == summary()
+
+
+def test_an_effect_that_is_new_is_told_in_english():
+    new = "Traced: warped plate at R4, size 2 mm."
+    assert told(summary(headline=new), GERMAN).headline == (
+        "Gefunden: warped plate at R4, size 2 mm."
+    )
+
+
+def test_a_set_names_its_members_in_german():
+    said = summary(headline="eccentric roller at R1 cannot be told from eccentric roller at R2.")
+    assert told(said, GERMAN).headline == (
+        "exzentrische Walze: R1 ist nicht zu unterscheiden von exzentrische Walze: R2."
+    )
