@@ -1,6 +1,6 @@
 /* Made from the compiled functions of sim_plant by sim_plant.codegen; not by hand. */
 
-#define SOURCE "777e93cc1ff7f37c" /* of the files it was made from */
+#define SOURCE "da020b3b3126fb29" /* of the files it was made from */
 
 /* LANES lines side by side: one vector of doubles, or of integers, for each number of a line.
    Built several times, with other LANES and other instructions; see setup.py. */
@@ -331,6 +331,7 @@ typedef struct {
     floats corner_rad_s;
     floats sign;
     floats reference_m;
+    floats slew_m_s2;
 } LOOP;
 
 typedef struct { LOOP *at; int64_t n; } LOOP_array;
@@ -502,11 +503,16 @@ static inline group_FF k_tension_pi(floats gain_m_s_N, floats corner_rad_s, floa
     return t1_;
 }
 
+static inline floats k_ramped(floats wanted, floats last, floats step) {
+    return choose_floats(((integers)(step > each_float(0.0))), least_floats(largest_floats(wanted, (last - step)), (last + step)), wanted);
+}
+
 static inline void k_run_loops(const LineArrays * p, const Layout * lay, const LineState * s, float_1 tension_ref_N, double period_s) {
     LOOP * law = {0};
     floats error = {0};
     floats correction = {0};
     floats integral = {0};
+    floats last = {0};
     const int64_t t1_ = p->loops.n;
     for (int64_t loop = 0; loop < t1_; loop++) {
         law = (&p->loops.at[loop]);
@@ -518,7 +524,8 @@ static inline void k_run_loops(const LineArrays * p, const Layout * lay, const L
         const group_FF t2_ = k_tension_pi(law->gain_m_s_N, law->corner_rad_s, law->sign, error, s->loop_integral.at[loop], period_s);
         correction = t2_.part0;
         integral = t2_.part1;
-        s->loop_correction_m_s.at[loop] = correction;
+        last = s->loop_correction_m_s.at[loop];
+        s->loop_correction_m_s.at[loop] = k_ramped(correction, last, (law->slew_m_s2 * period_s));
         s->loop_integral.at[loop] = integral;
     }
 }
@@ -603,10 +610,6 @@ static inline void k_keep_changes(const LineArrays * p, double time_s) {
             }
         }
     }
-}
-
-static inline floats k_ramped(floats wanted, floats last, floats step) {
-    return choose_floats(((integers)(step > each_float(0.0))), least_floats(largest_floats(wanted, (last - step)), (last + step)), wanted);
 }
 
 static inline floats k_drive_reference(const LineArrays * p, const LineState * s, int64_t d, double line_speed_m_s, double aff_m_s) {
