@@ -3,6 +3,7 @@
 __all__ = [
     "arguments",
     "clock",
+    "confidence",
     "effort",
     "errors",
     "events",

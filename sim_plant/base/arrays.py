@@ -79,7 +79,8 @@ CELL = record_type(
 )
 LOOP = record_type(
     "cell carriage",  # a loop holds a cell's tension or, where cell is -1, a carriage's travel
-    "gain_m_s_N corner_rad_s sign reference_m",  # of travel: gain in m/s per m
+    "gain_m_s_N corner_rad_s sign reference_m "  # of travel: gain in m/s per m
+    "slew_m_s2",  # of its output, sample by sample; 0 = none
 )
 # what rollers move with: its travel, m, is 0 where the file puts them and lengthens the path
 CARRIAGE = record_type(

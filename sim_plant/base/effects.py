@@ -32,6 +32,7 @@ Candidates = Literal[
 Value = float | str
 Apply = Callable[[LineArrays, int, Mapping[str, Value]], LineArrays]
 Limits = Callable[[LineArrays, int], Mapping[str, tuple[float, float]]]
+Refusal = Callable[[LineArrays, int, Mapping[str, Value]], str]
 Experiment = Callable[[str, "Effect", str], str]
 """(own location, another effect, its location) -> what to do at the machine; empty: no help."""
 
@@ -148,6 +149,8 @@ class Effect:
     quadratures : pairs among ``accepts``.
     limits : returns narrower bounds (low, high) of some parameters at an index of its place on a
         given line, where physics knows them; None where the line says nothing.
+    refuses : says why an index of its place on a given line cannot have it in this form, "" where
+        it can; None: every place can have every form.
     declared_as : declared numbers that it is another name of.
     profiles : its named profiles, where tracing finds it by orders first.
     name_in_version_1 : what a version 1 verdict calls it; empty: its name.
@@ -171,6 +174,7 @@ class Effect:
     cancel_orders: tuple[int, ...] | str = ()
     quadratures: tuple[Quadrature, ...] = ()
     limits: Limits | None = None
+    refuses: Refusal | None = None
     declared_as: tuple[DeclaredNumber, ...] = ()
     profiles: Profiles | None = None
     name_in_version_1: str = ""

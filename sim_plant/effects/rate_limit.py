@@ -1,4 +1,4 @@
-"""A drive, or its correction's input, that changes only so fast."""
+"""A drive, its correction's input, or a tension loop's output that changes only so fast."""
 
 from __future__ import annotations
 
@@ -8,21 +8,34 @@ from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
 
 LIMITED = {"reference": "slew_m_s2", "correction": "correction_slew_m_s2"}
-"""Column of the drive for each word of ``limits``."""
+"""Column of the drive for each word of ``limits`` that acts in a drive."""
+LOOP = "loop"
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
-    """Limit the velocity reference of drive ``place``, or its correction alone; 0 is no limit.
+    """Limit the velocity reference of drive ``place``, or a part of it; 0 is no limit.
 
-    |v_k - v_k-1| <= slew tick. Inactive, hence without trace, while nothing asks for more. A
-    reference is what a drive's ramp generator takes: line speed and correction as one sum. A
-    correction is ramped where tension loop and AFF enter, behind that generator; the line's own
-    ramps pass.
+    |v_k - v_k-1| <= slew T. Inactive, hence without trace, while nothing asks for more. A
+    reference is what a drive's ramp generator takes: line speed and correction as one sum, T is
+    the drive tick. A correction is ramped where tension loop and AFF enter, behind that generator;
+    the line's own ramps pass. A loop limits what it gives, T is its own sample: it jumps by slew T
+    where a ramp in the drive needs T to get there, half a sample ahead on the way; AFF passes.
     """
-    slew = float(parameters["slew_m_s2"])
-    if slew != 0.0:
-        arrays.drives[LIMITED[str(parameters["limits"])]][place] = slew
+    slew, limits = float(parameters["slew_m_s2"]), str(parameters["limits"])
+    if slew == 0.0:
+        return arrays
+    if limits == LOOP:
+        arrays.loops["slew_m_s2"][arrays.drives["loop"][place]] = slew
+    else:
+        arrays.drives[LIMITED[limits]][place] = slew
     return arrays
+
+
+def refuses(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> str:
+    """Return why drive ``place`` cannot have it: no loop trims it; "" where it can."""
+    if parameters["limits"] == LOOP and int(arrays.drives["loop"][place]) < 0:
+        return f"no loop trims this drive; expected limits: {' or '.join(LIMITED)}"
+    return ""
 
 
 EFFECT = Effect(
@@ -42,13 +55,16 @@ EFFECT = Effect(
             default="reference",
             unit="",
             role="option",
-            words=tuple(LIMITED),
-            tries=("correction", "reference"),
+            words=(*LIMITED, LOOP),
+            tries=(LOOP, "correction", "reference"),
         ),
     },
     traced=("slew_m_s2",),
     apply=apply,
-    text="a drive ramps its reference, or the correction: fast changes come out slower",
+    text="a drive ramps its reference or its correction, or a tension loop its output: "
+    "fast changes come out slower",
     shows=None,
-    remedy="look at the ramp times of drive {place}; let the tension correction enter behind them",
+    remedy="look at the ramp times of drive {place} and of its tension loop; let the tension "
+    "correction enter behind them",
+    refuses=refuses,
 )

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import numpy as np
 
+from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.errors import PlantError
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.fleet.refine_look import LookResult
 from sim_plant.refine.report.verdict import Ambiguity, ChannelError, EffectFinding
 
-NORMAL_95 = 1.959964
 SURE = 4.0
 """Standard deviations of a slope that is told: of hundreds of lines one were else told daily."""
 DAYS = 30.0
@@ -129,7 +129,7 @@ def with_trends(findings: Sequence[Finding]) -> list[Finding]:
         places.sort(key=lambda at: findings[at].recorded)
         slope, deviation = slope_of([findings[at] for at in places])
         if deviation > 0.0 and abs(slope) > SURE * deviation:
-            last, half = places[-1], NORMAL_95 * deviation
+            last, half = places[-1], TWO_SIDED_95 * deviation
             told[last] = replace(
                 told[last],
                 trend=DAYS * slope,
@@ -148,7 +148,7 @@ def slope_of(series: Sequence[Finding]) -> tuple[float, float]:
     if np.unique(days).size < 3:
         return 0.0, 0.0
     size = np.array([f.size for f in series])
-    sd = np.array([(f.size_high - f.size_low) / (2.0 * NORMAL_95) for f in series])
+    sd = np.array([(f.size_high - f.size_low) / (2.0 * TWO_SIDED_95) for f in series])
     weight = 1.0 / np.maximum(sd, 1e-12 * np.abs(size).max()) ** 2
     centred = days - np.average(days, weights=weight)
     power = float(np.sum(weight * centred**2))

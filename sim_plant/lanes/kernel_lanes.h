@@ -1,6 +1,6 @@
 /* Made from the compiled functions of sim_plant by sim_plant.codegen; not by hand. */
 
-#define SOURCE "777e93cc1ff7f37c" /* of the files it was made from */
+#define SOURCE "aa90070d01328e8b" /* of the files it was made from */
 
 /* LANES lines side by side: one vector of doubles, or of integers, for each number of a line.
    Built several times, with other LANES and other instructions; see setup.py. */
@@ -331,6 +331,7 @@ typedef struct {
     floats corner_rad_s;
     floats sign;
     floats reference_m;
+    floats slew_m_s2;
 } LOOP;
 
 typedef struct { LOOP *at; int64_t n; } LOOP_array;
@@ -502,11 +503,16 @@ static inline group_FF k_tension_pi(floats gain_m_s_N, floats corner_rad_s, floa
     return t1_;
 }
 
+static inline floats k_ramped(floats wanted, floats last, floats step) {
+    return choose_floats(((integers)(step > each_float(0.0))), least_floats(largest_floats(wanted, (last - step)), (last + step)), wanted);
+}
+
 static inline void k_run_loops(const LineArrays * p, const Layout * lay, const LineState * s, float_1 tension_ref_N, double period_s) {
     LOOP * law = {0};
     floats error = {0};
     floats correction = {0};
     floats integral = {0};
+    floats last = {0};
     const int64_t t1_ = p->loops.n;
     for (int64_t loop = 0; loop < t1_; loop++) {
         law = (&p->loops.at[loop]);
@@ -518,7 +524,8 @@ static inline void k_run_loops(const LineArrays * p, const Layout * lay, const L
         const group_FF t2_ = k_tension_pi(law->gain_m_s_N, law->corner_rad_s, law->sign, error, s->loop_integral.at[loop], period_s);
         correction = t2_.part0;
         integral = t2_.part1;
-        s->loop_correction_m_s.at[loop] = correction;
+        last = s->loop_correction_m_s.at[loop];
+        s->loop_correction_m_s.at[loop] = k_ramped(correction, last, (law->slew_m_s2 * period_s));
         s->loop_integral.at[loop] = integral;
     }
 }
@@ -603,10 +610,6 @@ static inline void k_keep_changes(const LineArrays * p, double time_s) {
             }
         }
     }
-}
-
-static inline floats k_ramped(floats wanted, floats last, floats step) {
-    return choose_floats(((integers)(step > each_float(0.0))), least_floats(largest_floats(wanted, (last - step)), (last + step)), wanted);
 }
 
 static inline floats k_drive_reference(const LineArrays * p, const LineState * s, int64_t d, double line_speed_m_s, double aff_m_s) {
@@ -1534,10 +1537,15 @@ static inline floats k_span_tensions(const LineArrays * p, const Layout * lay, f
         }
         tensions.at[i] = pull;
         upstream = leaving;
-        const floats t26_ = share_b;
-        const floats t27_ = lift_b;
-        share_a = t26_;
-        lift_a = t27_;
+        const integers t26_ = (spliced & ((integers)(behind <= each_float(0.0))));
+        const integers on27_ = t26_;
+        if (any(on27_)) {
+            upstream = choose_floats(on27_, (free_out + (((strain - free) * EA_N) / span->EA_N)), upstream);
+        }
+        const floats t28_ = share_b;
+        const floats t29_ = lift_b;
+        share_a = t28_;
+        lift_a = t29_;
     }
     last = (lay->n - INT64_C(1));
     wander = ((contacts.at[(spans - INT64_C(1)) * contacts.cols + INT64_C(2)] * (&p->bodies.at[last])->sigma) * contacts.at[(spans - INT64_C(1)) * contacts.cols + INT64_C(4)]);
@@ -1642,10 +1650,10 @@ static inline void k_shafts(const LineArrays * p, const Layout * lay, float_lane
     floats motor_inertia = {0};
     floats full = {0};
     const int64_t t1_ = p->drives.n;
-    integers broken283_ = each_bool(false);
+    integers broken285_ = each_bool(false);
     for (int64_t d = 0; d < t1_; d++) {
-        integers skipped283_ = each_bool(false);
-        const integers on2_ = ~broken283_ & ~skipped283_;
+        integers skipped285_ = each_bool(false);
+        const integers on2_ = ~broken285_ & ~skipped285_;
         if (!any(on2_)) break;
         drive = (&p->drives.at[d]);
         k = choose_integers(on2_, each_int(drive->body[0]), k);
@@ -1654,9 +1662,9 @@ static inline void k_shafts(const LineArrays * p, const Layout * lay, float_lane
         const integers on4_ = on2_ & t3_;
         if (any(on4_)) {
             scatter_floats(on4_, dy.at, choose_integers(on4_, (lay->omega + k), each_int(INT64_C(0))), (gather_floats(dy.at, choose_integers(on4_, (lay->omega + k), each_int(INT64_C(0)))) + motor));
-            skipped283_ |= on4_;
+            skipped285_ |= on4_;
         }
-        const integers on5_ = on2_ & ~broken283_ & ~skipped283_;
+        const integers on5_ = on2_ & ~broken285_ & ~skipped285_;
         if (any(on5_)) {
             rate = choose_floats(on5_, (y.at[(lay->motor + d)] - gather_floats(y.at, choose_integers(on5_, (lay->omega + k), each_int(INT64_C(0))))), rate);
             through = choose_floats(on5_, k_shaft_torque(drive->shaft_stiffness_N_m, drive->shaft_damping_N_m_s, drive->shaft_backlash_rad, y.at[(lay->twist + d)], rate), through);

@@ -217,6 +217,8 @@ def span_tensions(  # noqa: PLR0915 - one loop: a call per part of it hands over
             )
         tensions[i] = pull
         upstream = leaving
+        if spliced and behind <= 0.0:  # old web is still on the body, at the tension before it
+            upstream = free_out + (strain - free) * EA_N / span.EA_N
         share_a, lift_a = share_b, lift_b
     last = lay.n - 1
     wander = contacts[spans - 1, 2] * p.bodies[last].sigma * contacts[spans - 1, 4]

@@ -109,7 +109,10 @@ def keep_changes(p: LineArrays, time_s: float) -> None:
 def run_loops(
     p: LineArrays, lay: Layout, s: LineState, tension_ref_N: Array, period_s: float
 ) -> None:
-    """Run every loop: of tension on the latest load-cell words, of travel on where it is."""
+    """Run every loop: of tension on the latest load-cell words, of travel on where it is.
+
+    A limit of its output holds from sample to sample; its integral does not know of it.
+    """
     for loop in range(p.loops.size):
         law = p.loops[loop]
         if law.carriage >= 0:
@@ -119,7 +122,8 @@ def run_loops(
         correction, integral = tension_pi(
             law.gain_m_s_N, law.corner_rad_s, law.sign, error, s.loop_integral[loop], period_s
         )
-        s.loop_correction_m_s[loop] = correction
+        last = s.loop_correction_m_s[loop]
+        s.loop_correction_m_s[loop] = ramped(correction, last, law.slew_m_s2 * period_s)
         s.loop_integral[loop] = integral
 
 

@@ -23,13 +23,17 @@ def apply_effects(
     Raises
     ------
     PlantError
-        On an unknown effect, location or parameter; the message offers the nearest name.
+        On an unknown effect, location or parameter (the message offers the nearest name), and on
+        a form that a place cannot have.
     """
     for number, entry in enumerate(entries):
         where = f"effects.{number}"
         effect = _known(BY_NAME, entry.effect, f"{where}.effect")
         values = merged(effect, entry.parameters, where)
         for place in places_of(declaration, effect, entry.location, f"{where}.location"):
+            against = effect.refuses(arrays, place, values) if effect.refuses is not None else ""
+            if against:
+                raise PlantError(f"{where}: {effect.name} at {entry.location}: {against}")
             arrays = effect.apply(arrays, place, values)
     return arrays
 

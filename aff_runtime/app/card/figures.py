@@ -10,7 +10,8 @@ from enum import StrEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from aff_runtime.app.report.comparison.turns import BATCHES, TWO_SIDED, student_t
+from aff_runtime.app.report.comparison.turns import BATCHES, student_t
+from aff_runtime.base.confidence import TWO_SIDED_95
 
 Array = NDArray[np.float64]
 NAN = math.nan
@@ -143,7 +144,7 @@ def quantile(values: Array, share: float) -> tuple[float, float, float]:
     if not n:
         return NAN, NAN, NAN
     middle = share * n
-    half = TWO_SIDED * math.sqrt(n * share * (1.0 - share))
+    half = TWO_SIDED_95 * math.sqrt(n * share * (1.0 - share))
     at = [min(n - 1, max(0, math.ceil(place) - 1)) for place in (middle, middle - half)]
     last = min(n - 1, max(0, math.ceil(middle + half)))
     return float(ordered[at[0]]), float(ordered[at[1]]), float(ordered[last])

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.core.identified import Estimate, IdentifiedDrive
 from aff_runtime.core.identify.drive_model import BALANCES, NAMES, DriveModel, sizes
@@ -22,7 +23,6 @@ PATHS = ((9, 1), (4, 1), (9, 2), (4, 2), (9, 5))
 FEWEST_TONES = 10
 CLEAR = 3.0
 """A tone counts whose speed and tension are this many standard errors."""
-SIDED = 1.96
 STRANGE, MOST_STRANGE = 30.0, 0.2
 """What one tone may add to the sum of squares, and the share of tones that may be left out."""
 ODD = 3.0
@@ -223,7 +223,7 @@ def _numbers(fits: Sequence[_Fitted], roll: str, radius_m: float) -> IdentifiedD
     mean = weight @ at
     structure = np.array([STRUCTURE.get(name, 0.0) for name in NAMES])
     spread = np.sqrt(weight @ (own + (at - mean) ** 2) + structure**2)
-    value, low, high = (sizes(mean + side * SIDED * spread) for side in (0.0, -1.0, 1.0))
+    value, low, high = (sizes(mean + side * TWO_SIDED_95 * spread) for side in (0.0, -1.0, 1.0))
 
     def of(name: str) -> Estimate:
         return Estimate(value=value[name], low=low[name], high=high[name])

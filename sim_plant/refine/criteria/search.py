@@ -285,6 +285,12 @@ class UnexplainedCriteria:
         "a channel above holds something broadband",
         "records without an effect, of other code with coloured noise and late scans: up to 1.05",
     )
+    loud_sd: float = criterion(
+        4.0,
+        "standard deviations of what seeded runs keep",
+        "that a channel holds above their mean before it is loud",
+        "loud is four to six where noise is the same all the time: 60 s differ by 2 to 3 %",
+    )
     coupled: float = criterion(
         20.0,
         "score of coherence, exponential with mean 1 for noise",

@@ -9,4 +9,5 @@ __all__ = [
     "roll_synchronisation",
     "spread",
     "start_angles",
+    "whitening",
 ]

@@ -154,15 +154,38 @@ class Projector:
 
         Equation: normal equations of [A C], each column at unit size, with the same ridge.
         """
+        normal, scale = self._beside(columns)
+        split = self._scale.size
+        own = (columns.T @ residual) / scale[split:]
+        scaled: Array = cho_solve(
+            cho_factor(normal), np.concatenate([self._unit.T @ residual, own])
+        )
+        sizes: Array = scaled / scale
+        return sizes
+
+    def moved_by_held(self, columns: Array, at: Sequence[int], change: Array) -> Array:
+        """Return by how much sizes of ``columns`` (q,) move when nuisances are held elsewhere.
+
+        Those ``at`` are moved by ``change``, all others and the sizes are estimated again.
+        Equation: -(N_ff)^-1 N_fh change, N the normal matrix of `joint_estimate`.
+        """
+        normal, scale = self._beside(columns)
+        held = np.zeros(scale.size, dtype=bool)
+        held[list(at)] = True
+        push = normal[np.ix_(~held, held)] @ (change * scale[held])
+        moved = np.zeros(scale.size)
+        moved[~held] = -cho_solve(cho_factor(normal[np.ix_(~held, ~held)]), push)
+        sizes: Array = (moved / scale)[self._scale.size :]
+        return sizes
+
+    def _beside(self, columns: Array) -> tuple[Array, Array]:
+        """Return the normal matrix of nuisances and columns at unit size, and their sizes."""
         power = np.einsum("ij,ij->j", columns, columns)
         size = np.where(power > 0.0, np.sqrt(power), 1.0)
         beside = (self._unit.T @ columns) / size
         own = (columns.T @ columns) / np.outer(size, size) + RIDGE * np.eye(size.size)
         normal = np.block([[self._normal, beside], [beside.T, own]])
-        against = np.concatenate([self._unit.T @ residual, (columns.T @ residual) / size])
-        scaled: Array = cho_solve(cho_factor(normal), against)
-        sizes: Array = scaled / np.concatenate([self._scale, size])
-        return sizes
+        return normal, np.concatenate([self._scale, size])
 
     def cost_with_fixed(self, residual: Array, fixed: Sequence[int]) -> float:
         """Return the least cost with all nuisances free but those ``fixed``."""

@@ -6,11 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import fdtri
+from scipy.special import fdtri, ndtri
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.nuisances import is_effective_radius
 
 MANY = 1e9
 """Degrees of freedom of what is known and not estimated, where a quantile needs a number."""
@@ -74,6 +75,25 @@ def real_covariance(objective: Objective, columns: Array, residual: Array) -> Re
         variance=variance,
         freedom=freedom,
     )
+
+
+def moved_by_declared(objective: Objective, residual: Array, columns: Array) -> Array:
+    """Return how far numbers (q,) go when declared numbers far off are put back.
+
+    A declared number that a fit has moved further than chance moves any of them may imitate what
+    the model has wrong. Its tolerance then says nothing of how far it may have taken others along.
+    ``residual`` is what a fit leaves, ``columns`` (rows, q) are what its numbers change. Effective
+    radii are told by the angle and stay.
+    Equation: |z| > z_n, P(|z| < z_n)^n = the stated confidence  [Sidak 1967].
+    """
+    z = -residual[objective.rows :]
+    own = np.array([not is_effective_radius(n.name) for n in objective.nuisances], dtype=bool)
+    if not own.any():
+        return np.zeros(columns.shape[1])
+    most = float(ndtri(0.5 + 0.5 * CRITERIA.report.confidence ** (1.0 / np.sum(own))))
+    out = np.flatnonzero(own & (np.abs(z) > most))
+    back = -(z * objective.prior_sd)[out]
+    return objective.projector.moved_by_held(columns, out.tolist(), back)
 
 
 def moved_by_runs(objective: Objective, unit: Array) -> Array:

@@ -221,7 +221,21 @@ def library(line: Declaration, without: Collection[str] = ()) -> list[Hypothesis
         if effect.name not in without and effect.traced
         for location in candidate_locations(line, effect)
         for choice in variants(effect)
+        if _possible(line, effect, location, choice)
     ]
+
+
+def _possible(
+    line: Declaration, effect: Effect, location: str, choice: Sequence[tuple[str, Value]]
+) -> bool:
+    """Return whether every place that a location names can have an effect in this form."""
+    if effect.refuses is None:
+        return True
+    arrays, values = build_arrays(line, timing_of(line, line.sample_time_s)), dict(choice)
+    places = places_of(line, effect, location, effect.name)
+    return not any(
+        effect.refuses(arrays, place, {**effect.parameters, **values}) for place in places
+    )
 
 
 def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[str, Value]:

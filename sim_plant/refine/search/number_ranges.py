@@ -14,7 +14,7 @@ from sim_plant.base.signatures import Frequency
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, jacobian
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.fit.real_covariance import MANY, real_covariance
+from sim_plant.refine.fit.real_covariance import MANY, moved_by_declared, real_covariance
 from sim_plant.refine.fit.spread import SPREAD, model_errors
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.likely_range import LikelyRange, likely_range, values_of
@@ -61,7 +61,9 @@ def with_covariance(
     few degrees of freedom (`real_covariance`) counts by Student's t of those of all parts.
     And the answer to an effect may be wrong by the share e anywhere: that moves any number of it
     by up to e sqrt(X) of what noise does, where X is the chi-square that the effect explains; a
-    size by e of it (``model_errors``, which is not in here).
+    size by e of it (``model_errors``, which is not in here). A declared number that was moved
+    too far to be tolerance may take it along: intervals reach to where it is without
+    (`moved_by_declared`).
     Equation: v = sum v_i, freedom v^2 / sum (v_i^2 / f_i)  [Satterthwaite 1946].
     """
     real = real_covariance(objective, columns, fit.residual)
@@ -76,7 +78,9 @@ def with_covariance(
     total = np.maximum(known.covariance.diagonal(), 1e-300) + np.square(model_errors(fit))
     freedom = np.minimum(real.freedom * (total / np.maximum(real.variance, 1e-300)) ** 2, MANY)
     wide = stdtrit(freedom, 0.5 + 0.5 * REPORT.confidence) / SPREAD
-    return replace(known, covariance=known.covariance * np.outer(wide, wide))
+    taken = moved_by_declared(objective, fit.residual, columns) / SPREAD
+    wider = known.covariance * np.outer(wide, wide) + np.outer(taken, taken)
+    return replace(known, covariance=wider)
 
 
 class _Ends:

@@ -11,7 +11,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.noise.innovations import NoiseModel
+from sim_plant.refine.fit.whitening import Whitening
 from sim_plant.refine.search.coherence import Coupling, least_likely_coupling
 from sim_plant.refine.search.outside_prior import PriorConflict, joint_conflict
 from sim_plant.refine.search.spectral_line_in_noise import may_be_noise
@@ -84,7 +84,7 @@ def what_is_left(
     conflict = joint_conflict(objective, fit)
     if conflict is not None:
         return [outside_tolerance(conflict)]
-    if loudest(objective.whitening.noise, objective.split(fit.residual)) > UNEXPLAINED.loud:
+    if loudest(objective.whitening, objective.split(fit.residual)) > UNEXPLAINED.loud:
         return [Unknown(kind="broadband", strength=excess, coordinate={})]
     if any(terms is not None for terms in objective.whitening.basis):
         return []  # what free terms leave of a line is coupled as the line is
@@ -147,14 +147,34 @@ def coupled_channels(coupling: Coupling) -> Unknown:
     return Unknown(kind="broadband", strength=coupling.score, coordinate=where)
 
 
-def loudest(noise: Sequence[NoiseModel], left: Sequence[Array]) -> float:
-    """Return what is left over noise, as power, in the channel where it is most.
+def loudest(whitening: Whitening, left: Sequence[Array]) -> float:
+    """Return what is left, over the power that noise may keep, in the channel where it is most.
 
     ``left`` are innovations (channels, judged samples) per record. Coarse words do not count: the
     noise of a word depends on how it happens to be passed.
     """
-    rows = zip(noise, left, strict=True)
-    return max(float(np.mean(row**2)) for model, part in rows for row in part[model.analogue])
+    rows = zip(whitening.noise, left, kept_by_noise(whitening), strict=True)
+    return max(
+        float(np.max(np.mean(part[noise.analogue] ** 2, axis=1) / kept[noise.analogue]))
+        for noise, part, kept in rows
+    )
+
+
+def kept_by_noise(whitening: Whitening) -> list[Array]:
+    """Return the power (channels,) from which on ``loud`` counts, per record; 1 at the least.
+
+    Noise that is not the same all the time, nor from run to run (a torque that passes the play of
+    a shaft), keeps more than white noise would: as seeded runs do that are weighed as the record
+    is. ``loud`` is some standard deviations of what plain noise keeps; so many of theirs count.
+    Equation: max(1, m, (m + k s) / loud), m and s mean and deviation of the runs' power  [own].
+    """
+    found = []
+    for noise, runs in zip(whitening.declared, whitening.realisations, strict=True):
+        power = np.array([np.mean(noise.adjusted_to(r).whiten(r) ** 2, axis=1) for r in runs])
+        mean, deviation = power.mean(axis=0), power.std(axis=0, ddof=min(1, len(power) - 1))
+        wide = (mean + UNEXPLAINED.loud_sd * deviation) / UNEXPLAINED.loud
+        found.append(np.maximum(np.maximum(mean, wide), 1.0))
+    return found
 
 
 def _where(spectrum: SpectralLines, at: float) -> dict[str, float | str]:

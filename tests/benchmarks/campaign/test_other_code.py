@@ -250,6 +250,10 @@ CASES = [
         lambda f, t: {"EA_factor": 0.85, "thickness_factor": 1.1, "at_length_m": UNWOUND_M},
     ),
     (
+        Fault(effect="splice", location="web", size=0.25, form="another web", from_s=8.0),
+        lambda f, t: {"EA_factor": 1.25, "at_length_m": UNWOUND_M},
+    ),
+    (
         Fault(
             effect="splice",
             location="web",
@@ -280,7 +284,7 @@ CASES = [
         lambda f, t: {"strain": f.size, "from_s": 8.0, "rise_s": 1.5, "hold_s": 6.0},
     ),
 ]
-IDS = [f"{f.effect}-{f.location}-{f.form or f'{f.shape:g}'}" for f, _ in CASES]
+IDS = [f"{f.effect}-{f.location}-{f.form or f'{f.shape:g}'}-{f.size:g}" for f, _ in CASES]
 
 
 def test_every_effect_drawn_is_held_against_the_other_code_in_each_of_its_forms():

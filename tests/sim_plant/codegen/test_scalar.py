@@ -89,6 +89,22 @@ def test_each_effect_gives_the_kernels_numbers_to_the_last_bit(
     assert np.isfinite(line.state.y).all()
 
 
+@pytest.mark.parametrize(
+    "limits", ["loop", pytest.param("correction", marks=pytest.mark.campaign)]
+)
+def test_a_limit_of_a_part_of_the_reference_gives_the_kernels_numbers_too(
+    limits: str, kernel: ctypes.CDLL
+) -> None:
+    limit = {"slew_m_s2": 0.02, "limits": limits}
+    entry = EffectEntry(effect="rate_limit", location="unwind", parameters=limit)
+    line = make_line(LINE.model_copy(update={"effects": (entry,)}), seed=3)
+    free = make_line(LINE, seed=3)
+    other, given = copied(line), references(line, 800)
+    mine = run_by_numba(line, given)
+    assert np.array_equal(mine, run_by_c(kernel, other, given))
+    assert not np.allclose(mine, run_by_numba(free, given))
+
+
 def test_the_source_allocates_nothing_and_takes_integers_of_a_fixed_width() -> None:
     source = scalar_source()
     assert not any(word in source for word in ("malloc", "alloca", " long ", "static double"))

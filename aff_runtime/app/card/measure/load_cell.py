@@ -13,6 +13,7 @@ import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import Figure, Finding, Sample, at_most, mean_and_half
+from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.errors import ConfigError, RefusedError
 
 LIMIT_PERCENT = 1.0
@@ -96,7 +97,7 @@ def _figures(signal: str, empty: Sample, loaded: Sample) -> Iterator[Figure]:
 
 def _noise(signal: str, sample: Sample) -> Figure:
     noise_N, count = sample.number("sd_N"), max(2.0, sample.number("readings"))
-    half = 1.96 * noise_N / math.sqrt(2.0 * (count - 1.0))
+    half = TWO_SIDED_95 * noise_N / math.sqrt(2.0 * (count - 1.0))
     return Figure(
         name=f"{signal}: one reading's standard deviation",
         value=noise_N,

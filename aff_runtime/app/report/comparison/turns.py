@@ -9,6 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from aff_runtime.base.confidence import TWO_SIDED_95
+
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Flags = NDArray[np.bool_]
@@ -21,8 +23,6 @@ BLOCK_TURNS = 20
 """Of a roll without encoder: turns in which its angle is taken to keep its zero."""
 FEWEST_SAMPLES = 8
 """Samples a turn of the highest order needs per period, less is left out."""
-TWO_SIDED = 1.959963985
-"""95 % of a normal distribution are within so many sigma."""
 NOISE_LIMIT = math.sqrt(math.log(20.0))
 """Noise alone is larger once in 20 times: exp(-a^2 / sigma^2) = 0.05."""
 
@@ -145,7 +145,7 @@ def _by_size(blocks: Complex, turns: int) -> Estimate:
     )
 
 
-def student_t(freedom: int, normal: float = TWO_SIDED) -> float:
+def student_t(freedom: int, normal: float = TWO_SIDED_95) -> float:
     """Return the point of Student's distribution that ``normal`` is of the normal one.
 
     From its expansion in 1 / freedom; by default the 97.5 % point.

@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from aff_runtime.app.report.comparison.comparing import estimates, tensions
-from aff_runtime.app.report.comparison.turns import BATCHES, FEWEST_TURNS, TWO_SIDED, Array
+from aff_runtime.app.report.comparison.turns import BATCHES, FEWEST_TURNS, Array
 from aff_runtime.app.report.comparison.window import Window, number, orders_of, roll_angle
 from aff_runtime.app.report.watching.tables import HourRow, OrderRow
+from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.yaml_section import Section
 from aff_runtime.core.monitor import Trend
@@ -75,7 +76,7 @@ def order_rows(window: Window, hour: HourRow) -> Iterator[OrderRow]:
                     frequency_Hz=frequency_Hz,
                     turns=estimate.turns,
                     ripple_N=estimate.amplitude,
-                    ripple_error_N=(estimate.high - estimate.amplitude) / TWO_SIDED,
+                    ripple_error_N=(estimate.high - estimate.amplitude) / TWO_SIDED_95,
                     floor_N=estimate.floor,
                     noise_N=_noise(values),
                     shape_m=learned.shape_m[0],

@@ -9,11 +9,11 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from aff_runtime.app.report.comparison.turns import TWO_SIDED
 from aff_runtime.app.report.watching.findings import Finding, Readings
 from aff_runtime.app.report.watching.store import Taken
 from aff_runtime.app.report.watching.trend import SIGMA, Slope
 from aff_runtime.app.report.watching.wound_rolls import Ranking
+from aff_runtime.base.confidence import TWO_SIDED_95
 
 SHOWN = {"m": ("um", 1e6), "N": ("N", 1.0), "": ("", 1.0)}
 PER_KM = 1000.0
@@ -61,7 +61,7 @@ def rolls(rankings: Sequence[Ranking]) -> Iterator[str]:
             unit, factor = SHOWN[quantity.unit]
             size = "not known"
             if worst is not None:
-                interval = f"(+- {factor * TWO_SIDED * worst.error:.2g})"
+                interval = f"(+- {factor * TWO_SIDED_95 * worst.error:.2g})"
                 size = f"{factor * worst.size:.4g} {unit} {interval} at {worst.order}x"
             yield (
                 f"  {rank}. roll {roll.roll_id}: {size}, {roll.hours} hours from "

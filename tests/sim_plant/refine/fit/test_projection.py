@@ -93,3 +93,17 @@ def test_a_run_that_broke_down_costs_infinitely_much(setting):
     nuisances, _, residual = setting
     residual[3] = np.nan
     assert Projector(nuisances).cost(residual) == float("inf")
+
+
+def test_sizes_move_with_a_nuisance_that_is_held_elsewhere_as_by_least_squares(setting):
+    nuisances, effect, residual = setting
+    free = np.linalg.lstsq(np.column_stack([nuisances, effect]), residual, rcond=None)[0]
+    rest = residual - nuisances[:, [1]] @ (free[[1]] + 0.7)
+    held = np.linalg.lstsq(np.column_stack([nuisances[:, [0, 2]], effect]), rest, rcond=None)[0]
+    moved = Projector(nuisances).moved_by_held(effect, [1], np.array([0.7]))
+    np.testing.assert_allclose(moved, held[2:] - free[3:], rtol=1e-6)
+
+
+def test_no_size_moves_where_no_nuisance_is_held(setting):
+    nuisances, effect, _ = setting
+    assert not Projector(nuisances).moved_by_held(effect, [], np.zeros(0)).any()

@@ -99,6 +99,17 @@ def test_side_by_side_is_one_by_one_to_a_billionth_of_the_ripple(
             assert worst(attempt(mine, case), record) < CLOSE, case
 
 
+def test_loops_are_limited_side_by_side_as_one_by_one(build: library.Lanes) -> None:
+    """One limit differs from the next, and one line has none."""
+    limits = [(("slew_m_s2", 0.02 * number), ("limits", "loop")) for number in range(build.width)]
+    cases = [Case(effects=(Added("rate_limit", "unwind", limit),)) for limit in limits]
+    mine = twin()
+    records = simulated(mine, 0, tuple(cases))
+    for case, record in zip(cases, records, strict=True):
+        assert worst(attempt(mine, case), record) < CLOSE, case
+    assert worst(records[0], records[1]) > 0.01
+
+
 def test_a_line_that_diverges_leaves_the_others_as_they_are(build: library.Lanes) -> None:
     mine = twin()
     wild = Case(shifts=(("control.drives.1.K_ref_rad_s", 1e9),))

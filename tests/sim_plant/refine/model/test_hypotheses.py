@@ -29,6 +29,19 @@ def test_every_idler_may_be_eccentric():
     assert {r.name for r in LINE.rollers if r.kind != "roll"} == places
 
 
+def test_a_form_is_tried_only_where_it_can_be():
+    forms = {
+        (h.location, limits)
+        for h in library(LINE)
+        if h.effect.name == "rate_limit"
+        for limits in [dict(h.fixed)["limits"]]
+    }
+    trimmed = {loop.acts_on for loop in LINE.control.tension_pi}
+    assert {place for place, limits in forms if limits == "loop"} == trimmed
+    drives = {drive.roller for drive in LINE.control.drives}
+    assert {place for place, limits in forms if limits == "reference"} == drives
+
+
 def test_a_probe_moves_one_strength_and_leaves_the_others_absent():
     h = hypothesis(BY_NAME["eccentric_roller"], "R6")
     first, second = (dict(p.parameters) for p in h.probes())

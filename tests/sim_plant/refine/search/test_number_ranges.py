@@ -102,6 +102,48 @@ def test_a_variance_of_twelve_runs_counts_by_students_t():
     assert 0.5 * (high - low) == pytest.approx(math.hypot(2.201 * sd, SPREAD * own), rel=0.01)
 
 
+RAMP = np.linspace(-1.0, 1.0, SAMPLES)
+
+
+def beside_modulus(case):
+    """Return two tensions that answer to a drag, and to the modulus half as to a drag."""
+    sizes = [dict(e.parameters)["constant_N_m"] for e in case.effects]
+    change = dict(case.shifts).get("web.EA_N", 0.0)
+    return SHARES * (50.0 * sum(sizes) * STEPS + 100.0 * change * (0.5 * STEPS + RAMP))
+
+
+@pytest.mark.parametrize(("modulus", "reaches"), [(0.08, True), (0.01, False)])
+def test_a_declared_number_far_off_widens_what_it_may_have_taken_along(modulus, reaches):
+    """Its tolerance is 0.02: at 0.08 it may imitate what the model has wrong, at 0.01 it may not.
+
+    The interval then holds what the drag is where the modulus stays as declared.
+    """
+    drag = hypothesis(BY_NAME["bearing_drag"], "R2", (), ("constant_N_m",), LINE)
+    true = Case(effects=(drag.added((0.2,)),), shifts=(("web.EA_N", modulus),))
+    measured = beside_modulus(true) + white((2, SAMPLES), 5)
+    objective = objective_of(formula_twin(beside_modulus, CHANNELS, SAMPLES), measured)
+    fit = gauss_newton_fit(objective, [drag], [(0.2,)], {})
+    first = objective.whitening.noise[0].first
+    extra = 100.0 * modulus * (0.5 * STEPS + RAMP)[first:]
+    without = 0.2 + np.dot(extra, STEPS[first:]) / (50.0 * np.dot(STEPS[first:], STEPS[first:]))
+    accepted = AcceptedEffect(hypothesis=drag, score=1e3, runner_up=None, margin=0.0, rejected=())
+    found = with_number_ranges(
+        objective,
+        Selection(
+            nominal=nominal_fit(objective),
+            fit=fit,
+            travels=(),
+            before=one_peak(500.0),
+            after=one_peak(),
+            accepted=(accepted,),
+        ),
+    )
+    low, high = found.ranges[0]["constant_N_m"]
+    assert fit.values[0][0] == pytest.approx(0.2, abs=0.005)
+    assert low < 0.2 < high
+    assert bool(high > without - 0.001) is reaches
+
+
 def test_a_delay_is_known_to_a_drive_tick_however_quiet_the_record():
     delay = hypothesis(BY_NAME["loop_delay"], "unwind", (), ("delay_s",), LINE)
     objective, selection = selected(delay, (0.018,))

@@ -5,9 +5,11 @@ import pytest
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.objective import conditioned_on
+from sim_plant.refine.fit.whitening import Whitening
+from sim_plant.refine.noise.innovations import noise_model
 from sim_plant.refine.search.coherence import least_likely_coupling
 from sim_plant.refine.search.completeness import remaining_spectra
-from sim_plant.refine.search.unexplained import loudest, what_is_left
+from sim_plant.refine.search.unexplained import kept_by_noise, loudest, what_is_left
 from tests.sim_plant.refine.small import (
     STEP_S,
     fit_of,
@@ -55,13 +57,50 @@ def parts(objective, fit):
 
 
 def power(objective, fit):
-    return loudest(objective.whitening.noise, objective.split(fit.residual))
+    return loudest(objective.whitening, objective.split(fit.residual))
 
 
 def test_the_loudest_channel_counts_and_a_coarse_word_does_not():
     assert power(COARSE, left((1.0, 3.0, 1.2))) == pytest.approx(1.44, rel=0.1)
     assert power(COARSE, left((1.0, 3.0, 1.0))) < UNEXPLAINED.loud
     assert power(OBJECTIVE, left((1.0, 3.0, 1.0))) == pytest.approx(9.0, rel=0.1)
+
+
+def swings(seed, size):
+    """Return noise (3, SAMPLES), in the last channel with slow swings of this size."""
+    noise = white((3, SAMPLES), seed)
+    spectrum = np.fft.rfft(white(SAMPLES, seed + 100))
+    at = np.fft.rfftfreq(SAMPLES, STEP_S)
+    spectrum[(at < 0.5) | (at > 3.0)] = 0.0
+    slow = np.fft.irfft(spectrum, SAMPLES)
+    noise[2] += size * slow / slow.std()
+    return noise
+
+
+@pytest.mark.parametrize(("size", "loud"), [(2.0, False), (6.0, True)])
+def test_noise_that_swings_in_some_runs_and_not_in_others_is_no_cause(size, loud):
+    """A record that swings as one run in three does is beyond 1.12 of white noise, and noise."""
+    runs = np.stack([swings(seed, 2.0 * (seed % 3 == 0)) for seed in range(10, 22)])
+    declared = noise_model(runs, SAMPLES - JUDGED, np.zeros(3))
+    record = swings(30, size)
+    noise = declared.adjusted_to(record)
+    whitening = Whitening(
+        realisations=(runs,), declared=(declared,), noise=(noise,), basis=(None,)
+    )
+    left = noise.whiten(record)
+    assert np.max(np.mean(left**2, axis=1)) > UNEXPLAINED.loud
+    assert bool(loudest(whitening, [left]) > UNEXPLAINED.loud) is loud
+
+
+def test_a_channel_whose_noise_is_declared_too_loud_is_judged_by_the_record():
+    """Seeded runs twice as loud as the record keep no more when they are weighed as it is."""
+    runs = 2.0 * white((12, 3, SAMPLES), 8)
+    declared = noise_model(runs, SAMPLES - JUDGED, np.zeros(3))
+    noise = declared.adjusted_to(white((3, SAMPLES), 9))
+    whitening = Whitening(
+        realisations=(runs,), declared=(declared,), noise=(noise,), basis=(None,)
+    )
+    assert kept_by_noise(whitening)[0] == pytest.approx(np.ones(3), abs=0.05)
 
 
 @pytest.mark.parametrize(("size", "kinds"), [(1.0, []), (1.15, ["broadband"])])
