@@ -230,6 +230,8 @@ def test_check_control_process_and_recorder_run_nothing_of_the_folder_and_one_sp
     with both(result.parameters, trap / "runs") as (control, recorder):
         assert environment(control.pid)["NOTIFY_SOCKET"] == "/run/none"
         assert not told.keys() & environment(recorder.pid).keys()
+        # at real-time priority it would wait for a second thread that has none
+        assert len(os.listdir(f"/proc/{control.pid}/task")) == 1
         until("the recorder has made a run", lambda: bool([*trap.glob("runs/*/run.yaml")]))
     assert ran(trap) == []
 

@@ -8,6 +8,7 @@ import subprocess
 from collections import deque
 from pathlib import Path
 
+from aff_runtime.app.check.limits import ONE_THREAD
 from aff_runtime.app.link.messages import LogLine, Message, MessageError, Start, Stop
 from aff_runtime.app.link.packets import Link, LinkClosedError, link_pair
 from aff_runtime.app.link.parameter_record import ParameterRecord
@@ -36,6 +37,8 @@ class ControlChild:
                 ],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
+                # a product shared by two threads waits, at real-time priority, for the one without
+                env=os.environ | ONE_THREAD,
             )
         except OSError:
             ours.close()

@@ -45,6 +45,7 @@ class Proof:
     before_N, after_N : order 1 of the hidden roller in the plant's true tension; None where it is
         no idler, or nothing was tried.
     errors : of the model, by channel, on the run recorded after all.
+    tried : no block was proposed, or a try of it came to a judgement.
     """
 
     verdict: Verdict
@@ -52,6 +53,7 @@ class Proof:
     before_N: float | None
     after_N: float | None
     errors: Mapping[str, ModelError]
+    tried: bool = True
 
     @property
     def reduction_dB(self) -> float | None:
@@ -70,6 +72,8 @@ class Proof:
     def targets(self) -> tuple[tuple[str, bool], ...]:
         """What had to be reached, and whether it was."""
         found = [("the trace names effect and place, or a set that holds it", self.named)]
+        if not self.tried:
+            found.append(("the proposed block is tried and judged", False))
         if (gained := self.reduction_dB) is not None:
             found.append((f"1x at the plant at least {TARGET_DB:g} dB lower", gained >= TARGET_DB))
         text = f"model error on the later run at most {MOST_OF_FLOOR:g} of the noise"
@@ -95,6 +99,7 @@ def proof_of(story: Story) -> Proof:
         before_N=sizes[0],
         after_N=sizes[1],
         errors=model_errors(lines, story.later_run),
+        tried=story.decision is None or story.decision.judgement is not None,
     )
 
 

@@ -36,6 +36,7 @@ from sim_plant.demo.session import (
     service_command,
 )
 from sim_plant.line.record_file import read_columns
+from sim_plant.servers.answers import PlantStatus
 from sim_plant.servers.control_client import ask
 
 FAST_M_S, SLOW_M_S = 0.85, 0.62
@@ -49,8 +50,8 @@ SPLICE_S = 3.0
 """After the exchange: the splice has passed, and what it took back has armed itself."""
 FIRST_S = 3.0
 """Of a run, left out of its window: what was adopted comes in."""
-LOOK_S = 3.0
-"""From one look at the service to the next: each is a command, and slows the trace down."""
+LOOK_S = 1.0
+"""From one look at the PLC to the next; where it takes nothing, a command asks the service."""
 ARM_ATTEMPTS, ARM_PATIENCE_S = 4, 8.0
 NO_REPLY = "did not reply in time"
 """What the service says of a control process that the machine holds up."""
@@ -178,7 +179,7 @@ class _Script:
         self.say("tracing the cause from what the service recorded, beside the running line")
         command = [
             *("nice", "-n", "10", *PLANT, "refine", str(self.story.files.line)),
-            *(self.story.first_run, "--holdout", self.story.held_run, "--workers", "1"),
+            *(self.story.first_run, "--holdout", self.story.held_run, "--workers", "2"),
             *("--site", str(self.bench.site), "--out", str(out / "refine")),
         ]
         clock = MonotonicClock()
@@ -261,7 +262,7 @@ class _Script:
 
     def window(self) -> tuple[tuple[float, float], str]:
         """Let a window pass; return it in plant time, and as the service's own record has it."""
-        if self._changes_rolls(THIN_M):
+        if self._changes_rolls(plant_status(self.bench), THIN_M):
             self.watch(LEARN_S)
         start = plant_time(self.bench)
         self.watch(WINDOW_S)
@@ -294,15 +295,18 @@ class _Script:
         while clock.now_ns() < end_ns:
             pause(min(LOOK_S, max(0.0, (end_ns - clock.now_ns()) * 1e-9)))
             self.story.load.append(os.getloadavg()[0])
-            self._changes_rolls(THINNEST_M)
+            seen = plant_status(self.bench)
+            self._changes_rolls(seen, THINNEST_M)
+            if seen.counts_now:
+                continue
             status = runtime_status(self.bench)
             if status.state in RESTING:
                 self.say(f"the correction went to zero ({status.alarm}); arming again")
                 self.arm()
 
-    def _changes_rolls(self, below_m: float) -> bool:
+    def _changes_rolls(self, seen: PlantStatus, below_m: float) -> bool:
         """Put full rolls on where the unwind's is smaller than ``below_m``; return whether."""
-        radius_m = plant_status(self.bench).measured.get("unwind_radius_m")
+        radius_m = seen.measured.get("unwind_radius_m")
         if radius_m is None or radius_m >= below_m:
             return False
         self.say(f"the roll is down to {1e3 * radius_m:.0f} mm: another one is spliced on")

@@ -57,6 +57,13 @@ class EventCriteria:
         "least of a matched filter",
         "2 ln of all moments and places is 25, model error beside it as much",
     )
+    least_share: float = criterion(
+        0.3,
+        "of the score that an effect needs to be accepted",
+        "events that explain less at their first look are not looked at",
+        "a filter of another length, or a place near by, sees a half and more; grids of moments "
+        "and shapes find the rest",
+    )
     looked_at: int = criterion(5, "effects and moments", "are simulated on grids", DEVELOPMENT)
     filter_share: float = criterion(
         0.4, "of the best filter", "effects below are not looked at", DEVELOPMENT

@@ -203,6 +203,14 @@ class ProfileCriteria:
         "cost explained up to which responses to declared numbers are not taken anew",
         "the second order of effects and tolerances is less than noise",
     )
+    age_room: float = criterion(
+        3.0,
+        "of what is possible",
+        "width of an age's interval, by the slopes where its fit would begin, from which none is "
+        "made",
+        "a fit keeps an age at 1 at the most; three times that is left to slopes that are others "
+        "where it ends than where it begins",
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -327,7 +327,7 @@ def _moved_shifts(
 ) -> dict[str, float]:
     """Return shifts with those moved that are strong enough to be simulated."""
     moved = dict(shifts)
-    norms = np.linalg.norm(objective.projector.nuisances[: objective.rows], axis=0)
+    norms = objective.projector.sizes(objective.rows)
     for row, delta, norm in zip(objective.nuisances, change, norms, strict=False):
         if abs(delta) * norm > FIT.simulated_norm:
             moved[row.name] = moved.get(row.name, 0.0) + float(delta)

@@ -86,6 +86,14 @@ class Projector:
         self._unit = nuisances / self._scale
         self._normal = self._unit.T @ self._unit + RIDGE * np.eye(nuisances.shape[1])
         self._factor = cho_factor(self._normal)
+        self._sizes: dict[int, Array] = {}
+
+    def sizes(self, rows: int) -> Array:
+        """Return the size (n,) of what every nuisance does in the first ``rows``; made once."""
+        if rows not in self._sizes:
+            judged = self.nuisances[:rows]
+            self._sizes[rows] = np.sqrt(np.einsum("ij,ij->j", judged, judged))
+        return self._sizes[rows]
 
     def estimate(self, residual: Array) -> Array:
         """Return the nuisance values (n,) that explain ``residual`` best."""

@@ -19,6 +19,7 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import AT_ONCE
 from sim_plant.refine.model.hypotheses import Hypothesis, onset_library
 from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
+from sim_plant.refine.search.distinct_events import distinct, moment_of
 from sim_plant.refine.search.screening import (
     every_third_idler,
     neighbours,
@@ -41,11 +42,15 @@ Start = tuple[float, ...]
 
 
 def event_candidates(
-    objective: Objective, fit: Fit, without: Collection[str], progress: Progress
+    objective: Objective,
+    fit: Fit,
+    without: Collection[str],
+    progress: Progress,
+    least_score: float = 0.0,
 ) -> list[Candidate]:
     """Return effects that begin at a moment of a record, best first, with numbers to start from.
 
-    ``without`` are names left out of the library.
+    ``without`` are names left out of the library, ``least_score`` is what one needs.
     """
     candidates: list[Candidate] = []
     for record, twin in enumerate(objective.pool.twins):
@@ -68,7 +73,7 @@ def event_candidates(
         ]
         seen = _weighed_at_their_moments(objective, group, seen, axes, residual)
         seen.sort(key=lambda c: -c.score)
-        tried = _placed(objective, fit, _distinct(seen), residual)
+        tried = _placed(objective, fit, distinct(seen, least_score), residual)
         near = neighbours(library, tried, idlers)
         starts = {c.hypothesis.effect.name: c.start for c in reversed(tried)}
         beside = [
@@ -79,7 +84,7 @@ def event_candidates(
         candidates += [*tried, *_placed(objective, fit, beside, residual)]
     candidates.sort(key=lambda c: -c.score)
     for c in candidates[: EVENTS.most_told]:
-        progress(f"  {c.hypothesis.key} from {_moment(c):.2f}: score {c.score:.0f}")
+        progress(f"  {c.hypothesis.key} from {moment_of(c):.2f}: score {c.score:.0f}")
     return candidates
 
 
@@ -188,9 +193,9 @@ def _weighed_at_their_moments(
             continue
         axis, shown = axes[onset.unit], mine[: EVENTS.places]
         best = _over_the_record(objective, axis, shown, residual)
-        looks = [(c.hypothesis, _moment(c)) for c in shown]
+        looks = [(c.hypothesis, moment_of(c)) for c in shown]
         looks += [
-            (shaped, _moment(best))
+            (shaped, moment_of(best))
             for h in group
             if h.effect.name == name
             for shaped in _shapes_of(h)
@@ -208,14 +213,10 @@ def _over_the_record(
     wide = np.arange(grid[0] + EVENTS.wide_step_s, grid[-1], EVENTS.wide_step_s)
     looks = [(h, float(m)) for h in places for m in wide]
     best = max(_shifted(objective, axis, looks, residual), key=lambda c: c.score)
-    close = _moment(best) + EVENTS.apart * np.linspace(-1.5, 1.5, 7)
+    close = moment_of(best) + EVENTS.apart * np.linspace(-1.5, 1.5, 7)
     inside = close[(close > grid[0]) & (close < grid[-1])]
     more = _shifted(objective, axis, [(best.hypothesis, float(m)) for m in inside], residual)
     return max((best, *more), key=lambda c: c.score)
-
-
-def _moment(c: Candidate) -> float:
-    return c.start[c.hypothesis.names.index(c.hypothesis.moment)]
 
 
 def _shifted(
@@ -260,25 +261,6 @@ def _put(h: Hypothesis, start: Start, name: str, value: float) -> Start:
     return (*start[:at], value, *start[at + 1 :])
 
 
-def _distinct(seen: Sequence[Candidate]) -> list[Candidate]:
-    """Return the best few: two moments of an effect at a place, a few places, none far behind."""
-    kept: list[Candidate] = []
-    for c in seen:
-        if c.score < max(EVENTS.floor, EVENTS.filter_share * seen[0].score):
-            break
-        same = [k for k in kept if k.hypothesis.key == c.hypothesis.key]
-        if any(HOLD_S in k.hypothesis.names and _near(k, c) for k in same):
-            continue
-        effect = [k for k in kept if k.hypothesis.effect is c.hypothesis.effect]
-        if len(same) < EVENTS.moments and len(effect) < EVENTS.places:
-            kept.append(c)
-    return kept[: EVENTS.looked_at]
-
-
-def _near(one: Candidate, other: Candidate) -> bool:
-    return abs(_moment(one) - _moment(other)) < EVENTS.span_reach_s
-
-
 def _placed(
     objective: Objective, fit: Fit, seen: Sequence[Candidate], residual: Array
 ) -> list[Candidate]:
@@ -309,7 +291,7 @@ def _placed(
 def _best_moment(
     objective: Objective, fit: Fit, c: Candidate, residual: Array, grid: Sequence[float]
 ) -> Candidate:
-    moments = [max(0.0, _moment(c) + d) for d in grid]
+    moments = [max(0.0, moment_of(c) + d) for d in grid]
     starts = [_put(c.hypothesis, c.start, c.hypothesis.moment, m) for m in moments]
     return _best_of_starts(objective, fit, c, residual, starts)
 
@@ -326,7 +308,7 @@ def _best_of_shapes(
     starts = [_put(h, c.start, name, value) for value in values]
     if name == RISE_S:  # half way up where it was: that is what the moment was found by
         rise_s = c.start[h.names.index(RISE_S)]
-        begun = [max(0.0, _moment(c) - 0.5 * (value - rise_s)) for value in values]
+        begun = [max(0.0, moment_of(c) - 0.5 * (value - rise_s)) for value in values]
         starts = [_put(h, s, h.moment, m) for s, m in zip(starts, begun, strict=True)]
     return _best_of_starts(objective, fit, c, residual, [c.start, *starts])
 

@@ -46,6 +46,7 @@ from sim_plant.refine.search.selection import (
     also_explained_by,
     at_noise_floor,
     imitates,
+    least_beside,
     preferred,
     score,
     standing,
@@ -244,7 +245,10 @@ def next_extensions(
         if group is others:
             apart = set_apart(objective, selection, lines=True, wander=wander)
             weigh = objective if apart is None else apart.objective
-            events = event_candidates(weigh, _looked_from(selection.fit, apart), without, progress)
+            needed = ACCEPTANCE.later_score if selection.accepted else ACCEPTANCE.score
+            least = least_beside(selection if apart is None else apart.selection, needed)
+            looked_from = _looked_from(selection.fit, apart)
+            events = event_candidates(weigh, looked_from, without, progress, least)
             extension = best_of(objective, selection, group, progress, conflicts, events, apart)
         else:
             extension = best_of(objective, selection, group, progress, apart=apart)

@@ -175,7 +175,8 @@ def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
     if chi2_without_effects(objective, fit) < PROFILE.strong:
         return fit
     aged = []
-    for there in formation_starts(objective, fit, at, profiles):
+    starts = formation_starts(objective, fit, at, profiles)
+    for there in starts if any(may_show_age(objective, s, at) for s in starts) else []:
         shifts = synchronising_shifts(objective, {}, there.hypotheses, there.values)
         aged.append(
             gauss_newton_fit(
@@ -186,17 +187,32 @@ def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
     return best if best is fit or knows(best, at, profiles.age) else fit
 
 
-def knows(fit: Fit, at: int, name: str) -> bool:
+def may_show_age(objective: Objective, start: Fit, at: int) -> bool:
+    """Return whether the age of profile ``at`` can come out as known, by the slopes at ``start``.
+
+    A profile without corners, an ellipse, hardly shows it: then no fit is made.
+    """
+    profiles = start.hypotheses[at].effect.profiles
+    columns = jacobian(objective, start.hypotheses, start.values, start.shifts)
+    if profiles is None or not np.isfinite(columns).all():
+        return True
+    nothing = np.zeros(columns.shape[0])  # what is left says nothing of how well it is known
+    covariance = objective.projector.linear_fit(nothing, columns).covariance
+    seen = replace(start, covariance=covariance)
+    return knows(seen, at, profiles.age, room=PROFILE.age_room)
+
+
+def knows(fit: Fit, at: int, name: str, room: float = 1.0) -> bool:
     """Return whether a fit knows a number of effect ``at`` better than that it is within bounds.
 
-    What a profile without corners was formed at, an ellipse, hardly shows.
+    Its interval is narrower than ``room`` times them.
     """
     h = fit.hypotheses[at]
     number = h.names.index(name)
     row = sum(len(v) for v in fit.values[:at]) + number
     variance = float(fit.covariance[row, row]) if fit.covariance.size else np.inf
     width = 2.0 * SPREAD * math.sqrt(max(variance, 0.0))
-    return width < h.high[number] - h.low[number]
+    return width < room * (h.high[number] - h.low[number])
 
 
 def formation_starts(objective: Objective, fit: Fit, at: int, profiles: Profiles) -> list[Fit]:

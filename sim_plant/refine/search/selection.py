@@ -104,13 +104,17 @@ def least_score(selection: Selection, h: Hypothesis, told: float = 0.0) -> float
     (`FittedCandidate`) that has to be more than that. The mean of a roll with a profile is the
     profile's own.
     """
-    explained = selection.nominal.cost - selection.fit.cost
     found = [a.hypothesis for a in selection.accepted]
     shaped = {f.location for f in found if f.effect.profiles is not None}
     beyond = told > ACCEPTANCE.later_score and h.location not in shaped
     later = found and not beyond
     lasting = ACCEPTANCE.later_score if later else ACCEPTANCE.score
-    least = ACCEPTANCE.periodic_score if orders_of(h, 1.0) else lasting
+    return least_beside(selection, ACCEPTANCE.periodic_score if orders_of(h, 1.0) else lasting)
+
+
+def least_beside(selection: Selection, least: float) -> float:
+    """Return the score that an effect needs which needs ``least`` where nothing else is found."""
+    explained = selection.nominal.cost - selection.fit.cost
     return max(
         least,
         ACCEPTANCE.explained_share * explained,

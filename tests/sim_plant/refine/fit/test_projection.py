@@ -25,6 +25,14 @@ def test_gain_is_what_least_squares_saves(setting):
     np.testing.assert_allclose(found.covariance, inverse, rtol=1e-6)
 
 
+def test_sizes_of_nuisances_are_those_of_their_first_rows(setting):
+    nuisances, _, _ = setting
+    projector = Projector(nuisances)
+    for rows in (len(nuisances) - 1, 7):
+        expected = np.linalg.norm(nuisances[:rows], axis=0)
+        assert projector.sizes(rows) == pytest.approx(expected, rel=1e-12)
+
+
 def test_what_tolerances_imitate_is_not_seen(setting):
     nuisances, _, residual = setting
     found = Projector(nuisances).linear_fit(residual, nuisances[:, :1] * 2.0)

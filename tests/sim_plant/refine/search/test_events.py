@@ -73,6 +73,18 @@ def test_what_ends_again_is_found_with_its_end_and_its_rise(hold_s, rise_s):
     assert found["strain"] == pytest.approx(5e-4, rel=0.1)
 
 
+@pytest.mark.parametrize(("share", "looked_at"), [(0.5, True), (1.0 / 0.29, False)])
+def test_an_event_far_below_what_is_needed_is_not_looked_at(share, looked_at):
+    """Its first look sees a step of 40 noise units over 27 s at nearly its whole size."""
+    measured = white((2, SAMPLES), 4)
+    measured[1] -= 2.0 * PULL_N * 0.05 * (TIME_S >= 32.8)
+    objective = objective_of(formula_twin(drag_of, CHANNELS, SAMPLES), measured)
+    nominal = nominal_fit(objective, {})
+    explained = nominal.cost - objective.expected_cost
+    found = event_candidates(objective, nominal, (), quiet, least_score=share * explained)
+    assert bool(found) == looked_at
+
+
 @pytest.mark.campaign  # quick: moments and ends are found, above
 def test_an_event_that_stands_seconds_off_is_placed_anew():
     """What it leaves would pass for a second event."""

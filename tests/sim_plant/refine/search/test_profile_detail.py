@@ -83,13 +83,13 @@ def tension(case):
     return found[None, :]
 
 
-def aged(size_m, unwound_m=0.012):
+def aged(size_m, unwound_m=0.012, formula=tension):
     """Return the objective of a record of such a roll, and a fit that knows no age."""
     h = profile()
     true = {"size_m": size_m, "angle_rad": 0.5, "unwound_m": unwound_m}
     wide = hypothesis(h.effect, "unwind", h.fixed, tuple(true), line_with())
-    made = tension(Case(effects=(wide.added([true[n] for n in wide.names]),)))
-    twin = formula_twin(tension, ["unwind_tension_N"], SAMPLES)
+    made = formula(Case(effects=(wide.added([true[n] for n in wide.names]),)))
+    twin = formula_twin(formula, ["unwind_tension_N"], SAMPLES)
     objective = objective_of(twin, made + white((1, SAMPLES)))
     values = ((size_m, 0.8),)
     run = objective.pool.one(Case(effects=(h.added(values[0]),)))
@@ -104,6 +104,24 @@ def test_the_age_of_a_strong_profile_is_found_with_its_angle():
     assert values["unwound_m"] == pytest.approx(0.012, abs=2e-4)
     assert values["angle_rad"] == pytest.approx(0.5, abs=0.01)
     assert found.cost == pytest.approx(objective.expected_cost, rel=0.15)
+
+
+def test_a_profile_whose_age_hardly_shows_is_fitted_at_none():
+    """An ellipse has no corners: its turn is nearly the same, whatever it was made on."""
+
+    def ageless(case):
+        return tension(replace(case, effects=tuple(map(hardly_aged, case.effects))))
+
+    objective, fit, twin = aged(size_m=0.012, unwound_m=0.0, formula=ageless)
+    twin.simulated.clear()
+    assert with_formation_radius(objective, fit, 0) is fit
+    sizes = {dict(e.parameters)["size_m"] for c in twin.simulated for e in c.effects}
+    assert len(sizes) == 2  # where a fit would begin, and a step of its slope
+
+
+def hardly_aged(effect):
+    rows = tuple((n, 1e-5 * v if n == "unwound_m" else v) for n, v in effect.parameters)
+    return replace(effect, parameters=rows)
 
 
 def test_a_weak_profile_is_not_asked_where_it_was_formed():

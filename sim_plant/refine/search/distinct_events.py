@@ -1,0 +1,39 @@
+"""Which of the events that a matched filter saw are worth a look on grids."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from sim_plant.effects.onset import HOLD_S
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.search.candidate import Candidate
+
+EVENTS = CRITERIA.search.events
+
+
+def moment_of(c: Candidate) -> float:
+    """Return when a candidate begins, in the unit of its effect's moments."""
+    return c.start[c.hypothesis.names.index(c.hypothesis.moment)]
+
+
+def distinct(seen: Sequence[Candidate], least_score: float) -> list[Candidate]:
+    """Return the best few: two moments of an effect at a place, a few places, none far behind.
+
+    None of them so weak that it could not be accepted with the score that is needed.
+    """
+    kept: list[Candidate] = []
+    floor = max(EVENTS.floor, EVENTS.least_share * least_score)
+    for c in seen:
+        if c.score < max(floor, EVENTS.filter_share * seen[0].score):
+            break
+        same = [k for k in kept if k.hypothesis.key == c.hypothesis.key]
+        if any(HOLD_S in k.hypothesis.names and _near(k, c) for k in same):
+            continue
+        effect = [k for k in kept if k.hypothesis.effect is c.hypothesis.effect]
+        if len(same) < EVENTS.moments and len(effect) < EVENTS.places:
+            kept.append(c)
+    return kept[: EVENTS.looked_at]
+
+
+def _near(one: Candidate, other: Candidate) -> bool:
+    return abs(moment_of(one) - moment_of(other)) < EVENTS.span_reach_s
