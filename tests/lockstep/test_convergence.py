@@ -13,7 +13,7 @@ from tests.lockstep.silent import SKIPPED_S, silent_rows, watched
 
 UNWIND_ORDERS = (1, 2, 3, 4)
 ARMED_S, JUDGED_S = 30.0, 25.0
-SHORTLY_S = 10.0
+SHORTLY_S, SHORTLY_JUDGED_S = 10.0, 5.0
 NOISE_FLOOR_N = 3.0 * 0.25 * (2.0 * 0.005 / JUDGED_S) ** 0.5  # 3 sigma of an order, 0.25 N cell
 
 
@@ -40,8 +40,8 @@ def _outcome(responses, armed_s: float, judged_s: float):
 
 @pytest.fixture(scope="module")
 def shortly(responses):
-    """Two settle times of the unwind's blocks, and so long once more to judge it."""
-    return _outcome(responses, 1.5 + SHORTLY_S, SHORTLY_S)
+    """Two settle times of the unwind's blocks, and four turns to judge it."""
+    return _outcome(responses, 1.5 + SHORTLY_S, SHORTLY_JUDGED_S)
 
 
 @pytest.fixture(scope="module")

@@ -103,8 +103,8 @@ def learned_in(responses, armed_s: float, judged_s: float):
 
 @pytest.fixture(scope="module")
 def learned(responses):
-    """After twelve turns: what a service knows when it is started anew."""
-    return learned_in(responses, 15.0, 8.0)
+    """After ten turns: what a service knows when it is started anew."""
+    return learned_in(responses, 12.5, 5.0)
 
 
 @pytest.fixture(scope="module")

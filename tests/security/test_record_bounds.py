@@ -89,7 +89,8 @@ def test_a_packed_file_is_not_unpacked_beyond_what_is_taken(tmp_path, monkeypatc
     monkeypatch.setattr(text_table, "TEXT_BYTES", 1 << 20)
     monkeypatch.setattr("sim_plant.line.record_file.LONGEST_BYTES", 1 << 20)
     path = tmp_path / "r.csv.gz"
-    path.write_bytes(gzip.compress(rows(300_000), compresslevel=1))  # 3 MB
+    long = f"0.01,1.{'0' * 1000}\n"  # a short line costs as much under tracemalloc
+    path.write_bytes(gzip.compress(rows(12_000, long), compresslevel=1))  # 12 MB
 
     def refused():
         with pytest.raises(PlantError, match="is larger than 1 MB as plain text"):

@@ -1,9 +1,15 @@
-"""In place of a job's process: a script of one's own, which reads what it is to do first."""
+"""In place of a job's process: a script of one's own, or the job itself in this process."""
 
 import asyncio
 import sys
+from io import StringIO
 
-from aff_runtime.app.commission import worker
+from aff_runtime.app.commission import sources, worker
+from aff_runtime.app.commission.job import JOBS
+from aff_runtime.app.commission.job_lines import Ended, Refused, encode, read_start
+from aff_runtime.app.commission.talk import Talk
+from aff_runtime.base.errors import AffError
+from tests.aff_runtime.app.judged_here import judged_here
 
 HEAD = "import json, os, sys, time\nasked = json.loads(sys.stdin.readline())\n"
 SAY = "print(json.dumps({!r}), flush=True)\n"
@@ -39,4 +45,40 @@ def play(monkeypatch, script):
             limit=most_bytes,
         )
 
+    monkeypatch.setattr(worker, "talking_child", child)
+
+
+class Here:
+    """What a worker sees of a job that is done in this process, once it has been told which."""
+
+    returncode = None
+
+    def __init__(self):
+        self.stdin, self.stdout = self, asyncio.StreamReader()
+
+    def write(self, line):
+        start, said = read_start(line.decode()), StringIO()
+        talk = Talk(StringIO(), said)
+        try:
+            talk.tell(Ended(answer=JOBS[start.asked.do](start.where, start.asked, talk)))
+        except AffError as error:
+            said.write(encode(Refused(text=str(error))) + "\n")
+        self.stdout.feed_data(said.getvalue().encode())
+        self.stdout.feed_eof()
+        self.returncode = 0
+
+    async def wait(self):
+        return self.returncode
+
+
+def do_here(monkeypatch):
+    """Have every job, and the check of the site file in it, done in this process.
+
+    A process for each takes two seconds of a core.
+    """
+
+    async def child(module, environment, most_bytes):
+        return Here()
+
+    monkeypatch.setattr(sources, "load_parameters", judged_here)
     monkeypatch.setattr(worker, "talking_child", child)

@@ -137,8 +137,10 @@ def test_tones_that_drown_in_noise_are_refused():
 
 
 def test_a_correction_that_acts_as_a_torque_is_refused():
+    """Told from a dozen slow tones: of more, no path fits, and every one is tried on them all."""
+    heard = LinearLine(as_torque=True).phasors(np.geomspace(0.4, 3.4, 12), 0.01)
     with pytest.raises(RefusedError, match="acts on the roll as a torque"):
-        found(LinearLine(as_torque=True), noise=3e-3)
+        fit_drive(heard, cycle_s=CYCLE_S, roll="unwind", radius_m=0.2)
 
 
 def test_a_tension_that_rises_with_the_rolls_speed_is_refused():
