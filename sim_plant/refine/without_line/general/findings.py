@@ -12,10 +12,11 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.catalogue import BY_NAME
 from sim_plant.refine.without_line.general.effect import View
 from sim_plant.refine.without_line.general.judging import Judged, explained_by, judge, rms
-from sim_plant.refine.without_line.general.least_squares import refined, with_slopes
+from sim_plant.refine.without_line.general.least_squares import fit, refined, with_slopes
 from sim_plant.refine.without_line.general.search import (
     Search,
     Trial,
+    counts,
     effects_in,
     trial_of,
     without,
@@ -218,7 +219,13 @@ def _shift(
     view: View,
     names: tuple[str, Sequence[str], str],
 ) -> list[Finding]:
-    """Return the shift of every record against the first, and the delay of a gain alone."""
+    """Return the shift of every record against the first, and the delay of a gain alone.
+
+    Nothing where the inputs do not count: the best of many shifts would follow the noise.
+    """
+    still = replace(best.model, ahead=0, back=-1, delays=(), shifts=())
+    if not counts(fit(still, views).left_out(), best.left_out, len(views)):
+        return []
     output, fitted, held = names
     step_s = view.step_s
     model, delays = best.model, len(best.model.delays)
