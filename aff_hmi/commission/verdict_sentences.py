@@ -46,7 +46,10 @@ TEXTS = (
     N_("a nip roller presses unevenly: its driven roller is braked once per turn of the nip"),
     N_("the roll is not round: ripple at its turning frequency and several harmonics"),
     N_("a drive believes a wrong radius or gear ratio: its roller runs fast or slow"),
-    N_("a drive ramps its reference, or the correction: fast changes come out slower"),
+    N_(
+        "a drive ramps its reference or its correction, or a tension loop its output: fast "
+        "changes come out slower"
+    ),
     N_("the roll bounces on its mandrel: a fixed frequency that an order of the roll excites"),
     N_("a drive shaft twists or has play: the motor runs ahead of its roller"),
     N_("the web slips on a driven roller above a speed: the tension it holds drops"),
@@ -73,7 +76,10 @@ REMEDIES = (
     N_("put a dial gauge on the nip roller of {place}, look at cover and closing cylinders"),
     N_("look how {place} was stored and clamped; the next roll brings a shape of its own"),
     N_("put radius or gear ratio in drive {place} right"),
-    N_("look at the ramp times of drive {place}; let the tension correction enter behind them"),
+    N_(
+        "look at the ramp times of drive {place} and of its tension loop; let the tension "
+        "correction enter behind them"
+    ),
     N_("look for play in mandrel and chucks of {place}, or avoid the speed at which it rings"),
     N_("look for play in couplings, keys and gear of {place}"),
     N_("clean the surface of {place}, give it more wrap or nip, or run slower"),

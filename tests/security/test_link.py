@@ -37,7 +37,7 @@ def child(monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[ControlChild, socke
     """A control process that says what a test says; the end that the test speaks into."""
     ends: list[socket.socket] = []
 
-    def started(_command: Any, *, pass_fds: list[int], stdin: int) -> None:
+    def started(_command: Any, *, pass_fds: list[int], **_how: Any) -> None:
         ends.append(socket.socket(fileno=os.dup(pass_fds[0])))
 
     monkeypatch.setattr(subprocess, "Popen", started)
