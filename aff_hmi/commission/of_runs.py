@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from aff_hmi.commission.sentences import parts, sentence, sentences
+from aff_hmi.commission.sentences import sentence, sentences
 from aff_hmi.words import N_, Say
 from aff_runtime.app.commission.maintenance_views import MaintenanceView, RankingRow, TrendRow
 from aff_runtime.app.commission.refine_views import (
@@ -76,11 +76,10 @@ def refined_in(view: RefinedView, say: Say) -> RefinedView:
 
 def _summary(said: Summary, say: Say) -> Summary:
     """Return a verdict."""
-    sure, mark, decides = said.sure.partition(". A ")
     return replace(
         said,
         headline=sentences(said.headline, say),
-        sure=f"{parts(sure, say)}. {sentence(f'A {decides}', say)}" if mark else sure,
+        sure=sentences(said.sure, say),
         gain=sentences(said.gain, say),
         next_step=sentences(said.next_step, say),
         unknown=tuple(sentence(one, say) for one in said.unknown),

@@ -76,7 +76,7 @@ def sentence(text: str, say: Say, depth: int = 0) -> str:
             continue
         said = say(template)
         for name, value in found.groupdict().items():
-            shown = parts(value, say, depth) if name in _NESTED else value
+            shown = _parts(value, say, depth) if name in _NESTED else value
             said = said.replace(f"{{{name}}}", shown)
         return said
     return text
@@ -87,7 +87,7 @@ def _bounded(text: str) -> str:
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}\u2026"
 
 
-def parts(text: str, say: Say, depth: int = 0) -> str:
+def _parts(text: str, say: Say, depth: int = 0) -> str:
     """Return a sentence, or a list of them, in the reader's language."""
     whole = sentence(text, say, depth + 1)
     if whole != text:
@@ -107,10 +107,18 @@ def _list(pieces: list[str], mark: str, say: Say, depth: int) -> Iterator[str]:
             if said != text or len(pieces[:count]) == 1:
                 break
         pieces = pieces[count:]
-        yield parts(said, say, depth + 1) if said == text else said
+        yield _parts(said, say, depth + 1) if said == text else said
 
 
 def sentences(text: str, say: Say) -> str:
-    """Return several sentences in the reader's language, each by itself."""
-    said = _END.split(text)
-    return " ".join(sentence(one, say) if len(one) <= LONGEST else one for one in said)
+    """Return several sentences in the reader's language, each by itself, or part by part."""
+    return " ".join(_one(said, say) for said in _END.split(text))
+
+
+def _one(text: str, say: Say) -> str:
+    """Return a sentence with its stop; one that is too long for a pattern stays English."""
+    if len(text) > LONGEST:
+        return text
+    said = sentence(text, say)
+    body = text.removesuffix(".")
+    return f"{_parts(body, say)}." if said == text != body else said
