@@ -6,7 +6,7 @@ import io
 from pathlib import Path
 
 from babel.messages.catalog import Catalog
-from babel.messages.mofile import write_mo
+from babel.messages.mofile import read_mo, write_mo
 from babel.messages.pofile import read_po
 
 LOCALE = Path(__file__).parents[2] / "aff_hmi" / "locale"
@@ -28,6 +28,11 @@ def compiled(path: Path) -> bytes:
     found = io.BytesIO()
     write_mo(found, catalogue(path))
     return found.getvalue()
+
+
+def sentences(mo: bytes) -> dict[object, object]:
+    """Return what a compiled catalogue says, without its head: that names the compiler."""
+    return {message.id: message.string for message in read_mo(io.BytesIO(mo)) if message.id}
 
 
 if __name__ == "__main__":
