@@ -14,11 +14,11 @@ from pathlib import Path
 import numpy as np
 
 from aff_runtime.app.door.client import DoorClient
-from aff_runtime.app.door.messages import RingPassed
+from aff_runtime.app.door.messages import DoorMessage, RingPassed
 from aff_runtime.app.hand.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.hand.may import Role
 from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.errors import AffError, PlantError
+from aff_runtime.base.errors import AffError, PlantError, WireError
 from aff_runtime.base.python_child import module_command
 from aff_runtime.base.signals import State
 from aff_runtime.telemetry.ring import RingReader
@@ -62,14 +62,15 @@ class Ring:
     """Ticks and events as they come, through the service's door as any visitor gets them."""
 
     def __init__(self, door: Path) -> None:
+        self._path = door
         self._door = DoorClient(door)
         self._ring: RingReader | None = None
         self._missed = -1.0
 
     def poll(self) -> RingReader:
-        """Follow the door to the ring of now."""
+        """Follow the door to the ring of now; come in anew where a long pause had us sent away."""
         while True:
-            while (message := self._door.receive()) is not None:
+            while (message := self._message()) is not None:
                 if isinstance(message, RingPassed):
                     self._let_go()
                     self._ring = RingReader(message.descriptor)
@@ -78,6 +79,14 @@ class Ring:
             if self._ring is not None:
                 return self._ring
             pause(0.02)
+
+    def _message(self) -> DoorMessage | None:
+        try:
+            return self._door.receive()
+        except WireError:
+            self._door.close()
+            self._door = DoorClient(self._path)
+            return None
 
     def ticks(self) -> tuple[list[float], int, int]:
         """Return when new ticks ended, us after they were due; how many are missing, were idle."""
