@@ -15,4 +15,5 @@ __all__ = [
     "signatures",
     "svg",
     "worker_pool",
+    "yaml_edit",
 ]

@@ -36,7 +36,7 @@ EDGES = {
     "sim_plant/refine/report/aff_block.py": "YAML for a site file",
     "sim_plant/refine/report/amend.py": "YAML of a line file",
     "sim_plant/refine/report/verdict.py": "JSON of the verdict",
-    "sim_plant/refine/report/yaml_edit.py": "YAML of a line file",
+    "sim_plant/base/yaml_edit.py": "YAML of a line file",
     "sim_plant/refine/without_line/verdict.py": "JSON of the verdict",
     "sim_plant/reproduce/gallery.py": "JSON of the gallery",
     "sim_plant/servers/answers.py": "JSON of the control socket",

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.base.yaml_edit import with_keys
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import LineFile, load_declaration
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.plain import plain
 from sim_plant.refine.report.verdict import Verdict, rms_rows
-from sim_plant.refine.report.yaml_edit import with_keys
 from sim_plant.refine.search.selection import Selection
 
 FILE = "line_amended.yaml"

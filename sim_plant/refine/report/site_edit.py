@@ -11,10 +11,10 @@ from typing import Any
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from sim_plant.base.plain_file import read_plain_text
+from sim_plant.base.yaml_edit import with_keys
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.yaml_file import LONGEST_BYTES, parse_yaml
 from sim_plant.refine.report.aff_block import AffBlock, site_name
-from sim_plant.refine.report.yaml_edit import with_keys
 
 FILE = "site_proposed.yaml"
 KEYS = ("rolls", "actuators")

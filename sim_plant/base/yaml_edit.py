@@ -83,6 +83,25 @@ def with_keys(text: str, changes: Mapping[str, Any], *, short: bool = False) -> 
     return edited if faithful else yaml.safe_dump(wanted, sort_keys=False, width=WIDTH)
 
 
+def with_values(text: str, values: Mapping[tuple[str, ...], str | float]) -> str:
+    """Return a YAML mapping with these values, each at its path of keys; all else as it is.
+
+    Raises
+    ------
+    KeyError
+        There is no mapping to put a value into; the path that was looked for.
+    """
+    data = yaml.safe_load(text)
+    for path, value in values.items():
+        place = data
+        for key in path[:-1]:
+            place = place.get(key) if isinstance(place, Mapping) else None
+        if not isinstance(place, dict):
+            raise KeyError(".".join(path[:-1]))
+        place[path[-1]] = value
+    return with_keys(text, {path[0]: data[path[0]] for path in values})
+
+
 def _is_too_alike(text: str) -> bool:
     return sum(count * count for count in Counter(text.splitlines()).values()) > MOST_ALIKE
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim_plant.refine.report.yaml_edit import with_keys
+from sim_plant.base.yaml_edit import with_keys, with_values
 from tests import quick_yaml
 
 OWN = """\
@@ -142,3 +142,14 @@ def test_corrections_and_effects_leave_every_comment_in_its_place(corrections, e
     }
     kept = [c for c in comments(found) if c in comments(OWN)]
     assert kept == comments(OWN)
+
+
+def test_a_value_at_a_path_leaves_all_else_as_it_was_written():
+    text = "a:\n  b:\n    c: 1.50 # ours\n    d: 2.50\n  e: 0x10\n# below\nf: yes\n"
+    found = with_values(text, {("a", "b", "c"): 3.25, ("f",): "no"})
+    assert found == text.replace("1.50", "3.25").replace("yes", "'no'")
+
+
+def test_a_path_without_a_mapping_is_named():
+    with pytest.raises(KeyError, match=r"a\.b"):
+        with_values("a: { b: 1 }\n", {("a", "b", "c"): 2})
