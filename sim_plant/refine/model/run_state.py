@@ -113,7 +113,11 @@ def _as_recorded(sensor: Sensor, steps: Mapping[str, float]) -> Sensor:
 
 
 def _radius_at_start(line: Declaration, record: Recording, roller: str) -> float | None:
-    """Return a roll's radius at the start, m: as recorded, else from how it turns."""
+    """Return a roll's radius at the start, m: as recorded, else from how it turns.
+
+    Equation: metres run over angle turned is the mean of the radii at both ends; the web of half
+    that angle lies between mean and start, h angle / 4 pi.
+    """
     for sensor in line.sensors:
         if isinstance(sensor, RollRadius) and sensor.roller == roller:
             values = record.columns.get(sensor.channel)
@@ -121,9 +125,10 @@ def _radius_at_start(line: Declaration, record: Recording, roller: str) -> float
                 return _first_value(values, _angle_of(line, record, roller), record.sample_time_s)
     rows = min(record.samples, max(2, round(TURNING_S / record.sample_time_s)))
     metres = float(np.sum(record.columns[SPEED_REF][: rows - 1])) * record.sample_time_s
+    grows = 1.0 if roller == line.rollers[-1].name else -1.0
     for turned in _turning(line, record, roller, rows):
-        if turned > 1.0:
-            return metres / turned
+        if turned > LEAST_RAD:
+            return metres / turned - grows * line.web.thickness_m * turned / (4.0 * math.pi)
     return None
 
 

@@ -114,6 +114,18 @@ def test_without_one_the_speed_stands_in_at_the_level_of_a_driven_rollers_turns(
     assert "at which of several like idlers of a zone an effect sits is not told" in text
 
 
+@pytest.mark.parametrize(("roll", "start_m", "grows"), [("rewind", 0.15, 1), ("unwind", 0.19, -1)])
+def test_a_roll_of_which_only_the_turning_is_known_starts_at_its_radius_then(roll, start_m, grows):
+    # radius from the area of its side: web run times thickness; 0.9 mm lie between 0 and 10 s
+    radius_m = np.sqrt(start_m**2 + grows * SPEED_M_S * TIME_S * LINE.web.thickness_m / np.pi)
+    columns = {f"{roll}_speed_rad_s": SPEED_M_S / radius_m}
+    columns |= {"roll_m": None, "turns_rad": None} if roll == "unwind" else {}
+    rolls = {"swrap_follower": {"angle": "follower_rad"}}
+    record = run_on_line(LINE, run(columns, rolls=rolls if roll == "unwind" else None))
+    radii = twin_of(LINE, record).declaration.initial_radii_m
+    assert getattr(radii, roll) == pytest.approx(start_m, rel=2e-5)
+
+
 def test_a_straight_ramp_stands_in_where_a_drive_follows_one():
     wanted = np.interp(TIME_S, [10.0, 14.0], [0.8, 1.2])
     acts = acting(wanted, 0.0)
@@ -158,7 +170,11 @@ def test_radii_and_sample_time_are_those_of_the_runs_beginning():
 
 
 def test_a_radius_that_is_not_recorded_comes_from_web_travel_over_turns():
-    twin = twin_of(LINE, run_on_line(LINE, run({"roll_m": None})))
+    # a spiral: travel = R angle - h angle^2 / 4 pi
+    per_turn_m = LINE.web.thickness_m
+    left_m = np.sqrt(UNWIND_M**2 - SPEED_M_S * TIME_S * per_turn_m / np.pi)
+    columns = {"roll_m": None, "turns_rad": (UNWIND_M - left_m) * 2.0 * np.pi / per_turn_m}
+    twin = twin_of(LINE, run_on_line(LINE, run(columns)))
     assert twin.declaration.initial_radii_m.unwind == pytest.approx(UNWIND_M, rel=1e-6)
 
 
