@@ -295,6 +295,18 @@ def test_nobody_at_a_terminal_is_told_of_the_file(
     assert "--answers FILE.yaml" in capsys.readouterr().err
 
 
+def test_again_refuses_a_name_of_which_nothing_is_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "site.setup.json").write_text(json.dumps(KEPT))
+    answers = script(tmp_path, 1)
+    said = ["setup", str(tmp_path / "site.yaml"), "--answers", str(answers), "--again", "radius"]
+    assert main(said) == 2
+    error = capsys.readouterr().err
+    assert "--again radius: nothing of that name is kept in" in error
+    assert "Did you mean radius_m" in error
+
+
 @pytest.mark.parametrize(("wire", "said"), [("can", "euclid_can.yaml"), ("modbus_rtu", "serial")])
 def test_another_wire_is_told_what_to_do_instead(
     wire: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
