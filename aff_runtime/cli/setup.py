@@ -68,7 +68,13 @@ def setup(options: argparse.Namespace) -> int:
     checked = argparse.Namespace(
         site=options.site, speed=[], brief=True, state_dir=options.state_dir
     )
-    return check(checked)
+    if code := check(checked):
+        return code
+    say(
+        f"next: understand the warnings, then `aff-runtime run {options.site}`, probe and arm "
+        "(docs/technician/first-run.md)"
+    )
+    return 0
 
 
 def _asked_again(draft: Draft, name: str, kept_in: Path) -> Draft:

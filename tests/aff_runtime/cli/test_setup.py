@@ -149,7 +149,9 @@ def test_a_plc_that_is_unplugged_is_named_and_the_next_run_goes_on(
     assert not (tmp_path / "site.yaml").exists()
     assert plc.command("clear")["ok"]
     assert played(tmp_path, answers) == 0
-    assert "unwind_tension_N: word 2 i32 high_first, scale 0.001 (kept)" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "unwind_tension_N: word 2 i32 high_first, scale 0.001 (kept)" in said
+    assert f"next: understand the warnings, then `aff-runtime run {tmp_path}" in said
 
 
 @pytest.mark.wire
