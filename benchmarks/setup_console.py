@@ -53,7 +53,7 @@ ANSWERS: tuple[tuple[str, Answer], ...] = (
     ("Radius of swrap_follower", "0.15367"),
     ("Largest correction that the PLC allows at swrap_follower", "0.04"),
     ("Amplitude of the probe", "0.02"),
-    ("Law: shape", "shape"),
+    ("Law: blocks", "shape"),
     ("Word with the status bits", "1"),
     ("Word that counts splices", "8"),
     ("copy of our heartbeat", "15"),

@@ -35,9 +35,9 @@ class RunWindow:
     def __str__(self) -> str:
         """Return it as it would be written."""
         if self.from_s == 0.0 and math.isinf(self.to_s):
-            return str(self.folder)
+            return printable(str(self.folder))
         end = "" if math.isinf(self.to_s) else f"{self.to_s:.10g}"
-        return f"{self.folder}@{self.from_s:.10g}..{end}"
+        return f"{printable(str(self.folder))}@{self.from_s:.10g}..{end}"
 
 
 def names_a_run(path: str | Path) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
@@ -18,6 +19,7 @@ from aff_runtime.cli.service import connect
 from aff_runtime.cli.terminal import say
 
 WHY = "reason, for the history; 8 characters at least"
+_PLACE = re.compile(r":\d+:\d+  ")  # line and column of a finding
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
@@ -57,7 +59,7 @@ def settings(word: str, options: argparse.Namespace) -> int:
     text = _text(options.file) if word in ("diff", "try") else ""
     client = connect(options)
     try:
-        ask = partial(_ask, client)
+        ask = partial(_ask, client, options)
         if word == "diff":
             _show(ask(act="diff", text=text))
         elif word == "try":
@@ -71,8 +73,15 @@ def settings(word: str, options: argparse.Namespace) -> int:
     return 0
 
 
-def _ask(client: ServiceClient, **arguments: Any) -> SettingsAnswer:
-    answer = client.ask("settings", timeout_s=PATIENCE_S + 5.0, **arguments)
+def _ask(client: ServiceClient, options: argparse.Namespace, **arguments: Any) -> SettingsAnswer:
+    try:
+        answer = client.ask("settings", timeout_s=PATIENCE_S + 5.0, **arguments)
+    except RefusedError as error:
+        if "text" in arguments and _PLACE.search(str(error)):
+            refused = RefusedError(f"{error}\nlines and columns are those of {options.file}")
+            refused.exit_code = error.exit_code
+            raise refused from None
+        raise
     try:
         return SettingsAnswer.from_json(answer)
     except (ValueError, KeyError, TypeError, AttributeError):

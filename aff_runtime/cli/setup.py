@@ -8,9 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.setup.dialogue import Dialogue, LeftError
-from aff_runtime.app.setup.draft import read_draft
+from aff_runtime.app.setup.draft import Draft, read_draft
 from aff_runtime.app.setup.flow import content_of, interview, write
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.printable import printable
+from aff_runtime.base.suggest import meant
 from aff_runtime.cli.check import check
 from aff_runtime.cli.service import add_state_dir
 from aff_runtime.cli.setup_dialogue import Script, Terminal
@@ -49,7 +51,7 @@ def setup(options: argparse.Namespace) -> int:
     kept_in = options.site.with_suffix(".setup.json")
     draft = read_draft(kept_in)
     for name in options.again:
-        draft = draft.without(name)
+        draft = _asked_again(draft, name, kept_in)
     script = Script(options.answers) if options.answers is not None else None
     dialogue = Dialogue(draft, kept_in, script or Terminal())
     before = content_of(options.site)
@@ -66,4 +68,22 @@ def setup(options: argparse.Namespace) -> int:
     checked = argparse.Namespace(
         site=options.site, speed=[], brief=True, state_dir=options.state_dir
     )
-    return check(checked)
+    if code := check(checked):
+        return code
+    say(
+        f"next: understand the warnings, then `aff-runtime run {options.site}`, probe and arm "
+        "(docs/technician/first-run.md)"
+    )
+    return 0
+
+
+def _asked_again(draft: Draft, name: str, kept_in: Path) -> Draft:
+    """Return what is kept without one name; refuses one that hangs on nothing kept."""
+    less = draft.without(name)
+    if less == draft:
+        kept = [*draft.answers, *draft.words]
+        raise ConfigError(
+            f"--again {printable(name, 40)}: nothing of that name is kept in {kept_in}. "
+            f"{meant(name, kept) if kept else 'Nothing is kept there yet.'}"
+        )
+    return less

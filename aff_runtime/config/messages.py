@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
 from aff_runtime.base.suggest import meant, nearest
-from aff_runtime.base.units import plain
+from aff_runtime.base.units import UnitError, plain, read_number
 from aff_runtime.config.declared import Declared, declared_at, keys_of
 from aff_runtime.config.findings import Finding, KeyPath
 from aff_runtime.config.quantity import Section
@@ -76,7 +76,14 @@ def _said(one: ErrorDetails, path: KeyPath, tree: MarkedTree, root: type[Section
 
 def _with_unit(given: object, written: str, declared: Declared) -> str:
     unit = (declared.unit or "") if declared.leaf is float else ""
+    if isinstance(given, str):  # of a key that may be absent: not yet a number
+        try:
+            given = read_number(given, unit)
+        except UnitError:
+            return written or str(given)
     number = plain(float(given)) if isinstance(given, int | float) else str(given)
+    if written == f"{number} {unit}":
+        return written
     if written and written[-1].isalpha():
         return f"{written} (= {number} {unit})"
     return f"{written or number} {unit}".strip()

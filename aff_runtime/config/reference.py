@@ -76,7 +76,7 @@ def unit_cell(declared: Declared) -> str:
         inside = "section" if item.section else unit_cell(item)
         return f"{'table' if declared.is_table else 'list'} of {inside}"
     if declared.unit is not None:
-        return declared.unit or "SI per count"
+        return declared.unit or ("SI per count" if declared.name == "scale" else "ratio")
     return {bool: "true/false", str: "text"}.get(declared.leaf, "word")
 
 

@@ -14,13 +14,20 @@ from sim_plant.servers.control_client import ask
 Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhere else)
 
 
+WORDS = (
+    "status | history LAST_SAMPLES | roll | reset | value CHANNEL | set REFERENCE VALUE | "
+    "set BIT 0 (or 1) | fault NAME | clear [NAME] | step SAMPLES (with --stepped); "
+    "a wrong name lists all"
+)
+
+
 def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     """Add the subcommand."""
     parser = subparsers.add_parser(
         "tell", help="send a command to a served plant: status, roll, set, fault, clear, ..."
     )
     parser.add_argument("control", type=Path, metavar="SOCKET", help="serve's --control PATH")
-    parser.add_argument("words", nargs="+", metavar="WORD", help="for example: roll")
+    parser.add_argument("words", nargs="+", metavar="WORD", help=WORDS)
     parser.set_defaults(run=run)
 
 

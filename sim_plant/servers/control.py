@@ -31,6 +31,7 @@ from pathlib import Path
 from typing import Protocol
 
 from aff_runtime.base.errors import AffError, PlantError
+from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import Status
 from sim_plant.servers.answers import Answer, Done, History, PlantStatus, Refused, Value, to_json
 from sim_plant.servers.faults import Fault, parse_fault
@@ -142,8 +143,12 @@ class ControlSocket:
             return commands[words[0]](words[1:])
         except AffError as error:
             return Refused(error=str(error))
-        except (ValueError, IndexError) as error:
-            return Refused(error=f"{words[0]}: wrong or missing argument ({error})")
+        except (ValueError, IndexError):
+            said = " ".join(words[1:]) or "nothing"
+            return Refused(
+                error=f"{words[0]}: wrong or missing argument: read {printable(said, 60)}; "
+                "`sim-plant tell --help` says what each takes"
+            )
 
     def _history(self, arguments: list[str]) -> History:
         rows = self._plant.history(int(arguments[0]))

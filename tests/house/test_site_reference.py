@@ -26,6 +26,11 @@ def test_reference_page_is_fresh():
     assert (ROOT / PAGE).read_text(encoding="utf-8") == reference_page(), AGAIN
 
 
+def test_what_counts_in_si_per_count_is_a_scale_and_a_ratio_is_none():
+    rows = [row.split("|") for row in reference_page().splitlines() if "| SI per count |" in row]
+    assert {row[1].strip() for row in rows} == {"`scale`"}
+
+
 def test_json_schema_is_fresh():
     assert (ROOT / SCHEMA).read_text(encoding="utf-8") == json_schema(), AGAIN
 

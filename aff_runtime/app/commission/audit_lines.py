@@ -20,18 +20,18 @@ class AuditLines:
         self._audit = audit
         self._lines = Limits(clock).lines
         self._unwritten = 0
-        self._ails = ""
+        self._fault = ""
 
     def write(self, entry: Entry, result: str, why: str = "") -> bool:
         """Write a line; False when it cannot be."""
         try:
             number = self._audit.add(replace(entry, result=result, why=why))
         except RefusedError as error:
-            if str(error) != self._ails:
-                self._ails = str(error)
+            if str(error) != self._fault:
+                self._fault = str(error)
                 LOG.error("the audit is not kept, nothing is done: %s", error)
             return False
-        self._ails = ""
+        self._fault = ""
         by = f" by {entry.account}" if entry.account else ""
         said = f" ({why})" if why else ""
         kept = f"audit {number} {self._audit.newest[:12]}"

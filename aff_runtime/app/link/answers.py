@@ -25,11 +25,13 @@ class Done:
     Attributes
     ----------
     message : why not. ``exit_code`` : what a command ends with; None leaves it to the command.
+    more : further reasons, such as the findings of a site file after the first.
     state : of the guard. ``duration_s`` : how long it will take.
     """
 
     ok: bool = True
     message: str = ""
+    more: tuple[str, ...] = ()
     state: str = ""
     duration_s: float | None = None
     exit_code: int | None = None
@@ -38,6 +40,7 @@ class Done:
         """Return plain values for JSON."""
         optional = {
             "message": self.message or None,
+            "more": list(self.more) or None,
             "state": self.state or None,
             "duration_s": self.duration_s,
             "exit_code": self.exit_code,
@@ -47,10 +50,11 @@ class Done:
     @classmethod
     def from_json(cls, said: Any) -> Done:
         """Read ``to_json``'s values back; a key that is missing is its default, ``ok`` a no."""
-        code = said.get("exit_code")
+        code, more = said.get("exit_code"), said.get("more")
         return cls(
             ok=said.get("ok") is True,
             message=str(said.get("message", "")),
+            more=tuple(map(str, more)) if isinstance(more, list) else (),
             state=str(said.get("state", "")),
             duration_s=said.get("duration_s"),
             exit_code=code if isinstance(code, int) else None,
@@ -59,7 +63,8 @@ class Done:
 
 def refusal(error: AffError) -> Done:
     """Return the answer that says no."""
-    return Done(ok=False, message=str(error), exit_code=error.exit_code)
+    first, *more = str(error).split("\n")
+    return Done(ok=False, message=first, more=tuple(more), exit_code=error.exit_code)
 
 
 def as_answer(reply: Reply) -> Done:

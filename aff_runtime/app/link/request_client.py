@@ -137,7 +137,7 @@ def shown(value: Any) -> Any:
 
 def _refusal(answer: Done) -> AffError:
     """Return the error that a negative answer stands for."""
-    error: AffError = RefusedError(answer.message or "refused")
+    error: AffError = RefusedError("\n".join((answer.message or "refused", *answer.more)))
     if answer.exit_code is not None:
         error.exit_code = answer.exit_code
     return error

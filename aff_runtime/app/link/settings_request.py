@@ -73,7 +73,10 @@ def _seconds(given: object) -> float:
 
 def _why(given: object) -> str:
     if not isinstance(given, str) or not LEAST_WHY <= len(given.strip()) <= MOST_WHY:
-        raise RefusedError(f"why: a reason of {LEAST_WHY} to {MOST_WHY} characters is needed")
+        said = f"{len(given.strip())} characters" if isinstance(given, str) else "no text"
+        raise RefusedError(
+            f"why: read {said}, a reason of {LEAST_WHY} to {MOST_WHY} characters is needed"
+        )
     return given.strip()
 
 

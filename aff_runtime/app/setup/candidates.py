@@ -20,6 +20,7 @@ _NO_ROUND_SCALE = math.log(0.02)
 _FURTHEST = 3.0  # standard deviations
 _TRIED_SCALES = 40
 _CREEPS = 0.01  # share of its value that a measured value changes in a second, at most
+_TYPED_S = 5.0  # from reading a display to the last key; a roll shrinks meanwhile
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,27 +54,39 @@ class Candidate:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Seen:
-    """One decoding at one moment: mean and scatter in counts, and what the display showed."""
+    """One decoding at one moment, in counts, and what the display showed.
+
+    Attributes
+    ----------
+    mean, sd : while it was watched.
+    late : deviation of what it went on by since the display was read.
+    """
 
     mean: float
     sd: float
+    late: float
     shown: Shown
+
+    @property
+    def scatter(self) -> float:
+        """Return by how much the display may be off the mean."""
+        return math.hypot(self.sd, self.late)
 
     def off(self, scale: float) -> float:
         """Return how many deviations the display is from the value read with ``scale``."""
         digit = self.shown.half_digit / math.sqrt(3.0)
-        return abs(self.shown.value - scale * self.mean) / math.hypot(digit, self.sd * scale)
+        return abs(self.shown.value - scale * self.mean) / math.hypot(digit, self.scatter * scale)
 
     def surprise(self, scale: float) -> float:
         """Return -log P(a wrong word, read with ``scale``, shows the display's value)."""
         digit = self.shown.half_digit / math.sqrt(3.0)
-        sigma = math.hypot(digit, self.sd * scale) / abs(self.shown.value)
+        sigma = math.hypot(digit, self.scatter * scale) / abs(self.shown.value)
         return -math.log(min(1.0, 2.5 * sigma / _RANGE))
 
     def error_share(self) -> float:
         """Return the largest share of the value by which the display may be off."""
         digit = self.shown.half_digit / abs(self.shown.value)
-        return digit + _FURTHEST * self.sd / abs(self.mean)
+        return digit + _FURTHEST * self.scatter / abs(self.mean)
 
 
 def candidates(
@@ -122,7 +135,22 @@ def _moment(decoding: Decoding, one: Observation) -> _Seen | None:
     mean = statistics.fmean(counts)
     if abs(mean) < 0.5:
         return None
-    return _Seen(mean=mean, sd=statistics.pstdev(counts), shown=one.shown)
+    sd = statistics.pstdev(counts)
+    return _Seen(mean=mean, sd=sd, late=_late(one.seen.times_s, counts, mean), shown=one.shown)
+
+
+def _late(times_s: Sequence[float], counts: Sequence[int], mean: float) -> float:
+    """Return what a value that creeps one way went on by while it was typed, rms; 0 of others."""
+    if len(counts) < 3 or times_s[-1] <= times_s[0]:
+        return 0.0
+    rate, zero = statistics.linear_regression(times_s, counts)
+    way = abs(rate) * (times_s[-1] - times_s[0])
+    rest = statistics.fmean(
+        (y - rate * t - zero) ** 2 for t, y in zip(times_s, counts, strict=True)
+    )
+    if math.sqrt(rest) > 0.1 * way or abs(rate) > _CREEPS * abs(mean):
+        return 0.0
+    return abs(rate) * _TYPED_S / math.sqrt(3.0)
 
 
 def _of(
@@ -145,6 +173,8 @@ def _of(
     ]
     fitting = [row for row in tried if row[2] is not None]
     habits, why = _habits(decoding, does, moves)
+    if moves is None and moments[-1].sd > _CREEPS * abs(moments[-1].mean):
+        habits, why = habits - 5.0, (*why, "too much for what moves slowly")
     if fitting:
         scale, prior, fit = max(fitting, key=lambda row: row[1] + (row[2] or 0.0))
         score = prior + (fit or 0.0) + habits + _resolution(scale.si, surest.shown)

@@ -88,8 +88,7 @@ def _look(dialogue: Dialogue, steps: Steps) -> None:
             steps.find_bit(bit_questions(dialogue.draft, known)[number])
     _words(dialogue)
     if dialogue.draft.answers["law"] == "shape":
-        for question in drive_questions():
-            dialogue.ask(question)
+        _drive(dialogue)
     block = polled(dialogue.draft)
     if block.count <= MAX_READ_WORDS and not steps.fits_one_read(block):
         dialogue.complain(
@@ -113,6 +112,14 @@ def _words(dialogue: Dialogue) -> None:
         rows = word_questions(dialogue.draft, partial(_why_not, dialogue, name))
         dialogue.ask(next(row for row in rows if row.name == name))
         asked.add(name)
+
+
+def _drive(dialogue: Dialogue) -> None:
+    """Ask for the drive; what is asked depends on earlier answers."""
+    asked: set[str] = set()
+    while left := [row for row in drive_questions(dialogue.draft) if row.name not in asked]:
+        dialogue.ask(left[0])
+        asked.add(left[0].name)
 
 
 def _why_not(dialogue: Dialogue, name: str, address: int) -> str:

@@ -102,7 +102,12 @@ def word_questions(draft: Draft, known: Known) -> tuple[Question, ...]:
         for roll in rolls
     )
     return (
-        Question(name="roll_id", text="Word that counts splices (a new roll)", read=word(known)),
+        Question(
+            name="roll_id",
+            text="Word that counts splices (a new roll); one that stands still where there "
+            "is none",
+            read=word(known),
+        ),
         Question(
             name="echo",
             text="Word with the PLC's copy of our heartbeat (aff_echo); or none",
@@ -208,7 +213,7 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
     asked += [
         Question(
             name="probe",
-            text="Amplitude of the probe's excitation",
+            text="Amplitude of the probe's excitation, m/s",
             read=number("m/s", 0.0, 0.1),
             default="0.0008",
         ),
@@ -217,7 +222,7 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
         ),
         Question(
             name="law",
-            text="Law: shape needs the drive's numbers, blocks does not",
+            text="Law: blocks, or shape, whose drive the probe finds where you do not know it",
             read=one_of("blocks", "shape"),
             default="blocks",
         ),
@@ -228,7 +233,11 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
 def _of_second(second: str) -> list[Question]:
     """Return what is asked of the second driven roller."""
     return [
-        Question(name="second_radius", text=f"Radius of {second}", read=number("m", 0.005, 3.0)),
+        Question(
+            name="second_radius",
+            text=f"Radius of {second} (half its diameter)",
+            read=number("m", 0.005, 3.0),
+        ),
         Question(
             name="limit_second",
             text=f"Largest correction that the PLC allows at {second}",
@@ -251,28 +260,50 @@ class _Output:
         return chosen
 
 
-def drive_questions() -> tuple[Question, ...]:
-    """Return what law shape needs of the drive."""
-    return (
+def drive_questions(draft: Draft) -> tuple[Question, ...]:
+    """Return what law shape can be told of the drive; what is none the probe identifies.
+
+    Damping belongs to a gain, width and core to a density; a tension is asked for where no set
+    point says it.
+    """
+    asked = [
         Question(
             name="speed_gain",
-            text="Speed loop: proportional gain over inertia, rad/s",
+            text="Speed loop: proportional gain over inertia, rad/s; none: the probe finds it",
             read=number("rad/s", 0.0, 1000.0),
-        ),
-        Question(name="zeta", text="Damping of the speed loop", read=number("", 0.0, 10.0)),
+            default=NONE,
+        )
+    ]
+    if draft.answers.get("speed_gain", NONE) != NONE:
+        asked.append(
+            Question(name="zeta", text="Damping of the speed loop", read=number("", 0.0, 10.0))
+        )
+    asked += [
         Question(
             name="inertia",
-            text="Inertia of core, chuck and coupling, kg m2",
+            text="Inertia of core, chuck and coupling, kg m2; none: the probe finds it",
             read=number("kg m2", 0.0, 1e4),
+            default=NONE,
         ),
         Question(
-            name="density", text="Density of the wound web, kg/m3", read=number("kg/m3", 0.0, 2e4)
+            name="density",
+            text="Density of the wound web, kg/m3; none where it is not known",
+            read=number("kg/m3", 0.0, 2e4),
+            default=NONE,
         ),
-        Question(name="width", text="Width of the web", read=number("m", 0.0, 20.0)),
-        Question(
-            name="core", text="Outer radius of the core itself", read=number("m", 0.005, 3.0)
-        ),
-    )
+    ]
+    if draft.answers.get("density", NONE) != NONE:
+        asked += [
+            Question(name="width", text="Width of the web", read=number("m", 0.0, 20.0)),
+            Question(
+                name="core", text="Outer radius of the core itself", read=number("m", 0.005, 3.0)
+            ),
+        ]
+    if "tension_ref_N" not in draft.words:
+        asked.append(
+            Question(name="usual_tension", text="Usual web tension", read=number("N", 0.0, 1e5))
+        )
+    return tuple(asked)
 
 
 def roll_names(draft: Draft) -> tuple[str, ...]:

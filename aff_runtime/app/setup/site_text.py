@@ -57,13 +57,14 @@ def _conditions(draft: Draft) -> dict[str, bool]:
     own_order = answers.get("status.order") == "yes"
     enables = own_order or answers.get("bits.AFF_ENABLE_REQUEST", NONE) != NONE
     applied = any(answers.get(f"applied.{roll}", NONE) != NONE for roll in roll_names(draft))
+    is_shape = answers["law"] == "shape"
     facts = {
         "aff_order": own_order,
         "echo": answers.get("echo", NONE) != NONE,
         "applied": applied,
         "plc_enables": enables,
         "reference": "tension_ref_N" in draft.words,
-        "shape": answers["law"] == "shape",
+        "shape": is_shape,
     }
     against = {
         "aff_order": "own_bits",
@@ -75,6 +76,10 @@ def _conditions(draft: Draft) -> dict[str, bool]:
     }
     facts |= {other: not facts[name] for name, other in against.items()}
     return facts | {
+        "gain": is_shape and answers.get("speed_gain", NONE) != NONE,
+        "inertia": is_shape and answers.get("inertia", NONE) != NONE,
+        "wound": is_shape and answers.get("density", NONE) != NONE,
+        "untold": is_shape and "tension_ref_N" not in draft.words,
         "tcp": answers["wire"] == "modbus_tcp",
         "unwind_angle": f"{UNWIND}_angle_rad" in draft.words,
         "second": second != NONE,
@@ -93,7 +98,7 @@ def _places(draft: Draft, file: str) -> Mapping[str, str]:
     stem = re.sub(r"[^A-Za-z0-9_-]", "_", file) or "site"
     kept = ("wire", "port", "device_id", "function", "law", "second", "speed_max", "radius_min",
             "radius_max", "second_radius", "speed_gain", "zeta", "inertia", "density", "width",
-            "core", "probe")  # fmt: skip
+            "core", "probe", "usual_tension")  # fmt: skip
     return {
         **{name: answers.get(name, "") for name in kept},
         **number,

@@ -89,13 +89,13 @@ def read_run_record(path: Path) -> Recording:
     except AffError as error:
         raise PlantError(str(error)) from error
     _refuse_other_columns(path, table.columns)
-    site = run_site(table.site_text, f"{path}: site.yaml")
+    site = run_site(table.site_text, f"{shown}: site.yaml")
     channels = [name for name in site.steps if _is_read(table.columns, name)]
     waited_for = [name for name in channels if name in site.needed]
     try:
         scans = scans_of(table.columns, waited_for)
     except PlantError as error:
-        raise PlantError(f"{path}: {error}") from error
+        raise PlantError(f"{shown}: {error}") from error
     read = {n: table.columns[n][scans.rows] for n in channels}
     site = replace(site, steps=counts_of(read, site.steps))
     whole = {n: filled(values, scans.taken_s, scans.step_s) for n, values in read.items()}
@@ -148,8 +148,8 @@ def _refuse_other_columns(path: Path, columns: Mapping[str, Array]) -> None:
     missing = [name for name in NEEDED if name not in columns]
     if missing:
         raise PlantError(
-            f"{path}: the run has no column {', '.join(missing)}: an aff-runtime recorded it "
-            "otherwise; give a run of this version"
+            f"{printable(str(path))}: the run has no column {', '.join(missing)}: an aff-runtime "
+            "recorded it otherwise; give a run of this version"
         )
 
 
@@ -158,7 +158,7 @@ def _longest(path: Path, pieces: Sequence[Piece], why: Sequence[str]) -> Piece:
     piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
     if piece is None or piece.length_s < SHORTEST_S:
         raise PlantError(
-            f"{path}: no {SHORTEST_S:g} s of the running line without a break: "
+            f"{printable(str(path))}: no {SHORTEST_S:g} s of the running line without a break: "
             f"{'; '.join(why) or 'the window is too short'}; give another window"
         )
     return piece

@@ -70,6 +70,8 @@ def run_site(text: str, where: str) -> RunSite:
     PlantError
         It is missing, or no site file.
     """
+    if not text.strip():
+        raise PlantError(f"{where}: is not there, or empty; put the site file of that run there")
     try:
         data = yaml_values(text)
         line, gateway = data["line"], data["gateway"]
@@ -90,11 +92,19 @@ def run_site(text: str, where: str) -> RunSite:
             },
         )
     except (KeyError, TypeError, AttributeError, ValueError) as error:
-        said = printable(f"{type(error).__name__}: {error}", 160)
+        said = printable(_what_it_lacks(error), 160)
         raise PlantError(
             f"{where}: does not say what the columns of the run are ({said}); put the site file "
             "of that run in its place"
         ) from None
+
+
+def _what_it_lacks(error: Exception) -> str:
+    if isinstance(error, KeyError):
+        return f"{error} is missing, or no word that is known there"
+    if isinstance(error, ValueError):
+        return str(error)
+    return "a section holds something else than keys with values"
 
 
 def _needed(data: Any) -> frozenset[str]:

@@ -44,7 +44,7 @@ def questions() -> list[Question]:
         *status_questions(known),
         *bit_questions(draft, known),
         *machine_questions(draft),
-        *drive_questions(),
+        *drive_questions(draft.with_answer("speed_gain", "15").with_answer("density", "395")),
         first_number(0),
     ]
 

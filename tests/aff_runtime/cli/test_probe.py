@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -12,7 +13,8 @@ from aff_runtime.app.link.replies import ProbeResult
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.request_socket import RequestSocket
 from aff_runtime.app.supervisor.probe_session import ProbeSession
-from aff_runtime.cli.probe import table
+from aff_runtime.cli.probe import table, unsure
+from aff_runtime.core.response import Response
 from tests.aff_runtime.core.plants import measured
 from tests.parameter_records import record_of
 
@@ -52,3 +54,18 @@ def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> 
     ]
     assert rows[4:] == ["  remark: short", f"  kept in {tmp_path / 'unwind.json'}"]
     assert json.loads((tmp_path / "unwind.json").read_text()) == said["results"][0]["response"]
+
+
+def test_frequencies_that_were_heard_badly_name_the_amplitude_that_would_do() -> None:
+    """Coherence 0.5: noise as loud as the tones. 0.9 wants a ninth: three times the amplitude."""
+    clean = measured(lambda _f: 250.0 + 0j, [0.5, 1.0])
+    assert list(unsure(clean, "probe.amplitude_m_s", 0.0008)) == []
+    noisy = Response(
+        points=[replace(clean.points[0], coherence=0.5), clean.points[1]],
+        delay_s=0.0,
+        provenance=clean.provenance,
+    )
+    said = " ".join(unsure(noisy, "probe.amplitude_m_s", 0.0008))
+    assert said.startswith("  1 of 2 frequencies are not sure")
+    assert "probe again with probe.amplitude_m_s: 0.003 (was 0.0008)" in said
+    assert "probe.duration_s" in said

@@ -6,9 +6,12 @@ import stat
 import pytest
 
 from aff_runtime.app.commission.saving import await_saved, save
+from aff_runtime.app.link.answers import refusal
+from aff_runtime.app.link.request_client import ServiceClient
+from aff_runtime.app.link.request_socket import RequestSocket
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.errors import ConfigError, RefusedError
-from aff_runtime.cli.main import build_parser
+from aff_runtime.cli.main import build_parser, main
 from tests.doubles.virtual_clock import VirtualClock
 
 FORMER, NEW = "a: 1  # mine\n", "a: 2  # mine \u00e4\n"
@@ -77,3 +80,26 @@ def test_a_change_needs_its_reason(capsys):
         with pytest.raises(SystemExit):
             build_parser().parse_args(["settings", *words])
         assert "--why" in capsys.readouterr().err
+
+
+def test_what_is_wrong_with_new_settings_comes_a_line_each_and_says_whose_lines(
+    tmp_path, monkeypatch, capsys
+):
+    (tmp_path / "run").mkdir(mode=0o700)
+    service = RequestSocket(tmp_path / "run" / "control.sock")
+    client = ServiceClient(tmp_path / "run" / "control.sock")
+    monkeypatch.setattr("aff_runtime.cli.settings.connect", lambda _options: client)
+    caller = service.accept()
+    assert caller is not None
+    found = "/etc/site.yaml:3:1  limit_m_s: too large\n/etc/site.yaml:9:1  \x1b[2Jodd"
+    caller.send(refusal(ConfigError(found)))
+    new = tmp_path / "new.yaml"
+    new.write_text(NEW)
+    try:
+        assert main(["settings", "diff", str(new)]) == 2
+    finally:
+        service.close()
+    first, second, whose = capsys.readouterr().err.splitlines()
+    assert first.endswith("/etc/site.yaml:3:1  limit_m_s: too large")
+    assert second == r"/etc/site.yaml:9:1  \x1b[2Jodd"
+    assert whose == f"lines and columns are those of {new}"

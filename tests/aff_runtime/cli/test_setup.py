@@ -149,7 +149,9 @@ def test_a_plc_that_is_unplugged_is_named_and_the_next_run_goes_on(
     assert not (tmp_path / "site.yaml").exists()
     assert plc.command("clear")["ok"]
     assert played(tmp_path, answers) == 0
-    assert "unwind_tension_N: word 2 i32 high_first, scale 0.001 (kept)" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert "unwind_tension_N: word 2 i32 high_first, scale 0.001 (kept)" in said
+    assert f"next: understand the warnings, then `aff-runtime run {tmp_path}" in said
 
 
 @pytest.mark.wire
@@ -293,6 +295,18 @@ def test_nobody_at_a_terminal_is_told_of_the_file(
 ) -> None:
     assert main(["setup", str(tmp_path / "site.yaml")]) == 2
     assert "--answers FILE.yaml" in capsys.readouterr().err
+
+
+def test_again_refuses_a_name_of_which_nothing_is_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "site.setup.json").write_text(json.dumps(KEPT))
+    answers = script(tmp_path, 1)
+    said = ["setup", str(tmp_path / "site.yaml"), "--answers", str(answers), "--again", "radius"]
+    assert main(said) == 2
+    error = capsys.readouterr().err
+    assert "--again radius: nothing of that name is kept in" in error
+    assert "Did you mean radius_m" in error
 
 
 @pytest.mark.parametrize(("wire", "said"), [("can", "euclid_can.yaml"), ("modbus_rtu", "serial")])

@@ -54,6 +54,17 @@ CASES = {
         "6 min",
         "actuators.unwind.blocks[0].settle_s: 6 min (= 360 s) is too large. Allowed: 1 to 300 s.",
     ),
+    "too large in the unit of the key": (
+        ("    limit_m_s: 0.05", "    limit_m_s: 50 m/s"),
+        "50 m/s",
+        "actuators.unwind.limit_m_s: 50 m/s is too large. Allowed: above 0, up to 1 m/s.",
+    ),
+    "too large in another unit": (
+        ("    limit_m_s: 0.05", "    limit_m_s: 120 m/min"),
+        "120 m/min",
+        "actuators.unwind.limit_m_s: 120 m/min (= 2 m/s) is too large. "
+        "Allowed: above 0, up to 1 m/s.",
+    ),
     "too small": (
         ("hold_after_ms: 15", "hold_after_ms: 1"),
         "1\n",

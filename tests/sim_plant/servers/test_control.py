@@ -56,7 +56,7 @@ def test_faults_are_injected_and_cleared(control):
     [
         ("", "unknown command"),
         ("stop", "unknown command"),
-        ("set", "set: wrong or missing argument"),
+        ("set", "set: wrong or missing argument: read nothing; `sim-plant tell --help`"),
         ("set speed 1", "known are line_speed_ref_m_s"),
         ("set WEB_INTACT 2", "bits 0 or 1"),
         ("set tension_ref_N nan", "references are"),

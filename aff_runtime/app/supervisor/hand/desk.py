@@ -114,7 +114,7 @@ class HandDesk:
         self._ids: OrderedDict[str, int] = OrderedDict()
         self._bypass_due = False
         self._unwritten: dict[int, int] = {}
-        self._audit_ails = ""
+        self._audit_fault = ""
         self._visits = Visits(folder, selector, self._welcome, self._hear, is_private=is_private)
 
     @property
@@ -125,7 +125,7 @@ class HandDesk:
     @property
     def is_kept(self) -> bool:
         """Whether the audit's chain held when it was opened, and every line since was written."""
-        return not self._audit_ails
+        return not self._audit_fault
 
     def serve(self, key: selectors.SelectorKey) -> bool:
         """Do what a selector's event asks for; False when it is none of the hand's."""
@@ -161,7 +161,7 @@ class HandDesk:
         try:
             said = read_said(packet)
         except HandMessageError as error:
-            self._refuse_babble(visitor, str(error), limits)
+            self._refuse_unreadable(visitor, str(error), limits)
             return False
         if isinstance(said, Command) and said.action is Action.BYPASS:
             self._bypass(visitor, said, limits)
@@ -173,7 +173,7 @@ class HandDesk:
             self._count(visitor)
         return is_heard
 
-    def _refuse_babble(self, visitor: Caller, why: str, limits: Limits) -> None:
+    def _refuse_unreadable(self, visitor: Caller, why: str, limits: Limits) -> None:
         entry = Entry(what="no command", result="refused", why=why, peer=str(visitor.peer))
         self._keep(visitor, limits, entry)
 
@@ -285,11 +285,11 @@ class HandDesk:
         try:
             number = self._audit.add(entry)
         except RefusedError as error:
-            if str(error) != self._audit_ails:
-                self._audit_ails = str(error)
+            if str(error) != self._audit_fault:
+                self._audit_fault = str(error)
                 LOG.error("the audit is not kept, no screen arms: %s", error)
             return 0
-        self._audit_ails = ""
+        self._audit_fault = ""
         who = f' by "{entry.account}" of a screen as it says' if entry.account else ""
         why = f" ({entry.why})" if entry.why else ""
         kept = f"audit {number} {self._audit.newest[:SHOWN_HASH]}"

@@ -39,8 +39,11 @@ def test_a_whole_site_file_fits_and_nothing_else_gets_that_room():
         ({"act": "try", "text": "a", "why": "12345678"}, "seconds: 5 to 3600 are needed"),
         ({"act": "try", "text": "a", "seconds": 4, "why": "12345678"}, "seconds: 5 to 3600"),
         ({"act": "try", "text": "a", "seconds": True, "why": "12345678"}, "seconds: 5 to 3600"),
-        ({"act": "try", "text": "a", "seconds": 60, "why": "short"}, "why: a reason of 8 to 400"),
-        ({"act": "keep"}, "why: a reason"),
+        (
+            {"act": "try", "text": "a", "seconds": 60, "why": "short"},
+            "why: read 5 characters, a reason of 8 to 400",
+        ),
+        ({"act": "keep"}, "why: read no text, a reason"),
         ({"act": "undo", "why": "12345678", "version": "1"}, "version: a number"),
         ({"act": "history", "version": -1}, "version: a number"),
         ({"act": "state", "colour": 1}, "unknown key 'colour'"),

@@ -59,6 +59,22 @@ def test_the_default_block_is_read_off_one_value_each(
     assert same(best, next(item for item in items if item.address == place))
 
 
+def test_a_radius_that_shrinks_while_it_is_typed_goes_before_a_noisy_word_that_may_be_it() -> None:
+    """164 um less a second; the display was read 2 s before the words."""
+    place, shown_m, typed_s = 6, 0.16662, 2.0
+
+    def shrunk(t_s: float) -> float:
+        return shown_m - 164e-6 * (t_s + typed_s)
+
+    noisy = Item(9, "i32", 0.001, ripple(92.9, 2.0, 3.1))  # its low word may show any radius
+    radius = Item(place, "u16", 0.00002, shrunk)
+    rest = [item for item in euclid() if item.address not in (place, 9)]
+    one = observed([*rest, radius, noisy], "6.56 in", "m")
+    known = frozenset({0, 2, 3, 4, 5})
+    rows = candidates([one], "m", signed=False, moves=None, taken=known, word_order="high_first")
+    assert same(rows[0], radius)
+
+
 def test_two_words_with_one_speed_are_both_offered_first() -> None:
     rows = candidates([observed(euclid(), "200 FPM", "m/s")], "m/s", signed=True, moves=True)
     assert {one.decoding.address for one in rows[:2]} == {5, 7}

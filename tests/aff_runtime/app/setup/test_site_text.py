@@ -42,6 +42,24 @@ def test_a_small_line_is_a_valid_site(tmp_path: Path) -> None:
     assert "@" not in path.read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize(
+    ("told", "density"), [({}, 0.0), ({"density": "395", "width": "6 in", "core": "44 mm"}, 395.0)]
+)
+def test_a_drive_that_nobody_has_numbers_for_is_left_to_the_probe(
+    told: dict[str, str], density: float, tmp_path: Path
+) -> None:
+    path = tmp_path / "line2.yaml"
+    draft = Draft(
+        answers={**ANSWERS, "law": "shape", "usual_tension": "20 lbf", **told}, words=WORDS
+    )
+    path.write_text(site_text(draft, file="line2"), encoding="utf-8")
+    drive = load_site(path).actuators["unwind"].drive
+    assert drive is not None
+    assert (drive.speed_gain_rad_s, drive.zeta, drive.inertia_kg_m2) == (None, None, None)
+    assert drive.web_density_kg_m3 == density
+    assert drive.tension_N == pytest.approx(20 * 4.4482216)
+
+
 def test_comments_stand_before_the_sections_as_in_the_shipped_file() -> None:
     text = site_text(DRAFT, file="line2")
     shipped = EUCLID.read_text(encoding="utf-8")

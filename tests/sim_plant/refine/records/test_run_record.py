@@ -142,11 +142,27 @@ def test_a_site_file_that_was_edited_in_the_middle_is_named(run):
     assert said_of(read_record(run), "at 12.0 s the site file was changed (actuators.unwind.limit")
 
 
-@pytest.mark.parametrize("text", ["", "- 1", "line: {name: x}", "{", "line: 3\ngateway: 4"])
-def test_a_run_without_its_site_file_is_refused(run, text):
+@pytest.mark.parametrize("text", ["- 1", "line: {name: x}", "{", "line: 3\ngateway: 4"])
+def test_a_run_whose_site_file_says_nothing_is_refused_in_words(run, text):
     (run / "site.yaml").write_text(text)
-    with pytest.raises(PlantError, match=r"site.yaml: does not say what the columns"):
+    with pytest.raises(PlantError, match=r"site.yaml: does not say what the columns") as told:
         read_record(run)
+    assert "Error" not in str(told.value)
+
+
+def test_a_run_without_its_site_file_is_refused(run):
+    (run / "site.yaml").unlink()
+    with pytest.raises(PlantError, match=r"site.yaml: is not there, or empty; put the site file"):
+        read_record(run)
+
+
+def test_a_folder_whose_name_breaks_lines_is_told_on_one(run):
+    strange = run.rename(run.with_name("ru\nn\x1b[31m"))
+    for window in ("@3..9", "@6000..6100"):
+        with pytest.raises(PlantError) as told:
+            read_record(f"{strange}{window}")
+        assert "ru\\nn\\x1b[31m" in str(told.value)
+        assert "\n" not in str(told.value)
 
 
 def test_a_run_of_an_older_recorder_is_refused_by_the_columns_it_lacks(run):
