@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass, field
 from itertools import groupby
 
@@ -89,12 +89,13 @@ class View:
     events: tuple[Happened, ...] = ()
 
 
-def view_of(seen: Seen, layout: Layout, say: Say) -> View:
+def view_of(seen: Seen, layout: Layout, say: Say, standing: Collection[str] | None = None) -> View:
     """Return the view of one moment.
 
     Parameters
     ----------
     seen : what the watch knows. ``say`` : the reader's language.
+    standing : keys of the alarms that stand, see ``notices_of``.
     """
     facts, row = seen.facts, seen.row
     site = seen.site
@@ -126,7 +127,7 @@ def view_of(seen: Seen, layout: Layout, say: Say) -> View:
         notes=notes,
         doubted=doubted,
         coming=tuple(_coming(one, say) for one in facts.status.meetings) if facts else (),
-        alarms=notices_of(seen, state, say),
+        alarms=notices_of(seen, state, say, standing),
         events=tuple(_events(seen, say)),
     )
 
