@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from urllib.parse import quote
 
@@ -67,14 +67,14 @@ class Notice:
 
 
 def notices_of(
-    seen: Seen, state: str, say: Say, standing: Collection[str] | None = None
+    seen: Seen, state: str, say: Say, standing: Mapping[str, str] | None = None
 ) -> tuple[Notice, ...]:
     """Return what stands now, the most urgent first, ``MOST`` at most.
 
     Parameters
     ----------
-    standing : keys of the alarms that stand, of who has waited for their delays; None where
-        nobody has: then what is there at this moment stands.
+    standing : names of the alarms that stand by their keys, of who has waited for their delays;
+        None where nobody has: then what is there at this moment stands.
     """
     there = [
         one
@@ -84,7 +84,7 @@ def notices_of(
     return tuple(
         Notice(
             rank=one.rank,
-            name=one.name,
+            name=one.name if standing is None else standing.get(one.key, one.name),
             text=filled(one.text, one.values, say),
             to_do=say(one.to_do),
         )

@@ -164,9 +164,10 @@ class AlarmBook:
         return any(a.condition.rank == HIGH and a.life is Life.ACTIVE for a in alarms)
 
     @property
-    def standing(self) -> frozenset[str]:
-        """Keys of the alarms that are not over."""
-        return frozenset(key for key, one in self._alarms.items() if one.gone_s is None)
+    def standing(self) -> dict[str, str]:
+        """Names of the alarms that are not over, by their keys."""
+        there = ((key, one) for key, one in self._alarms.items() if one.gone_s is None)
+        return {key: one.condition.name for key, one in there}
 
     def settled(self) -> list[Alarm]:
         """Return what took the correction out and has told since the last call all that came."""

@@ -195,10 +195,14 @@ def test_orders_that_rest_are_told_together() -> None:
 def test_what_waits_for_its_delay_is_told_once_it_stands() -> None:
     clamped = seen(row(**{k: float(Trend.CLAMPED) for k in row() if k.endswith(".state")}))
     (resting,) = conditions_of(clamped, "ACTIVE")
-    assert notices_of(clamped, "ACTIVE", SAY, standing=()) == ()
-    assert len(notices_of(clamped, "ACTIVE", SAY, standing=(resting.key,))) == 1
+    assert notices_of(clamped, "ACTIVE", SAY, standing={}) == ()
+    assert len(notices_of(clamped, "ACTIVE", SAY, standing={resting.key: "unwind"})) == 1
     stale = seen(row(State.FAULT, alarm=BY_NAME["PLC_STALE"].code))
-    assert len(notices_of(stale, "FAULT", SAY, standing=())) == 1  # it has no delay
+    assert len(notices_of(stale, "FAULT", SAY, standing={})) == 1  # it has no delay
+    named = {"PLC_STALE": "PLC_STALE (unwind_tension_N)"}
+    assert [one.name for one in notices_of(stale, "FAULT", SAY, standing=named)] == [
+        *named.values()
+    ]
 
 
 @pytest.mark.parametrize(
@@ -217,6 +221,7 @@ def test_an_encoder_that_is_not_believed_asks_for_somebody(
     values = row(**{"unwind.source": float(source)})
     moment = seen(values, facts=facts(facts=replace(LINE, rolls=(roll,))))
     assert [one.name for one in conditions_of(moment, "ACTIVE")] == told
+    assert shown(moment).to_do.startswith("check the encoder" if told else "nothing")
     without = seen(
         values, facts=facts(facts=replace(LINE, rolls=(replace(roll, angle_channel=""),)))
     )

@@ -80,9 +80,9 @@ def test_the_signal_that_was_named_stays_named_when_its_cause_is_over(told: Told
 
 def test_only_what_has_waited_for_its_delay_stands(told: Told) -> None:
     told.look(REST, STALE)
-    assert told.book.standing == {"PLC_STALE"}
+    assert told.book.standing == {"PLC_STALE": "PLC_STALE"}
     told.look(REST, after_s=60.0)
-    assert told.book.standing == {"rest"}
+    assert told.book.standing == {"rest": "unwind"}
 
 
 def test_nothing_is_over_while_the_service_is_not_heard(told: Told) -> None:
