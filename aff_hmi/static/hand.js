@@ -95,13 +95,18 @@ function show() {
 function confirmPress() {
   if (awaited === null) return;
   if (!isStale() && frame.q > awaited.after && SHOWS[awaited.action].includes(frame.state)) {
-    tell(words.seen);
+    tell(`${called(awaited.action)}: ${words.seen}`);
     if (awaited.action === "bypass") navigator.vibrate?.(200);
     awaited = null;
   } else if (performance.now() > awaited.until_ms) {
-    tell(words.unseen);
+    tell(`${called(awaited.action)}: ${words.unseen}`);
     awaited = null;
   }
+}
+
+/** What a button is called, as it says itself. */
+function called(action) {
+  return byId(action).querySelector(".label").textContent;
 }
 
 document.addEventListener("frame", (event) => {
