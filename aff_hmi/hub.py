@@ -148,9 +148,10 @@ class Hub:
         if self.rooms is not None:
             self.rooms.look(seen, self.layout)
         is_loud = self.kept is not None and self.kept.book.is_loud
+        standing = self.kept.book.standing if self.kept is not None else None
         heads = {
             language: frames.encode(
-                view_of(seen, self.layout, say_in(language)),
+                view_of(seen, self.layout, say_in(language), standing),
                 number=self._number,
                 boot=self.boot,
                 is_loud=is_loud,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from urllib.parse import quote
@@ -13,12 +14,20 @@ from aff_runtime.app.report.block_status import SHAPE, SHAPE_WHY, WHY, WORDS
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.printable import printable
 from aff_runtime.core.order_status import OrderStatus
+from aff_runtime.core.phase import Source
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 
 FACTS_OLD_S = 2.0
 MOST = 8
 FEW = 3
 LASTS_S = 60.0
+OF_WIRE = (
+    N_("no reply within {seconds} s"),
+    N_("no connection within {seconds} s"),
+    N_("closed by the other side"),
+    N_("a reply broke the protocol"),
+)
+ENCODER_S = 5.0  # a glitch is over sooner
 TIMING, ROLLS = "/timing", "/rolls"
 RANK = {Priority.HIGH: 1, Priority.MEDIUM: 2, Priority.LOW: 3}
 
@@ -57,22 +66,35 @@ class Notice:
     to_do: str
 
 
-def notices_of(seen: Seen, state: str, say: Say) -> tuple[Notice, ...]:
-    """Return what stands now, the most urgent first, ``MOST`` at most."""
+def notices_of(
+    seen: Seen, state: str, say: Say, standing: Mapping[str, str] | None = None
+) -> tuple[Notice, ...]:
+    """Return what stands now, the most urgent first, ``MOST`` at most.
+
+    Parameters
+    ----------
+    standing : names of the alarms that stand by their keys, of who has waited for their delays;
+        None where nobody has: then what is there at this moment stands.
+    """
+    there = [
+        one
+        for one in conditions_of(seen, state)
+        if standing is None or not one.delay_s or one.key in standing
+    ]
     return tuple(
         Notice(
             rank=one.rank,
-            name=one.name,
+            name=one.name if standing is None else standing.get(one.key, one.name),
             text=filled(one.text, one.values, say),
             to_do=say(one.to_do),
         )
-        for one in conditions_of(seen, state)[:MOST]
+        for one in there[:MOST]
     )
 
 
 def conditions_of(seen: Seen, state: str) -> tuple[Condition, ...]:
     """Return what stands now, the most urgent first."""
-    conditions = [*_alarm(seen), *_service(seen), *_resting(seen, state)]
+    conditions = [*_alarm(seen), *_service(seen), *_encoders(seen), *_resting(seen, state)]
     return tuple(sorted(conditions, key=lambda one: one.rank))
 
 
@@ -92,11 +114,38 @@ def _alarm(seen: Seen) -> Iterator[Condition]:
         yield Condition(
             key=event.name,
             rank=RANK[PRIORITIES[event.name]],
-            name=event.name,
+            name=_with_signal(event.name, seen),
             text=event.text,
             to_do=event.action,
             code=event.code,
         )
+
+
+def _with_signal(name: str, seen: Seen) -> str:
+    """Return the name of an alarm with the signal that the guard names, while it does."""
+    blocked = seen.facts.blocked if seen.facts is not None else ""
+    return printable(blocked, 80) if blocked.startswith(f"{name} (") else name
+
+
+def _encoders(seen: Seen) -> Iterator[Condition]:
+    """Yield which rolls have an encoder that is not believed: another source drifts."""
+    if seen.row is None or not seen.writer_lives or seen.site is None:
+        return
+    for roll in seen.site.rolls:
+        source = seen.row.roll(roll.name).source
+        if roll.angle_channel and source in (Source.ROLL_SPEED, Source.LINE_SPEED):
+            yield Condition(
+                key=f"ENCODER {roll.name}",
+                rank=RANK[Priority.MEDIUM],
+                name=printable(f"ENCODER ({roll.angle_channel})", 80),
+                text=N_(
+                    "the angle reading stands still or cannot be believed; the angle is counted "
+                    "from the speed, which drifts against the roll"
+                ),
+                to_do=N_("check the encoder, its coupling and its word in the PLC"),
+                delay_s=ENCODER_S,
+                page=ROLLS,
+            )
 
 
 def _service(seen: Seen) -> Iterator[Condition]:
@@ -115,13 +164,14 @@ def _service(seen: Seen) -> Iterator[Condition]:
             to_do=N_("see its log; restart the service when it does not come back"),
             page=TIMING,
         )
-    for number, text in enumerate(facts.wire[:2]):
+    for number, trouble in enumerate(facts.wire[:2]):
+        text, values = _of_wire(trouble)
         yield Condition(
             key=f"WIRE {number}",
             rank=low,
             name="WIRE",
-            text="{text}",
-            values={"text": printable(text, 200)},
+            text=text,
+            values=values,
             to_do=N_("check cable, switch and PLC"),
             page=TIMING,
         )
@@ -137,6 +187,15 @@ def _service(seen: Seen) -> Iterator[Condition]:
                 delay_s=LASTS_S,
             )
     yield from _recorder(facts.status.recorder)
+
+
+def _of_wire(trouble: str) -> tuple[str, dict[str, str]]:
+    """Return what ails the wire as a sentence of the catalogues with its values."""
+    for sentence in OF_WIRE:
+        found = re.fullmatch(sentence.replace("{seconds}", r"(?P<seconds>[0-9.e-]+)"), trouble)
+        if found is not None:
+            return sentence, found.groupdict()
+    return "{text}", {"text": printable(trouble, 200)}
 
 
 def _recorder(recorder: RecorderReport | None) -> Iterator[Condition]:

@@ -11,7 +11,7 @@ from functools import cache
 
 from aff_hmi.words import N_, Say
 
-PROBE = N_("run the probe with the line at its speed: aff-runtime probe")
+PROBE = N_("run the probe with the line at its speed: page Commissioning, or aff-runtime probe")
 PROBE_HERE = N_("probe at this speed and radius")
 ENCODER = N_("correct the site file")
 # the sentence, and what to do about it
@@ -39,7 +39,7 @@ SENTENCES = {
 PREFIXED = "{actuator}: "
 BY_GUARD = {
     N_("REMOTE=1: the PLC arms, by its reset"): N_("arm at the PLC, or turn its key to local"),
-    "SHADOW=1": N_("end shadow operation: aff-runtime shadow off"),
+    "SHADOW=1": N_("end shadow operation: page Timing and rights, or aff-runtime shadow off"),
 }
 
 

@@ -8,16 +8,17 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import groupby
 
 from aff_hmi.layout import Layout
-from aff_hmi.notices import Notice, is_probing, notices_of
+from aff_hmi.notices import RANK, Notice, is_probing, notices_of
 from aff_hmi.reason import SHAPES, STARTING, reason_of
 from aff_hmi.watch import Seen
 from aff_hmi.window import WINDOW_S
 from aff_hmi.words import N_, Say
+from aff_runtime.app.report.alarm_table import Priority
 from aff_runtime.app.report.block_status import SHAPE
 from aff_runtime.app.report.status_answer import Meeting
 from aff_runtime.app.report.tick_row import TickRow
@@ -29,6 +30,7 @@ from aff_runtime.core.order_status import OrderStatus
 SHOWN_EVENTS = 6
 TURNS = 2.0  # over which a law listens to one order
 GONE = "GONE"
+LOW = RANK[Priority.LOW]
 GOES_OUT = (State.ACTIVE, State.FADING)
 DOUBT = N_("the service does not believe it: stuck, no number, or out of range")
 _IMPLAUSIBLE = re.compile(
@@ -89,18 +91,24 @@ class View:
     events: tuple[Happened, ...] = ()
 
 
-def view_of(seen: Seen, layout: Layout, say: Say) -> View:
+def view_of(
+    seen: Seen, layout: Layout, say: Say, standing: Mapping[str, str] | None = None
+) -> View:
     """Return the view of one moment.
 
     Parameters
     ----------
     seen : what the watch knows. ``say`` : the reader's language.
+    standing : names of the alarms that stand by their keys, see ``notices_of``.
     """
     facts, row = seen.facts, seen.row
     site = seen.site
     blocked = printable(facts.blocked, 200) if facts is not None else ""
     state = state_of(seen)
     why, to_do = _why(seen, state, blocked, say)
+    alarms = notices_of(seen, state, say, standing)
+    if state == State.ACTIVE.name and not is_probing(seen) and alarms and alarms[0].rank < LOW:
+        to_do = alarms[0].to_do  # an output that works may ask for somebody, too
     notes: dict[str, str] = {}
     values: dict[str, float | None] = {}
     doubted = tuple(_doubted(seen, layout, blocked))
@@ -126,7 +134,7 @@ def view_of(seen: Seen, layout: Layout, say: Say) -> View:
         notes=notes,
         doubted=doubted,
         coming=tuple(_coming(one, say) for one in facts.status.meetings) if facts else (),
-        alarms=notices_of(seen, state, say),
+        alarms=alarms,
         events=tuple(_events(seen, say)),
     )
 

@@ -15,6 +15,7 @@ from aff_hmi.commission.shown import (
     ShownStep,
     SiteInShort,
 )
+from aff_hmi.commission.typed_words import wanted
 from aff_hmi.words import N_, Say
 from aff_runtime.app.commission.answers import State
 from aff_runtime.app.commission.messages import WORDS, Refusal, Why
@@ -105,6 +106,7 @@ def _step(one: StepView, say: Say) -> ShownStep:
         signed=one.signed,
         mark=mark,
         stand_word=say(word),
+        typed_labels=tuple(wanted(one.number, name, say) for name in one.typed_names),
     )
 
 

@@ -21,10 +21,16 @@ from aff_runtime.app.commission.views import (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ShownStep(StepView):
-    """A step with the mark and the word of how it stands."""
+    """A step with the mark and the word of how it stands.
+
+    Attributes
+    ----------
+    typed_labels : of each of ``typed_names``, what is wanted.
+    """
 
     mark: str
     stand_word: str
+    typed_labels: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

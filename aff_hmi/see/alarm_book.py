@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from aff_hmi.notices import Condition
@@ -163,6 +163,12 @@ class AlarmBook:
         alarms = self._alarms.values()
         return any(a.condition.rank == HIGH and a.life is Life.ACTIVE for a in alarms)
 
+    @property
+    def standing(self) -> dict[str, str]:
+        """Names of the alarms that are not over, by their keys."""
+        there = ((key, one) for key, one in self._alarms.items() if one.gone_s is None)
+        return {key: one.condition.name for key, one in there}
+
     def settled(self) -> list[Alarm]:
         """Return what took the correction out and has told since the last call all that came."""
         now_ns = self._clock.now_ns()
@@ -215,7 +221,7 @@ class AlarmBook:
     def _stand(self, key: str, one: Condition, now_ns: int) -> None:
         alarm = self._alarms.get(key)
         if alarm is not None and alarm.gone_s is None:
-            alarm.condition = one
+            alarm.condition = _as_named(one, alarm.condition)
             self._mark_first(alarm)
             return
         since_ns = self._pending.setdefault(key, now_ns)
@@ -283,3 +289,9 @@ class AlarmBook:
         while len(self._alarms) > MOST:
             over = [k for k, a in self._alarms.items() if a.gone_s is not None]
             del self._alarms[(over or list(self._alarms))[0]]
+
+
+def _as_named(now: Condition, before: Condition) -> Condition:
+    """Return a condition with the signal that was named of it, also when that is over."""
+    is_known = before.name.startswith(f"{now.name} (")
+    return replace(now, name=before.name) if is_known else now

@@ -81,7 +81,7 @@ function signature(step) {
 
 function measuring(step, proof) {
   const form = part("form", "measure");
-  const boxes = step.typed_names.map((name) => field(name, name, { maxLength: 80 }));
+  const boxes = step.typed_names.map((name, n) => field(step.typed_labels[n], name, { maxLength: 80 }));
   const plc = field(words.plc, "plc", { maxLength: 80 });
   const hints = [];
   if (step.seconds) hints.push(words.look.replace("{seconds}", number(step.seconds, 0)));

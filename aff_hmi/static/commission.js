@@ -29,7 +29,7 @@ function listing(list, texts, kind = "") {
 
 let asked = 0;
 
-function question(one) {
+function question(one, said) {
   byId("question").hidden = one === null;
   if (one === null) {
     asked = 0;
@@ -39,6 +39,8 @@ function question(one) {
   asked = one.number;
   put(byId("asked"), one.text);
   byId("question").dataset.name = one.name;
+  const last = said.at(-1); // of an answer that was not taken: why not
+  put(byId("refused"), last?.kind === "complain" ? last.text : "");
   byId("answer").value = "";
   put(byId("answer-label"), words.typed);
   const text = one.default ? fill(words.default, { text: one.default }) : "";
@@ -89,7 +91,7 @@ function showState() {
   done("words", site.there);
   const job = isOk ? state.job : null;
   document.querySelector("[data-open]").hidden = !(isOk && state.is_open && job === null);
-  question(isOk && state.is_open ? (job?.ask ?? null) : null);
+  question(isOk && state.is_open ? (job?.ask ?? null) : null, job?.said ?? []);
   const service = isOk ? state.service : { answers: false };
   const contact = !service.answers ? words.silent : service.heard ? words.heard : words.unheard;
   say("contact", service.trouble || contact, service.answers && !service.heard);

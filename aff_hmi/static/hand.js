@@ -55,6 +55,13 @@ function isStale() {
   return frame === null || root.dataset.broken !== "";
 }
 
+/** Why something cannot be pressed; of a silent PLC the service itself says why. */
+function against(action) {
+  const why = frame.own.why[action];
+  const isKnown = !isStale() || (root.dataset.broken === "plc" && why.length > 0);
+  return isKnown ? why : [words.stale];
+}
+
 function show() {
   const own = frame?.own;
   if (!own) return;
@@ -63,19 +70,18 @@ function show() {
     return;
   }
   for (const button of heldOnes) {
-    const why = isStale() ? [words.stale] : own.why[button.id];
+    const why = against(button.id);
     const cannot = why.length > 0;
     if (button.disabled !== cannot) button.disabled = cannot;
     put(byId(`${button.id}-why`), why.join("; "));
   }
-  for (const button of document.querySelectorAll("[data-may]")) {
-    const why = isStale() ? [words.stale] : own.why[button.dataset.may];
+  for (const button of document.querySelectorAll("button[data-may]")) {
+    const why = against(button.dataset.may);
     button.disabled = why.length > 0;
     button.title = why.join("; ");
   }
-  const against = own.why.bypass;
-  bypass.disabled = against.length > 0;
-  put(byId("bypass-why"), against.join("; "));
+  bypass.disabled = own.why.bypass.length > 0;
+  put(byId("bypass-why"), own.why.bypass.join("; "));
   const other = own.hand_of ? words.other.replace("{name}", own.hand_of) : words.none;
   const lost = own.lost_to ? words.lost.replace("{name}", own.lost_to) : "";
   put(byId("hand-of"), lost || (own.has_hand ? words.mine : other));
@@ -89,13 +95,18 @@ function show() {
 function confirmPress() {
   if (awaited === null) return;
   if (!isStale() && frame.q > awaited.after && SHOWS[awaited.action].includes(frame.state)) {
-    tell(words.seen);
+    tell(`${called(awaited.action)}: ${words.seen}`);
     if (awaited.action === "bypass") navigator.vibrate?.(200);
     awaited = null;
   } else if (performance.now() > awaited.until_ms) {
-    tell(words.unseen);
+    tell(`${called(awaited.action)}: ${words.unseen}`);
     awaited = null;
   }
+}
+
+/** What a button is called, as it says itself. */
+function called(action) {
+  return byId(action).querySelector(".label").textContent;
 }
 
 document.addEventListener("frame", (event) => {
@@ -104,13 +115,13 @@ document.addEventListener("frame", (event) => {
     tell(words.changed.replace("{name}", frame.word));
     letGo();
   }
-  show();
   confirmPress();
+  show();
 });
 setInterval(() => {
-  show();
   if (hold !== null && isStale()) letGo();
   confirmPress();
+  show();
 }, 100);
 
 // --- pressing ----------------------------------------------------------------------------------

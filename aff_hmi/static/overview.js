@@ -147,7 +147,7 @@ function look() {
   put(byId("state"), frame === null || gone ? words.unknown : frame.word);
   put(byId("shape"), frame === null || gone ? "?" : frame.shape);
   document.title = `${byId("shape").textContent} ${byId("state").textContent} · ${line}`;
-  put(byId("was"), gone ? `${words.was} ${frame.word}` : "");
+  put(byId("was"), gone && frame.state !== "GONE" ? `${words.was} ${frame.word}` : "");
   root.dataset.broken = frame === null ? "waiting" : name;
   const { deadHmi, deadService, deadPlc, deadSupervisor } = words;
   const texts = { hmi: deadHmi, service: deadService, plc: deadPlc, supervisor: deadSupervisor };

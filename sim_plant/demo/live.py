@@ -129,5 +129,6 @@ def _commands(bench: Bench) -> str:
     return (
         f"in another terminal: aff-runtime bypass {of}\n"
         f"                     aff-runtime arm {of}\n"
+        f"the roll lasts some minutes; another one: sim-plant tell {bench.plant_socket} roll\n"
         "ctrl-c ends them all"
     )

@@ -9,18 +9,20 @@ from itertools import product
 import pytest
 
 from aff_hmi.layout import Layout, label_of, layout_of
-from aff_hmi.notices import FACTS_OLD_S
+from aff_hmi.notices import FACTS_OLD_S, conditions_of, notices_of
 from aff_hmi.reason import reason_of
 from aff_hmi.view import View, view_of
 from aff_hmi.watch import Seen
 from aff_hmi.words import say_in
 from aff_runtime.app.report.alarm_table import PRIORITIES
+from aff_runtime.app.report.line_facts import RollFacts
 from aff_runtime.app.report.status import headline, live_status
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.events import BY_NAME, TABLE, Event
 from aff_runtime.base.signals import State
 from aff_runtime.core.monitor import Trend
+from aff_runtime.core.phase import Source
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_hmi.moments import LINE, facts, row, seen
 from tests.parameter_records import EUCLID
@@ -188,6 +190,68 @@ def test_orders_that_rest_are_told_together() -> None:
     (notice,) = shown(seen(row(**clamped))).alarms
     assert notice.name == "unwind: unwind_1x, unwind_2x"
     assert "limit is used up" in notice.text
+
+
+def test_what_waits_for_its_delay_is_told_once_it_stands() -> None:
+    clamped = seen(row(**{k: float(Trend.CLAMPED) for k in row() if k.endswith(".state")}))
+    (resting,) = conditions_of(clamped, "ACTIVE")
+    assert notices_of(clamped, "ACTIVE", SAY, standing={}) == ()
+    assert len(notices_of(clamped, "ACTIVE", SAY, standing={resting.key: "unwind"})) == 1
+    stale = seen(row(State.FAULT, alarm=BY_NAME["PLC_STALE"].code))
+    assert len(notices_of(stale, "FAULT", SAY, standing={})) == 1  # it has no delay
+    named = {"PLC_STALE": "PLC_STALE (unwind_tension_N)"}
+    assert [one.name for one in notices_of(stale, "FAULT", SAY, standing=named)] == [
+        *named.values()
+    ]
+
+
+@pytest.mark.parametrize(
+    ("source", "told"),
+    [
+        (Source.NONE, []),
+        (Source.ENCODER, []),
+        (Source.ROLL_SPEED, ["ENCODER (unwind_angle_rad)"]),
+        (Source.LINE_SPEED, ["ENCODER (unwind_angle_rad)"]),
+    ],
+)
+def test_an_encoder_that_is_not_believed_asks_for_somebody(
+    source: Source, told: list[str]
+) -> None:
+    roll = RollFacts(name="unwind", angle_channel="unwind_angle_rad")
+    values = row(**{"unwind.source": float(source)})
+    moment = seen(values, facts=facts(facts=replace(LINE, rolls=(roll,))))
+    assert [one.name for one in conditions_of(moment, "ACTIVE")] == told
+    assert shown(moment).to_do.startswith("check the encoder" if told else "nothing")
+    without = seen(
+        values, facts=facts(facts=replace(LINE, rolls=(replace(roll, angle_channel=""),)))
+    )
+    assert conditions_of(without, "ACTIVE") == ()
+
+
+def test_an_alarm_names_the_signal_that_the_guard_names() -> None:
+    code = BY_NAME["TENSION_IMPLAUSIBLE"].code
+    for blocked, name in (
+        ("TENSION_IMPLAUSIBLE (unwind_tension_N)", "TENSION_IMPLAUSIBLE (unwind_tension_N)"),
+        ("SIGNAL_IMPLAUSIBLE (line_speed_m_s)", "TENSION_IMPLAUSIBLE"),
+        ("", "TENSION_IMPLAUSIBLE"),
+    ):
+        moment = seen(row(State.FAULT, alarm=code), facts=facts(blocked=blocked))
+        assert [one.name for one in shown(moment).alarms] == [name]
+
+
+@pytest.mark.parametrize(
+    ("trouble", "told"),
+    [
+        ("no reply within 0.05 s", "keine Antwort innerhalb von 0.05 s"),
+        ("no connection within 2 s", "keine Verbindung innerhalb von 2 s"),
+        ("closed by the other side", "von der Gegenseite geschlossen"),
+        ("[Errno 111] Connection refused", "[Errno 111] Connection refused"),
+    ],
+)
+def test_what_ails_the_wire_is_told_in_the_readers_language(trouble: str, told: str) -> None:
+    moment = seen(facts=facts(wire=(trouble,)))
+    (notice,) = notices_of(moment, "ACTIVE", say_in("de"))
+    assert notice.text == told
 
 
 def test_events_are_in_words_the_newest_first() -> None:

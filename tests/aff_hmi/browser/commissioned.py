@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import json
 import re
 import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 from sim_plant.demo.wires import free_port
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_runtime.app.service_run import ROOT
 
 START_S = 180.0
+Given: TypeAlias = Mapping[str, str | Callable[[], str]]
 # what the displays of the simulated Euclid line show at 200 FPM, and where its manual has words
 ANSWERS = {
     "host": "127.0.0.1",
@@ -87,6 +90,10 @@ class FreshLine:
         )
         return done.stdout
 
+    def radius_shown(self) -> str:
+        """Return what the display shows now of the unwind roll, which grows smaller."""
+        return f"{json.loads(self.tell('value', 'unwind_radius_m'))['value'] * 1e3:.1f} mm"
+
     def close(self) -> None:
         self.process.send_signal(signal.SIGINT)
         self.process.wait(60.0)
@@ -113,8 +120,13 @@ class Technician:
         self.page.press("#open-password", "Enter")
         self.page.wait_for_selector("#opened:not([hidden])")
 
-    def answers(self, given: dict[str, str], until: str = "") -> list[str]:
-        """Answer what is asked until ``until`` is, or nothing more; return the names."""
+    def answers(self, given: Given, until: str = "") -> list[str]:
+        """Answer what is asked until ``until`` is, or nothing more; return the names.
+
+        Parameters
+        ----------
+        given : answers by name, or what reads them off a display that moves.
+        """
         names: list[str] = []
         while True:
             self.page.wait_for_selector("#question:not([hidden]), #job[hidden]", state="attached")
@@ -128,7 +140,8 @@ class Technician:
                 return names
             number = self.page.evaluate("() => document.getElementById('asked').textContent")
             names.append(name)
-            self.page.fill("#answer", given.get(name, ""))
+            answer = given.get(name, "")
+            self.page.fill("#answer", answer() if callable(answer) else answer)
             self.page.click("#question button[type=submit]")
             self.page.wait_for_function(
                 "([name, text]) => document.getElementById('question').hidden || "

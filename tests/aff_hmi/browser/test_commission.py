@@ -6,7 +6,6 @@ What only a person sees (displays, the PLC's manual) a table has.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
@@ -100,11 +99,7 @@ def test_a_line_is_commissioned_at_the_screen_alone(
 def words_are_found(who: Technician, line: FreshLine, pictures: Path) -> None:
     """Answer the interview: with pictures, a silent PLC, and a technician who leaves."""
     page = who.page
-    radius_m = json.loads(line.tell("value", "unwind_radius_m"))["value"]
-    given = ANSWERS | {
-        "port": line.plc_port,
-        "unwind_radius_m.display": f"{radius_m * 1e3:.1f} mm",
-    }
+    given = {**ANSWERS, "port": line.plc_port, "unwind_radius_m.display": line.radius_shown}
     who.go("commission")
     who.open()
     page.click("#find-words")

@@ -83,6 +83,20 @@ def said(page: Page, words: str) -> None:
     )
 
 
+def test_of_a_silent_plc_arm_says_so_itself(chromium, with_hand: Screen) -> None:
+    page = Page(chromium, with_hand.url, locale="en")
+    page.await_live()
+    with_hand.service.tell_plc("freeze")
+    try:
+        page.page.wait_for_function(
+            "() => document.documentElement.dataset.broken === 'plc' && "
+            "document.getElementById('arm-why').textContent.includes('PLC_STALE')"
+        )
+    finally:
+        with_hand.service.tell_plc("thaw")
+    page.close()
+
+
 def test_shadow_begins_and_ends_and_a_roll_is_forgotten_by_holding(
     chromium, with_hand: Screen
 ) -> None:
@@ -120,6 +134,16 @@ def test_at_the_panel_bypass_needs_no_login_and_everything_else_does(
     page.page.click("#bypass")
     said(page, "done, and seen in the line")
     assert with_hand.service.status()["state"] == "BYPASS"
+    page.close()
+
+
+@pytest.mark.parametrize("path", ["", "alarms", "rolls", "trends", "scope", "timing"])
+def test_a_bypass_is_confirmed_on_every_page(chromium, with_hand: Screen, path: str) -> None:
+    page = Page(chromium, with_hand.url + path, locale="en")
+    page.await_live()
+    page.page.keyboard.press("F9")
+    said(page, "BYPASS: done, and seen in the line")
+    assert page.complaints == []
     page.close()
 
 

@@ -107,12 +107,15 @@ def test_the_hand_leaves_room_for_the_values_and_the_login_fits(
     page.page.press("#password", "Enter")
     page.await_selector("#arm")
     page.await_live()
+    tops = set()
     for state in PICTURED:
         show(pressed, page, state)
         looked_at(page, width)
+        tops.add(page.run("() => document.getElementById('bypass').getBoundingClientRect().top"))
         bar = page.run("() => document.getElementById('hand').getBoundingClientRect().height")
         assert bar <= 0.33 * view["height"], state
         page.page.screenshot(path=str(pictures / f"hand-{state}-{named}"))
+    assert len(tops) == 1  # a finger on its way finds it where it was
     bypass, arm = (
         page.run(f"() => document.getElementById('{one}').getBoundingClientRect().toJSON()")
         for one in ("bypass", "arm")

@@ -50,6 +50,7 @@ def stage(told: Told, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stag
 @pytest.fixture(autouse=True)
 def _quiet(told: Told) -> None:
     told.is_there, told.long, told.last, told.trying = True, None, None, ""
+    told.job = None
     told.said.clear()
 
 
@@ -264,4 +265,24 @@ def test_without_a_commissioner_it_is_said_since_when_what_is_shown_is_old(
     carl.page.wait_for_selector("#work-silent:not([hidden])")
     carl.page.wait_for_selector("#seen-at.bad", timeout=60_000)
     assert "no answer since" in carl.screen.text("#seen-at")
+    carl.screen.close()
+
+
+def test_an_answer_that_is_not_taken_says_why_beside_the_question(
+    chromium, stage: Stage, told: Told
+) -> None:
+    ask = views.QuestionView(number=3, name="port", text="Port", default="", choices=(), rows=())
+    complaint = views.SaidLine(kind="complain", text='"abc": write a whole number, 1 to 65535.')
+    carl = Carl(chromium, stage, viewport={"width": 360, "height": 740}, locale="en")
+    carl.page.goto(f"{stage.url}commission")
+    carl.page.wait_for_selector("#open:not([hidden]), #opened:not([hidden])")
+    carl.open()
+    assert carl.page.is_visible("#find-words")
+    told.job = views.JobView(do="words", step=-1, said=(complaint,), ask=ask)
+    carl.page.wait_for_selector("#question:not([hidden])")
+    assert carl.page.inner_text("#question #refused") == complaint.text
+    assert not carl.page.is_visible("#find-words")  # one interview at a time
+    told.job = replace(told.job, said=(), ask=replace(ask, number=4))
+    carl.page.wait_for_function("() => document.getElementById('refused').textContent === ''")
+    assert carl.screen.complaints == []
     carl.screen.close()

@@ -159,7 +159,7 @@ class Told(Commission):
 
     Attributes
     ----------
-    is_there : whether a commissioner answers. ``long`` : what runs for hours.
+    is_there : whether a commissioner answers. ``long``, ``job`` : what runs, for hours or not.
     refining, refined : what is shown of them. ``last`` : what ended last.
     """
 
@@ -170,6 +170,7 @@ class Told(Commission):
         self.by = ""
         self.trying = ""
         self.long: views.JobView | None = None
+        self.job: views.JobView | None = None
         self.last: views.LastJob | None = None
         self.refining = REFINING
         self.refined = RefinedView(
@@ -201,7 +202,7 @@ class Told(Commission):
             site=views.SiteView(path="/site.yaml", there=True, sha256="0" * 64),
             service=replace(SERVICE, trying=self.trying),
             card=False,
-            job=None,
+            job=self.job,
             last=None,
             long=self.long,
             long_last=self.last,

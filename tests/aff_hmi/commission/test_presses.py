@@ -116,6 +116,9 @@ def test_who_may_look_sees_the_card_in_his_language_and_figures_as_they_are(at: 
     vera = at.browser("vera")
     found = vera.get("/data/card?lang=de").said["card"]["steps"][0]
     assert (found["title"], found["stand_word"]) == ("Abschaltungen", "bestanden")
+    assert found["typed_labels"] == [
+        "was der Antrieb tat: zero (null), ramp (Rampe) oder hold (halten)"
+    ]
     assert found["entry"] == ENTRY
     reply = vera.get("/data/card.html?paper=letter")
     assert reply.headers["content-disposition"].startswith("attachment")

@@ -70,6 +70,21 @@ def test_where_nobody_can_say_so_it_leaves_by_itself() -> None:
     assert told.lives == []
 
 
+def test_the_signal_that_was_named_stays_named_when_its_cause_is_over(told: Told) -> None:
+    told.look(replace(STALE, name="PLC_STALE (unwind_tension_N)"))
+    told.look(STALE)  # the latch stands, the guard names no signal any more
+    assert told.book.shown()[0].condition.name == "PLC_STALE (unwind_tension_N)"
+    told.look(replace(STALE, name="PLC_STALE (line_speed_m_s)"))
+    assert told.book.shown()[0].condition.name == "PLC_STALE (line_speed_m_s)"
+
+
+def test_only_what_has_waited_for_its_delay_stands(told: Told) -> None:
+    told.look(REST, STALE)
+    assert told.book.standing == {"PLC_STALE": "PLC_STALE"}
+    told.look(REST, after_s=60.0)
+    assert told.book.standing == {"rest": "unwind"}
+
+
 def test_nothing_is_over_while_the_service_is_not_heard(told: Told) -> None:
     told.look(STALE)
     told.look(is_known=False)

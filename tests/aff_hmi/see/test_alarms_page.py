@@ -13,6 +13,7 @@ import pytest
 pytest.importorskip("starlette")
 
 from aff_hmi.gate import HEADERS
+from aff_hmi.hub import Viewer
 from aff_hmi.notices import conditions_of
 from aff_hmi.see.data_routes import harmless
 from aff_hmi.see.events import Kind
@@ -121,6 +122,25 @@ def test_an_order_that_rests_leads_to_its_roll_and_a_lost_record_to_the_machine(
     assert unquote(pages["unwind"]).partition("#")[2] in [
         roll.key for roll in rolls_part(moment, say_in("en")).rolls
     ]
+
+
+def test_the_overview_has_the_alarms_of_the_book_and_not_what_comes_and_goes(
+    keeping: Pressed,
+) -> None:
+    keeping.hub._viewers.add(Viewer("en", "127.0.0.1", lambda: "", ""))
+    resting = {"unwind.unwind_2x.state": float(Trend.CLAMPED)}
+
+    def told(**more: float) -> list[str]:
+        keeping.clock.advance_ns(500_000_000)
+        keeping.show(State.ACTIVE, **more)
+        frame = json.loads("{" + keeping.hub._frames["en", ""])
+        return [one["name"] for one in frame["alarms"]]
+
+    assert told(**resting) == []
+    for _ in range(120):
+        names = told(**resting)
+    assert names == ["unwind: unwind_2x"]
+    assert told() == []
 
 
 def test_what_took_the_correction_out_is_kept_as_an_event_once(keeping: Pressed) -> None:
