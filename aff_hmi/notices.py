@@ -190,7 +190,7 @@ def _service(seen: Seen) -> Iterator[Condition]:
 
 
 def _of_wire(trouble: str) -> tuple[str, dict[str, str]]:
-    """Return what ails the wire as a sentence of the catalogues with its values."""
+    """Return what is wrong with the wire as a sentence of the catalogues with its values."""
     for sentence in OF_WIRE:
         found = re.fullmatch(sentence.replace("{seconds}", r"(?P<seconds>[0-9.e-]+)"), trouble)
         if found is not None:

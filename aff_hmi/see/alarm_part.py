@@ -63,7 +63,7 @@ class AlarmPart:
     ----------
     load : sentence on how many alarms came. ``is_flood`` : more than a person can follow.
     newest : number of the newest event; the page asks for events when it changes.
-    history : what ails the history, empty for nothing.
+    history : what is wrong with the history, empty for nothing.
     """
 
     alarms: tuple[AlarmLine, ...]

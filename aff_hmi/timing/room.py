@@ -59,7 +59,7 @@ class TimingPart:
     ----------
     late : ticks longer than the cycle. ``missed`` : that did not happen, since the service began.
     unread : ticks that this screen did not see. ``edges_us`` : upper edges of the classes.
-    rows, rows_lost : of the recorder. ``history`` : what ails the screen's history.
+    rows, rows_lost : of the recorder. ``history`` : what is wrong with the screen's history.
     facts_age_s : since the supervisor spoke.
     """
 

@@ -65,13 +65,13 @@ class Greedy:
 
     Attributes
     ----------
-    ails : how it is broken: ``law`` raises, ``lazy`` answers nothing, ``nan`` is no number.
+    fault : how it is broken: ``law`` raises, ``lazy`` answers nothing, ``nan`` is no number.
     oldest_scans : age of the oldest reading that it was given as fresh, in scans of the PLC.
     largest : largest reading that it was given as fresh.
     """
 
     def __init__(self, plc: Plc) -> None:
-        self.ails = ""
+        self.fault = ""
         self.oldest_scans = 0
         self.largest = 0.0
         self._plc = plc
@@ -84,14 +84,14 @@ class Greedy:
             age = (self._plc._heartbeat - snapshot.plc_heartbeat) & 0xFFFF
             self.oldest_scans = max(self.oldest_scans, age)
             self.largest = max(self.largest, *map(abs, snapshot.values[:2]))
-        if self.ails == "law":
+        if self.fault == "law":
             raise RuntimeError("the law is broken")
-        if self.ails == "lazy":
+        if self.fault == "lazy":
             return None
         self._k += 1
         most = GREED * LIMITS_M_S["unwind"]
         value = most * math.cos(0.02 * self._k)
-        if self.ails == "nan":
+        if self.fault == "nan":
             value = math.nan
         step = ActuatorStep(value=value, peak_bound=most, slew_bound=4.0 * most)
         return (step, replace(step, value=0.5 * value, peak_bound=0.5 * most))
@@ -267,7 +267,7 @@ class MatrixBench:
         elif name == "!supervisor":
             self.around.inbox.append(SupervisorLost())
         elif name in {"!law", "!lazy", "!nan"}:
-            self.law.ails = name[1:]
+            self.law.fault = name[1:]
         elif name == "!limit":
             rows = (replace(row, limit_m_s=LESS_THAN_A_COUNT) for row in self.plc_map.corrections)
             self.plant.plc.map = replace(self.plc_map, corrections=tuple(rows))
@@ -277,7 +277,7 @@ class MatrixBench:
     def end(self, spec: str) -> None:
         """End what ``begin`` began, where time alone does not."""
         name, _, _ = spec.partition(":")
-        self.law.ails = ""
+        self.law.fault = ""
         self.plant.plc.map = self.plc_map
         if name in {"!kill", "!supervisor"}:
             if self.bus is not None:

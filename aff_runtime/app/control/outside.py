@@ -332,7 +332,7 @@ class ControlOutside:
         self._link.send(messages.LogLine(text=printable(text)))
 
     def _show_wire(self, troubles: tuple[str, ...]) -> None:
-        """Tell the supervisor what ails the wire, for ``status``."""
+        """Tell the supervisor what is wrong with the wire, for ``status``."""
         self._link.send(messages.WireTroubles(troubles=troubles))
 
     def _tell_shape(self, actuator: str, text: str) -> None:

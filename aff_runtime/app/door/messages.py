@@ -46,7 +46,7 @@ class Facts:
     ----------
     status : the answer to ``status`` with ``live`` None.
     blocked : what stands against an armed output, in the control process's words.
-    wire : what ails the wire.
+    wire : what is wrong with the wire.
     """
 
     status: StatusAnswer

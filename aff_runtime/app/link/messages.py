@@ -93,7 +93,7 @@ class Blocked:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WireTroubles:
-    """What ails the wire."""
+    """What is wrong with the wire."""
 
     troubles: tuple[str, ...]
 

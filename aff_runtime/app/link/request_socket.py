@@ -51,7 +51,7 @@ class Caller:
         return bool(self._lines or self._unsent)
 
     @property
-    def babbles(self) -> bool:
+    def is_too_long(self) -> bool:
         """Whether it says more than fits a request."""
         return not self._lines and len(self._heard) > longest(self._heard)
 

@@ -53,7 +53,7 @@ class Live:
     ----------
     signals : every column of the record by name, None for NaN.
     blocks : every order of every law.
-    comm : outcome of the last exchange. ``wire`` : what ails the wire.
+    comm : outcome of the last exchange. ``wire`` : what is wrong with the wire.
     meta : what the control process says of itself (versions, rights, start).
     """
 

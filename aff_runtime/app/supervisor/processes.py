@@ -38,7 +38,7 @@ class Processes:
     control : None while there is no control process.
     ring : None until the control process has made one.
     blocked : the control process's sentence on what stands against an armed output.
-    troubles : its sentences on what ails the wire.
+    troubles : its sentences on what is wrong with the wire.
     gave_up : the control process died too often.
     restarts : how often one that had died was started anew.
     shapes : learned shapes, kept across starts.

@@ -95,7 +95,7 @@ class RequestDesk:
             except BabbleError as error:
                 self._send_away(caller, str(error))
                 return
-        if caller.babbles:
+        if caller.is_too_long:
             self._send_away(caller, f"a request has {MAX_REQUEST_BYTES} bytes at most")
             return
         self._await(caller)

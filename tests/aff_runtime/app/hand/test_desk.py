@@ -309,7 +309,7 @@ def test_without_a_record_nothing_arms_and_a_bypass_is_still_done(
 
 
 @pytest.mark.parametrize("packet", [b"{}", b"\xff", b"x" * 3000, b'{"say":"command"}', b"null"])
-def test_who_babbles_is_recorded_and_sent_away(stand: Stand, packet: bytes) -> None:
+def test_who_says_no_request_is_recorded_and_sent_away(stand: Stand, packet: bytes) -> None:
     client = stand.client()
     client._socket.send(packet)
     stand.round()
