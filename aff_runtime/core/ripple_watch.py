@@ -19,10 +19,11 @@ class RippleWatch:
 
     The reference is the ripple without correction; its own scatter tells the noise. It is taken
     anew after every closing, and after the speed has moved by a fifth, since ripple changes with
-    speed. A closing so short that the ripple could not come back, as for an edit of the blocks,
-    changes nothing. ``step`` says True once ripple has stood above 1.3 times the reference and
-    four standard deviations above it for four turns that were not a decline, as after a step of
-    the setpoint.
+    speed: then the law's word of what would be without correction counts, up to what was there
+    without; a quiet moment of the correction would call its next louder one a rise. A closing so
+    short that the ripple could not come back, as for an edit of the blocks, changes nothing.
+    ``step`` says True once ripple has stood above 1.3 times the reference and four standard
+    deviations above it for four turns that were not a decline, as after a step of the setpoint.
     Never raises; an unknown ripple (NaN) is never judged.
 
     Attributes
@@ -32,6 +33,7 @@ class RippleWatch:
 
     def __init__(self) -> None:
         self.reference = nan
+        self._closed = nan  # reference at the last opening
         self._mean = nan
         self._variance = self._age_turns = 0.0
         self._was_open = False
@@ -65,7 +67,9 @@ class RippleWatch:
         self._follow_speed(speed_m_s)
         if self._settle_turns > 0.0:
             self._settle_turns -= turns
-            self.reference = self._lagged = now
+            self._lagged = now
+            is_told = isfinite(before) and isfinite(self._closed)
+            self.reference = max(now, min(before, self._closed)) if is_told else now
             return False
         if not isfinite(self.reference):
             self.reference = before if isfinite(before) else now
@@ -101,9 +105,9 @@ class RippleWatch:
         self._variance = (1.0 - share) * (self._variance + share * change * change)
 
     def _open(self, before: float) -> None:
-        closed = self.reference if self._settle_turns > 0.0 else self._mean
+        closed = self._closed if self._settle_turns > 0.0 else self._mean
         known = [value for value in (before, closed) if isfinite(value)]
-        self.reference = max(known, default=nan)
+        self.reference = self._closed = max(known, default=nan)
         self._was_open = True
         self._lagged = nan
         self._risen_turns = self._settle_turns = 0.0

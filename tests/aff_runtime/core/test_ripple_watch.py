@@ -52,6 +52,34 @@ def test_growth_after_a_change_of_speed_is_still_seen() -> None:
     assert rose.index(True) * TURNS < 20.0
 
 
+def _changes_speed_while_open(at_new_speed: float) -> RippleWatch:
+    """Closed at 2.0, then open and quiet; the speed changes meanwhile."""
+    judge = RippleWatch()
+    for _ in range(200):
+        judge.step((2.0, 2.0), is_open=False, speed_m_s=SPEED, turns=TURNS)
+    for before, speed in ((2.0, SPEED), (at_new_speed, 0.7)):
+        for _ in range(100):
+            judge.step((before, 0.3), is_open=True, speed_m_s=speed, turns=TURNS)
+    return judge
+
+
+def test_a_correction_that_was_quiet_at_the_new_speed_may_be_louder_than_that() -> None:
+    judge = _changes_speed_while_open(1.5)
+    loud = [judge.step((1.5, 1.6), is_open=True, speed_m_s=0.7, turns=TURNS) for _ in range(200)]
+    assert not any(loud)
+    # armed again before the ripple came back
+    judge.step((1.5, 0.3), is_open=False, speed_m_s=0.7, turns=TURNS)
+    assert not any(
+        judge.step((1.5, 2.3), is_open=True, speed_m_s=0.7, turns=TURNS) for _ in range(200)
+    )
+
+
+def test_a_law_that_claims_too_much_is_believed_up_to_what_was_there_without() -> None:
+    judge = _changes_speed_while_open(50.0)
+    rose = [judge.step((50.0, 2.7), is_open=True, speed_m_s=0.7, turns=TURNS) for _ in range(100)]
+    assert any(rose)  # 1.3 times 2.0
+
+
 def test_noise_around_a_small_ripple_is_no_rise() -> None:
     scatter = random.Random(3)
     judge = RippleWatch()
