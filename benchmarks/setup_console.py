@@ -39,6 +39,7 @@ ANSWERS: tuple[tuple[str, Answer], ...] = (
     ("Address of the PLC", "127.0.0.1"),
     ("Name of the line", "Euclid"),
     ("Name of a second driven roller", "swrap_follower"),
+    ("Channel of the web tension behind", "pullroll_tension_N"),
     ("as web tension behind the unwind", of("tension_ref_N", LBF_N, "{:.1f} lbf")),
     ("as set point of that tension", of("tension_ref_N", LBF_N, "{:.2f} lbf")),
     ("as line speed", of("line_speed_ref_m_s", FPM_M_S, "{:.1f} FPM")),

@@ -32,6 +32,14 @@ QUESTIONS = (
     N_("How many words to look at"),
     N_("Name of the line"),
     N_("Name of a second driven roller to correct, such as swrap_follower; or none"),
+    N_(
+        "Channel of the web tension behind {roll}; refine finds it by its name in the line file, "
+        "such as pullroll_tension_N"
+    ),
+    N_(
+        "Further channel to record, such as r3_tension_N; refine finds it by its name in the line "
+        "file; none ends"
+    ),
     N_("Word with the correction of {roll} that the PLC really adds; or none"),
     N_("Word that counts splices (a new roll); one that stands still where there is none"),
     N_("Word with the PLC's copy of our heartbeat (aff_echo); or none"),
@@ -68,6 +76,7 @@ QUESTIONS = (
     N_("web tension behind the unwind"),
     N_("set point of that tension"),
     N_("line speed"),
+    N_("set point of the line speed behind its ramp"),
     N_("radius of the unwind roll (half its diameter)"),
     N_("speed of {roll}"),
     N_("web tension behind {roll}"),
@@ -107,6 +116,13 @@ SAID = (
     N_('"{text}" is out of range: above {low}, up to {high} {unit}.'),
     N_("{count} characters. Write 1 to {most}."),
     N_("word {word} is {owner} already."),
+    N_("{name} is asked for already. Write another name."),
+    N_("{name} is in {other}. Name a channel in {unit}."),
+    N_("{name} does not end with its SI unit. Let it end with one of: {words}."),
+    N_(
+        "{name} is an angle: setup finds the encoders of corrected rolls alone. Write others into "
+        "the site file, by the manual (docs/config-reference.md)."
+    ),
     N_("word {word} is outside the window {first} to {last}."),
 )
 ROWS = (

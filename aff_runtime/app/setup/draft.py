@@ -19,6 +19,9 @@ from aff_runtime.base.printable import printable
 from aff_runtime.config.plain_file import read_plain
 
 MAX_BYTES = 64 * 1024
+FURTHER = "further"
+SECOND_TENSION = "second.tension"
+MOST_FURTHER = 32
 STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.]*$", max_length=80)]
 Line = Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f]*$", max_length=200)]
@@ -63,16 +66,44 @@ class Draft(BaseModel):
 
     def without(self, name: str) -> Draft:
         """Return it without a quantity or answer and what hangs on it, to be asked again."""
+        gone = {name, *self._named(name)}
         return self.model_copy(
             update={
                 kind: {
                     key: value
                     for key, value in getattr(self, kind).items()
-                    if key != name and not key.startswith(f"{name}.")
+                    if not any(key == one or key.startswith(f"{one}.") for one in gone)
                 }
                 for kind in ("answers", "words")
             }
         )
+
+    def _named(self, name: str) -> list[str]:
+        """Return the channels that an answer names, or those that hang on it."""
+        return [
+            kept
+            for key, kept in self.answers.items()
+            if key.startswith((f"{FURTHER}.", SECOND_TENSION))
+            and (key == name or key.startswith(f"{name}."))
+        ]
+
+    def without_further(self, number: int) -> Draft:
+        """Return it without the further channels from ``number`` on."""
+        draft = self
+        for later in range(number, MOST_FURTHER + 1):
+            draft = draft.without(f"{FURTHER}.{later}")
+        return draft
+
+    @property
+    def further(self) -> tuple[str, ...]:
+        """Return the further channels, in the order in which they were named."""
+        names = []
+        for number in range(1, MOST_FURTHER + 1):
+            kept = self.answers.get(f"{FURTHER}.{number}", NONE)
+            if kept == NONE:
+                break
+            names.append(kept)
+        return tuple(names)
 
     @property
     def order(self) -> str:

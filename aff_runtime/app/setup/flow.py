@@ -7,21 +7,25 @@ from functools import partial
 from pathlib import Path
 
 from aff_runtime.app.setup.dialogue import Dialogue
-from aff_runtime.app.setup.draft import Draft
+from aff_runtime.app.setup.draft import MOST_FURTHER, SECOND_TENSION, Draft
 from aff_runtime.app.setup.interview import (
     BITS,
     YES_NO,
+    angles_of,
     bit_questions,
     drive_questions,
     first_number,
+    further_question,
     line_questions,
     machine_questions,
+    quantities_of,
+    second_question,
     status_questions,
     wire_questions,
     word_questions,
 )
 from aff_runtime.app.setup.plc import instead_of, polled, reader_of
-from aff_runtime.app.setup.quantities import angles, quantities
+from aff_runtime.app.setup.quantities import further
 from aff_runtime.app.setup.questions import NONE, Question, one_of
 from aff_runtime.app.setup.reading import WordReader
 from aff_runtime.app.setup.site_text import site_text
@@ -70,16 +74,14 @@ def _look(dialogue: Dialogue, steps: Steps) -> None:
     steps.survey()
     steps.heartbeat()
     dialogue.ask(first_number(int(dialogue.draft.answers["heartbeat"])))
-    for question in line_questions():
-        dialogue.ask(question)
-    second = dialogue.draft.answers["second"]
-    second = "" if second == NONE else second
-    for quantity in quantities(second):
+    _names(dialogue)
+    for quantity in quantities_of(dialogue.draft):
         steps.quantity(quantity)
     for question in machine_questions(dialogue.draft):
         dialogue.ask(question)
-    for quantity in angles(second):
+    for quantity in angles_of(dialogue.draft):
         steps.angle(quantity)
+    _further(dialogue, steps)
     for question in status_questions(partial(_why_not, dialogue, "status.word")):
         dialogue.ask(question)
     if dialogue.draft.answers["status.order"] == "no":
@@ -95,6 +97,37 @@ def _look(dialogue: Dialogue, steps: Steps) -> None:
             f"warning  the PLC refuses words {block.start} to {block.start + block.count - 1} in "
             "one request, and AFF polls one block. Let the PLC put them together."
         )
+
+
+def _names(dialogue: Dialogue) -> None:
+    """Ask for the names of the line, its second roller and the tension behind that."""
+    before = dialogue.draft.answers.get("second")
+    for question in line_questions():
+        dialogue.ask(question)
+    second = dialogue.draft.answers["second"]
+    if before not in (None, second):
+        dialogue.keep(dialogue.draft.without(SECOND_TENSION))
+    if second != NONE:
+        _channel(dialogue, second_question(second))
+
+
+def _further(dialogue: Dialogue, steps: Steps) -> None:
+    """Find what shall be recorded beside; what is named no longer is forgotten."""
+    for number in range(1, MOST_FURTHER + 1):
+        channel = _channel(dialogue, further_question(dialogue.draft, number))
+        if channel == NONE:
+            dialogue.keep(dialogue.draft.without_further(number + 1))
+            return
+        steps.quantity(further(channel))
+
+
+def _channel(dialogue: Dialogue, question: Question) -> str:
+    """Return the name of a channel; what was found under the one before is forgotten."""
+    before = dialogue.draft.answers.get(question.name, question.default) or NONE
+    channel = dialogue.ask(question)
+    if before not in (NONE, channel):
+        dialogue.keep(dialogue.draft.without(before))
+    return channel
 
 
 def _words(dialogue: Dialogue) -> None:

@@ -6,14 +6,16 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
-from aff_runtime.app.setup.draft import Draft
-from aff_runtime.app.setup.quantities import UNWIND
+from aff_runtime.app.setup.draft import FURTHER, SECOND_TENSION, Draft
+from aff_runtime.app.setup.quantities import UNWIND, Quantity, angles, quantities, tension_of
 from aff_runtime.app.setup.questions import (
     FIND,
     NONE,
     AnswerError,
     Question,
     bit,
+    channel_in,
+    channel_or_none,
     number,
     number_of,
     one_of,
@@ -86,6 +88,51 @@ def line_questions() -> tuple[Question, ...]:
             read=read_name,
             default=NONE,
         ),
+    )
+
+
+def second_question(second: str) -> Question:
+    """Return the question for the channel of the tension behind the second roller."""
+    names = {one.channel for one in quantities("")}
+    return Question(
+        name=SECOND_TENSION,
+        text=f"Channel of the web tension behind {second}; refine finds it by its name in the "
+        "line file, such as pullroll_tension_N",
+        read=channel_in("N", names),
+        default=tension_of(second),
+    )
+
+
+def second_tension(draft: Draft) -> str:
+    """Return the channel of the tension behind the second roller; empty without one."""
+    second = _second(draft)
+    return draft.answers.get(SECOND_TENSION, tension_of(second)) if second else ""
+
+
+def quantities_of(draft: Draft) -> tuple[Quantity, ...]:
+    """Return what is looked for on this line."""
+    return quantities(_second(draft), second_tension(draft))
+
+
+def angles_of(draft: Draft) -> tuple[Quantity, ...]:
+    """Return the angles that are looked for on this line."""
+    return angles(_second(draft))
+
+
+def _second(draft: Draft) -> str:
+    return next(iter(roll_names(draft)[1:]), "")
+
+
+def further_question(draft: Draft, number: int) -> Question:
+    """Return the question for the name of one more channel to record; ``number`` from 1."""
+    own = (*quantities_of(draft), *angles_of(draft))
+    names = {one.channel for one in own} | set(draft.further[: number - 1])
+    return Question(
+        name=f"{FURTHER}.{number}",
+        text="Further channel to record, such as r3_tension_N; refine finds it by its name in the "
+        "line file; none ends",
+        read=channel_or_none(names),
+        default=NONE,
     )
 
 

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from aff_runtime.config.channel_units import unit_of_channel
+
 UNWIND = "unwind"
 ANGLE_UNIT = "rad"
+SPEED_SET = "line_speed_ref_m_s"
+_SET = "_ref_"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -20,6 +24,7 @@ class Quantity:
     signed : whether its word is called signed where nothing tells.
     moves : True when it is measured, False when it is set, None when it moves slowly.
     roll : of an angle or speed, whose it is.
+    recorded : whether it is for the record alone, and left out where nothing is typed.
     """
 
     channel: str
@@ -29,10 +34,22 @@ class Quantity:
     signed: bool = False
     moves: bool | None = True
     roll: str = ""
+    recorded: bool = False
 
 
-def quantities(second: str) -> tuple[Quantity, ...]:
-    """Return what is looked for; ``second``: name of a second driven roller, empty without one."""
+def tension_of(roll: str) -> str:
+    """Return the usual channel of the web tension behind a roll."""
+    return f"{roll}_tension_N"
+
+
+def quantities(second: str, second_tension: str = "") -> tuple[Quantity, ...]:
+    """Return what is looked for.
+
+    Parameters
+    ----------
+    second : name of a second driven roller, empty without one.
+    second_tension : channel of the tension behind it; by itself named after the roller.
+    """
     found: tuple[Quantity, ...] = (
         Quantity(
             channel="unwind_tension_N",
@@ -48,6 +65,15 @@ def quantities(second: str) -> tuple[Quantity, ...]:
             moves=False,
         ),
         Quantity(channel="line_speed_m_s", unit="m/s", asked="line speed", signed=True),
+        Quantity(
+            channel=SPEED_SET,
+            unit="m/s",
+            asked="set point of the line speed behind its ramp",
+            optional=True,
+            signed=True,
+            moves=False,
+            recorded=True,
+        ),
         Quantity(
             channel="unwind_radius_m",
             unit="m",
@@ -65,7 +91,7 @@ def quantities(second: str) -> tuple[Quantity, ...]:
                 signed=True,
             ),
             Quantity(
-                channel=f"{second}_tension_N",
+                channel=second_tension or tension_of(second),
                 unit="N",
                 asked=f"web tension behind {second}",
                 signed=True,
@@ -86,4 +112,21 @@ def angles(second: str) -> tuple[Quantity, ...]:
             roll=roll,
         )
         for roll in ((UNWIND, second) if second else (UNWIND,))
+    )
+
+
+def further(channel: str) -> Quantity:
+    """Return a channel to record beside what is corrected; its name ends with its SI unit.
+
+    What is ``_ref_`` in it is set; a length, as of a roll, moves slowly.
+    """
+    unit = unit_of_channel(channel) or ""
+    return Quantity(
+        channel=channel,
+        unit=unit,
+        asked=channel,
+        optional=True,
+        signed=unit != "m",
+        moves=None if unit == "m" else _SET not in channel,
+        recorded=True,
     )

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Set
 from dataclasses import dataclass
 
 from aff_runtime.base.printable import printable
 from aff_runtime.base.suggest import meant
 from aff_runtime.base.units import UnitError, plain, read_number
+from aff_runtime.config.channel_units import ENDINGS, unit_of_channel
 
 LONGEST = 200
 _NAME = re.compile(r"[a-z][A-Za-z0-9_]{0,39}")
@@ -63,6 +64,46 @@ def read_name(text: str) -> str:
             "and underscores, 40 at most."
         )
     return text.strip()
+
+
+def channel_or_none(names: Set[str]) -> Callable[[str], str]:
+    """Return the reader of a channel's name or ``none``; those of ``names`` are asked already."""
+
+    def read(text: str) -> str:
+        if text.strip() == NONE:
+            return NONE
+        name = _channel(text, names)
+        if unit_of_channel(name) == "rad":
+            raise AnswerError(
+                f"{name} is an angle: setup finds the encoders of corrected rolls alone. Write "
+                "others into the site file, by the manual (docs/config-reference.md)."
+            )
+        return name
+
+    return read
+
+
+def channel_in(unit: str, names: Set[str]) -> Callable[[str], str]:
+    """Return the reader of the name of a channel in ``unit``, without those of ``names``."""
+
+    def read(text: str) -> str:
+        name = _channel(text, names)
+        if unit_of_channel(name) != unit:
+            raise AnswerError(f"{name} is in {unit_of_channel(name)}. Name a channel in {unit}.")
+        return name
+
+    return read
+
+
+def _channel(text: str, names: Set[str]) -> str:
+    name = read_name(text)
+    if unit_of_channel(name) is None:
+        raise AnswerError(
+            f"{name} does not end with its SI unit. Let it end with one of: {ENDINGS}."
+        )
+    if name in names:
+        raise AnswerError(f"{name} is asked for already. Write another name.")
+    return name
 
 
 def whole(low: int, high: int) -> Callable[[str], str]:

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from importlib.resources import files
 
 from aff_runtime.app.setup.draft import Draft
-from aff_runtime.app.setup.interview import BITS, NEEDED, quantity_value, roll_names, style_of
-from aff_runtime.app.setup.quantities import UNWIND, angles, quantities
+from aff_runtime.app.setup.interview import (
+    BITS,
+    NEEDED,
+    angles_of,
+    quantities_of,
+    quantity_value,
+    roll_names,
+    second_tension,
+    style_of,
+)
+from aff_runtime.app.setup.quantities import SPEED_SET, UNWIND
 from aff_runtime.app.setup.questions import NONE, split_bit
 from aff_runtime.base.units import plain
 
@@ -65,6 +74,7 @@ def _conditions(draft: Draft) -> dict[str, bool]:
         "plc_enables": enables,
         "reference": "tension_ref_N" in draft.words,
         "shape": is_shape,
+        "speed_set": SPEED_SET in draft.words,
     }
     against = {
         "aff_order": "own_bits",
@@ -73,6 +83,7 @@ def _conditions(draft: Draft) -> dict[str, bool]:
         "plc_enables": "plc_does_not",
         "reference": "no_reference",
         "shape": "blocks",
+        "speed_set": "no_speed_set",
     }
     facts |= {other: not facts[name] for name, other in against.items()}
     return facts | {
@@ -83,6 +94,7 @@ def _conditions(draft: Draft) -> dict[str, bool]:
         "tcp": answers["wire"] == "modbus_tcp",
         "unwind_angle": f"{UNWIND}_angle_rad" in draft.words,
         "second": second != NONE,
+        "further": any(name in draft.words for name in draft.further),
         "second_angle": f"{second}_angle_rad" in draft.words,
         "second_speed": f"{second}_speed_m_s" in draft.words
         and f"{second}_angle_rad" not in draft.words,
@@ -104,6 +116,7 @@ def _places(draft: Draft, file: str) -> Mapping[str, str]:
         **number,
         **_written(draft),
         **_limits(draft),
+        "second_tension": second_tension(draft),
         "name": json.dumps(answers["name"], ensure_ascii=False),
         "host": json.dumps(answers["host"], ensure_ascii=False),
         "file": stem,
@@ -114,7 +127,7 @@ def _places(draft: Draft, file: str) -> Mapping[str, str]:
         "status_bits": _status_bits(draft),
         "echo": "" if echo == NONE else str(register_number(draft, int(echo))),
         "applied": _applied(draft),
-        "channels": _channels(draft),
+        **_channels(draft),
         "corrections": _corrections(draft),
         "need": ", ".join(_needed(draft)),
         "hold_after_ms": plain(_hold_after_ms(answers.get("scan_ms", ""))),
@@ -192,20 +205,24 @@ def _amplitude(wanted: float, count: float) -> str:
     return plain(float(f"{max(wanted, _LEAST_COUNTS * count):.3g}"))
 
 
-def _channels(draft: Draft) -> str:
-    """Return a line per channel; what is measured first, angles last."""
-    second = draft.answers.get("second", NONE)
-    second = "" if second == NONE else second
-    rows = []
-    for quantity in (*quantities(second), *angles(second)):
-        word = draft.words.get(quantity.channel)
+def _channels(draft: Draft) -> dict[str, str]:
+    """Return a line per channel: what is measured first, then angles, then what is further."""
+    own = [quantity.channel for quantity in (*quantities_of(draft), *angles_of(draft))]
+    return {
+        "channels": "\n".join(_rows(draft, own)),
+        "further": "\n".join(_rows(draft, draft.further)),
+    }
+
+
+def _rows(draft: Draft, channels: Iterable[str]) -> Iterator[str]:
+    for channel in channels:
+        word = draft.words.get(channel)
         if word is None:
             continue
         register = register_number(draft, word.address)
-        wraps = ", wraps: true" if quantity.channel.endswith("_rad") else ""
+        wraps = ", wraps: true" if channel.endswith("_rad") else ""
         said = f"{{ register: {register}, type: {word.type}, scale: {word.scale}{wraps} }}"
-        rows.append(f"      {quantity.channel}: {said}")
-    return "\n".join(rows)
+        yield f"      {channel}: {said}"
 
 
 def _applied(draft: Draft) -> str:

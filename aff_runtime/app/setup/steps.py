@@ -130,7 +130,7 @@ class Steps(Look):
             try:
                 return shown_value(text, wanted.unit).text
             except UnitError as error:
-                if wanted.unit == "N" and is_place(text):
+                if wanted.unit == "N" and not wanted.recorded and is_place(text):
                     raise AnswerError(f"{error} {NO_TENSION}") from None
                 raise
 
@@ -140,6 +140,7 @@ class Steps(Look):
                 text=f"What does the drive show now as {wanted.asked}, all digits and the unit"
                 f"{others}?",
                 read=read,
+                default=SKIP if wanted.recorded else None,
             )
         )
 

@@ -10,6 +10,8 @@ RADIUS_M = 0.15
 FOLLOWER_M = 0.15367
 TENSION_N = 90.0
 SECOND_N = 95.0
+THIRD_N = 83.0
+REWIND_M = 0.11
 
 
 class VirtualLine:
@@ -35,4 +37,7 @@ class VirtualLine:
             "unwind_angle_rad": self.t_s * SPEED_M_S / RADIUS_M,
             "swrap_follower_angle_rad": 1.0 + self.t_s * SPEED_M_S / FOLLOWER_M,
             "true_unwind_tension_N": TENSION_N,
+            "line_speed_ref_m_s": SPEED_M_S,
+            "r3_tension_N": THIRD_N + swing(0.7, 2.7),
+            "rewind_speed_rad_s": -SPEED_M_S / REWIND_M - swing(0.02, 3.7),
         }

@@ -40,6 +40,20 @@ def test_a_small_line_is_a_valid_site(tmp_path: Path) -> None:
     assert site.freshness.hold_after_ms == 30  # three scans
     assert site.actuators["unwind"].response == "learned/line2_unwind.json"
     assert "@" not in path.read_text(encoding="utf-8")
+    assert site.line.speed_reference is None
+    assert "  #speed_reference: line_speed_ref_m_s\n" in path.read_text(encoding="utf-8")
+    assert "For the record alone, under" not in path.read_text(encoding="utf-8")
+
+
+def test_a_further_channel_that_was_named_and_not_found_is_left_out(tmp_path: Path) -> None:
+    named = DRAFT.with_answer("further.1", "r3_tension_N").with_answer(
+        "further.2", "rewind_tension_N"
+    )
+    word = FoundWord(address=20, type="i32", order="low_first", scale="0.001")
+    path = tmp_path / "line2.yaml"
+    path.write_text(site_text(named.with_word("rewind_tension_N", word), file="line2"))
+    assert set(load_site(path).gateway.read.channels) == {*WORDS, "rewind_tension_N"}
+    assert "      # For the record alone, under the names of the line file" in path.read_text()
 
 
 @pytest.mark.parametrize(

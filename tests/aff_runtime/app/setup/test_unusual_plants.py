@@ -2,22 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
 
+from aff_runtime.app.setup.dialogue import Dialogue
+from aff_runtime.app.setup.draft import Draft, FoundWord, read_draft
+from aff_runtime.app.setup.flow import interview
+from aff_runtime.app.setup.interview import further_question, second_question, second_tension
+from aff_runtime.app.setup.questions import AnswerError
 from aff_runtime.base.signals import Command, Outcome
 from aff_runtime.cli.main import main
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
+from sim_plant.refine.records.run_site import run_site
 from sim_plant.servers.plc_map import PlcMap
-from tests.aff_runtime.cli.virtual_line import VirtualLine
+from tests.aff_runtime.cli.virtual_line import REWIND_M, SECOND_N, SPEED_M_S, VirtualLine
 from tests.lockstep.plants import (
     PLANTS,
     SECOND,
     SECOND_CHANNEL,
     RefusedAnswerError,
     Stand,
+    Technician,
     UnusualPlant,
 )
 
@@ -29,7 +37,9 @@ def stand(plant: UnusualPlant, folder: Path) -> Stand:
     return Stand(plant, VirtualLine(0.005), folder)
 
 
-def assert_says_what_the_map_says(site: Site, plc: PlcMap) -> None:
+def assert_says_what_the_map_says(
+    site: Site, plc: PlcMap, names: Mapping[str, str] = NAMES
+) -> None:
     """Every word of the site file is the PLC's own, and reads what the PLC means."""
     read, base = site.gateway.read, site.gateway.address_base
 
@@ -47,7 +57,7 @@ def assert_says_what_the_map_says(site: Site, plc: PlcMap) -> None:
         assert at(found.register_number) == row.item.address
         assert found.scale == pytest.approx(row.item.scale)
     for item in plc.channels:
-        channel = read.channels[NAMES.get(item.name, item.name)]
+        channel = read.channels[names.get(item.name, item.name)]
         said = (at(channel.register_number), channel.wraps)
         assert said == (item.address, item.wraps), item.name
         assert channel.scale == pytest.approx(item.scale, rel=1e-9), item.name
@@ -79,6 +89,108 @@ def test_a_plc_that_shows_nothing_of_a_turn_leaves_the_angle_out(tmp_path: Path)
     rolls = load_site(tmp_path / "site.yaml").rolls
     assert rolls["unwind"].angle is None
     assert rolls[SECOND].speed == f"{SECOND}_speed_m_s"
+
+
+REFERENCE = {"line_speed_ref_m_s": {"address": 18, "type": "i16", "scale": 0.001}}
+FURTHER = {
+    "r3_tension_N": {"address": 19, "type": "i32", "scale": 0.001},
+    "rewind_speed_rad_s": {"address": 21, "type": "i16", "scale": -0.01},
+}
+RPM = 60.0 / 6.283185307179586
+
+
+def more_words(**answers: str) -> UnusualPlant:
+    """Return a plant whose PLC shows the set point of the speed and two words for the record."""
+    shown = {
+        "second.tension": SECOND_CHANNEL,
+        f"{SECOND_CHANNEL}.display": f"{SECOND_N:.0f} N",
+        "line_speed_ref_m_s.display": "6.000 m/s",
+        "line_speed_ref_m_s.pick": "w18",
+        "further.1": "r3_tension_N",
+        "r3_tension_N.display": "83 N",
+        "further.2": "rewind_speed_rad_s",
+        "rewind_speed_rad_s.display": f"{-SPEED_M_S / REWIND_M * RPM:.1f} rpm",
+    }
+    return UnusualPlant(
+        plc={"read": {"channels": {**REFERENCE, **FURTHER}}}, answers={**shown, **answers}
+    )
+
+
+def test_the_set_point_of_the_speed_and_further_words_are_found_and_mapped(tmp_path: Path) -> None:
+    made = stand(more_words(), tmp_path)
+    made.commission(tmp_path / "site.yaml")
+    site = load_site(tmp_path / "site.yaml")
+    assert_says_what_the_map_says(site, made.map, {})
+    assert site.line.speed_reference == "line_speed_ref_m_s"
+    assert site.actuators[SECOND].error.signal == SECOND_CHANNEL
+    assert list(site.gateway.read.channels)[-2:] == list(FURTHER)
+    assert site.recorded_only >= {"line_speed_ref_m_s", *FURTHER}
+    read_by_refine = run_site((tmp_path / "site.yaml").read_text(), "site.yaml")
+    assert read_by_refine.speed_reference == "line_speed_ref_m_s"
+    assert read_by_refine.steps["rewind_speed_rad_s"] == pytest.approx(0.01)
+
+
+def test_of_three_words_with_one_speed_the_set_point_is_the_one_that_stands_still(
+    tmp_path: Path,
+) -> None:
+    """Words 5 and 7 show the same value and are noisy; 18 takes the first row."""
+    first = {"line_speed_ref_m_s.pick": "1", "r3_tension_N.pick": "1"}
+    made = stand(more_words(**first), tmp_path)
+    made.commission(tmp_path / "site.yaml")
+    assert_says_what_the_map_says(load_site(tmp_path / "site.yaml"), made.map, {})
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        (
+            "r3_tension",
+            "r3_tension does not end with its SI unit. Let it end with one of: _rad_s ",
+        ),
+        (
+            "rewind_angle_rad",
+            "rewind_angle_rad is an angle: setup finds the encoders of corrected",
+        ),
+        ("unwind_tension_N", "unwind_tension_N is asked for already. Write another name."),
+        ("R3 tension", '"R3 tension" is no name. Begin with a small letter'),
+    ],
+)
+def test_a_name_that_no_further_channel_can_have_is_refused_with_what_to_do(
+    name: str, why: str
+) -> None:
+    read = further_question(Draft(answers={"second": SECOND}), 1).read
+    with pytest.raises(AnswerError) as refused:
+        read(name)
+    assert str(refused.value).startswith(why)
+
+
+def test_a_list_that_ends_earlier_the_second_time_leaves_nothing_of_the_first(
+    tmp_path: Path,
+) -> None:
+    stand(more_words(), tmp_path).commission(tmp_path / "site.yaml")
+    path = tmp_path / "site.setup.json"
+    kept = read_draft(path)
+    assert kept.further == tuple(FURTHER)
+    one_less = kept.without("further.2")  # as `--again further.2`
+    assert one_less.words.keys() == kept.words.keys() - {"rewind_speed_rad_s"}
+    made = stand(more_words(**{"further.1": "none"}), tmp_path)
+    dialogue = Dialogue(kept.without("further.1"), path, Technician(made))
+    interview(dialogue, made.reader)
+    assert dialogue.draft.further == ()
+    assert dialogue.draft.words.keys() == kept.words.keys() - FURTHER.keys()
+
+
+def test_the_word_of_the_second_tension_is_forgotten_with_its_name() -> None:
+    draft = Draft(answers={"second": SECOND, "second.tension": SECOND_CHANNEL})
+    word = FoundWord(address=9, type="i32", order="high_first", scale="0.001")
+    known = draft.with_word(SECOND_CHANNEL, word)
+    for name in ("second", "second.tension", SECOND_CHANNEL):
+        assert not known.without(name).words, name
+    assert second_tension(known.without("second.tension")) == f"{SECOND}_tension_N"
+    with pytest.raises(
+        AnswerError, match=r"pull_roll_speed_m_s is in m/s\. Name a channel in N\."
+    ):
+        second_question(SECOND).read("pull_roll_speed_m_s")
 
 
 EXPECTED = "expected a force: a number in N, or with its unit (mN, kN, lbf)."

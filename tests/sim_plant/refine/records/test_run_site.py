@@ -1,7 +1,10 @@
 import pytest
 
+from aff_runtime.app.setup.draft import FoundWord
+from aff_runtime.app.setup.site_text import site_text
 from aff_runtime.config.loader import load_site
 from sim_plant.refine.records.run_site import run_site
+from tests.aff_runtime.app.setup.test_site_text import DRAFT
 from tests.lockstep.known_response import ROOT
 
 
@@ -28,6 +31,16 @@ def test_what_no_correction_waits_for_is_the_same_for_the_service_and_for_refine
         channels = frozenset(site.steps)
         assert channels - site.needed == load_site(path).recorded_only
     assert "swrap_follower_speed_m_s" in load_site(ROOT / "config/euclid.yaml").recorded_only
+
+
+@pytest.mark.parametrize("shown", [True, False])
+def test_the_set_point_that_setup_maps_is_the_speed_reference_of_its_runs(shown):
+    word = FoundWord(address=18, type="i16", order="", scale="0.06 m/min")
+    draft = DRAFT.with_word("line_speed_ref_m_s", word) if shown else DRAFT
+    site = run_site(site_text(draft, file="line2"), "site.yaml")
+    assert site.speed_reference == ("line_speed_ref_m_s" if shown else "")
+    assert ("line_speed_ref_m_s" in site.steps) is shown
+    assert site.steps.get("line_speed_ref_m_s", 0.001) == pytest.approx(0.001)
 
 
 def test_units_and_uses_that_a_site_may_have():
