@@ -51,6 +51,9 @@ def main() -> int:
     parser.add_argument("--rounds", type=int, default=8, help="blocks of every kind")
     parser.add_argument("--churn", type=float, default=120.0, metavar="S", help="tabs open and go")
     parser.add_argument("--quick", action="store_true", help="short, and a page only where named")
+    parser.add_argument(
+        "--no-browser", action="store_true", help="leave out what needs a Chromium"
+    )
     given = parser.parse_args()
     block_s, rounds, count = (3.0, 2, 2) if given.quick else (given.block, given.rounds, 20)
     settle_s, churn_s = (1.0, 6.0) if given.quick else (SETTLE_S, given.churn)
@@ -65,12 +68,14 @@ def main() -> int:
         blocks = beside(rig, kept, block_s, rounds, settle_s)
         sections = [Section(title="Machine", note="", rows=tuple(about))]
         sections += [of_ticks(blocks, block_s), of_screen(blocks)]
-        sections += seen(rig, kept, count, churn_s)
+        skipped = "left out: --no-browser" if given.no_browser else pages.reason_not()
+        sections += seen(rig, kept, count, churn_s, skipped)
     sections.append(of_targets(sections))
     print(text(sections))
     path = given.page or (None if given.quick else PAGE)
     if path is not None:
-        command = "python -m benchmarks.screen --quick" if given.quick else "make bench-screen"
+        extra = " ".join(sys.argv[1:])
+        command = f"make bench-screen EXTRA={extra!r}" if extra else "make bench-screen"
         page = markdown(sections, date=wall_time_iso(), title="The screen", command=command)
         path.write_text(page, encoding="utf-8")
         print(f"written: {path}")
@@ -198,8 +203,11 @@ def of_screen(blocks: dict[str, list[Block]]) -> Section:
     return Section(title="What it uses (P4, P8, P10, P11)", note="", rows=tuple(rows))
 
 
-def seen(rig: Rig, kept: Kept, count: int, churn_s: float) -> list[Section]:
-    """Return P4 to P7, P9, P10 and P12: presses, scrapes, tabs that come and go, a Chromium."""
+def seen(rig: Rig, kept: Kept, count: int, churn_s: float, skipped: str) -> list[Section]:
+    """Return P4 to P7, P9, P10 and P12: presses, scrapes, tabs that come and go, a Chromium.
+
+    ``skipped`` says why no Chromium is used; empty where one is.
+    """
 
     def at_a_screen(name: str, measure: Callable[..., list[Row]]) -> list[Row]:
         def begun() -> list[Row]:
@@ -228,9 +236,8 @@ def seen(rig: Rig, kept: Kept, count: int, churn_s: float) -> list[Section]:
     title = "Presses, scrapes, tabs that come and go (P2, P6, P10, P12)"
     found = [Section(title=title, note="", rows=tuple(rows))]
     title = "In a browser (P4 to P9)"
-    why = pages.reason_not()
-    if why:
-        row = Row(name="Chromium", value="skipped", remark=why)
+    if skipped:
+        row = Row(name="Chromium", value="skipped", remark=skipped)
         return [*found, Section(title=title, note="", rows=(row,))]
 
     def in_chromium(measure: Callable[..., list[Row]]) -> Callable[..., list[Row]]:
