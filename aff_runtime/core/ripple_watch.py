@@ -33,7 +33,7 @@ class RippleWatch:
 
     def __init__(self) -> None:
         self.reference = nan
-        self._closed = nan  # reference at the last opening
+        self._without = nan  # ripple without correction, as of the last opening
         self._mean = nan
         self._variance = self._age_turns = 0.0
         self._was_open = False
@@ -68,8 +68,8 @@ class RippleWatch:
         if self._settle_turns > 0.0:
             self._settle_turns -= turns
             self._lagged = now
-            is_told = isfinite(before) and isfinite(self._closed)
-            self.reference = max(now, min(before, self._closed)) if is_told else now
+            is_told = isfinite(before) and isfinite(self._without)
+            self.reference = max(now, min(before, self._without)) if is_told else now
             return False
         if not isfinite(self.reference):
             self.reference = before if isfinite(before) else now
@@ -105,9 +105,9 @@ class RippleWatch:
         self._variance = (1.0 - share) * (self._variance + share * change * change)
 
     def _open(self, before: float) -> None:
-        closed = self._closed if self._settle_turns > 0.0 else self._mean
+        closed = self._without if self._settle_turns > 0.0 else self._mean
         known = [value for value in (before, closed) if isfinite(value)]
-        self.reference = self._closed = max(known, default=nan)
+        self.reference = self._without = max(known, default=nan)
         self._was_open = True
         self._lagged = nan
         self._risen_turns = self._settle_turns = 0.0

@@ -93,13 +93,18 @@ def with_values(text: str, values: Mapping[tuple[str, ...], str | float]) -> str
     """
     data = yaml.safe_load(text)
     for path, value in values.items():
-        place = data
-        for key in path[:-1]:
-            place = place.get(key) if isinstance(place, Mapping) else None
+        place = value_at(data, path[:-1])
         if not isinstance(place, dict):
             raise KeyError(".".join(path[:-1]))
         place[path[-1]] = value
     return with_keys(text, {path[0]: data[path[0]] for path in values})
+
+
+def value_at(data: Any, path: Sequence[str]) -> Any:
+    """Return the value at a path of keys; None where there is none."""
+    for key in path:
+        data = data.get(key) if isinstance(data, Mapping) else None
+    return data
 
 
 def _is_too_alike(text: str) -> bool:

@@ -8,11 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.shipped import shipped
-from sim_plant.base.yaml_edit import with_values
+from sim_plant.base.yaml_edit import value_at, with_values
+from sim_plant.line.yaml_file import parse_yaml
 
 SITES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_canopen.yaml"}
 FILM_SITES = {"modbus": "film.yaml", "can": "film_can.yaml"}
@@ -70,8 +69,9 @@ def wire_up(wire: str, site: Path, folder: Path, limit_m_s: float | None = None)
             for described in site.parent.glob(pattern):
                 shutil.copy(described, folder)
     text = site.read_text(encoding="utf-8")
+    data, _ = parse_yaml(text, str(site))
     if limit_m_s is not None:
-        values |= _limited(yaml.safe_load(text), limit_m_s, site)
+        values |= _limited(data, limit_m_s, site)
         arguments += ("--plc", str(_plc_with_limit(limit_m_s, folder)))
     copy = folder / site.name
     try:
@@ -87,7 +87,9 @@ def _limited(site: Any, limit_m_s: float, path: Path) -> dict[tuple[str, ...], s
     The slew limit follows in proportion. So does the probe, in amplitude and in time: what more
     room is for are orders of high frequency and little response, and those need a surer one.
     """
-    actuator = ("actuators", str(next(iter(site["actuators"]))))
+    actuators = value_at(site, ("actuators",))
+    first = next(iter(actuators), "") if isinstance(actuators, dict) else ""
+    actuator = ("actuators", str(first))
     places: list[tuple[str, ...]] = [(*actuator, key) for key in ("limit_m_s", "slew_m_s2")]
     places += [("probe", key) for key in PROBE_KEYS]
     numbers = {place: _number(site, place, path) for place in places}
@@ -96,9 +98,7 @@ def _limited(site: Any, limit_m_s: float, path: Path) -> dict[tuple[str, ...], s
 
 
 def _number(site: Any, place: tuple[str, ...], path: Path) -> float:
-    found = site
-    for key in place:
-        found = found.get(key) if isinstance(found, dict) else None
+    found = value_at(site, place)
     if isinstance(found, bool) or not isinstance(found, int | float):
         what = f"expected '{place[-1]}:' with a number in SI"
         raise PlantError(f"{path}: {what}, which --limit-m-s changes")
@@ -110,7 +110,7 @@ def _plc_with_limit(limit_m_s: float, folder: Path) -> Path:
     shipped_map = shipped("plc/gateway_block.yaml")
     text = shipped_map.read_text(encoding="utf-8")
     row = ("write", "corrections", "unwind")
-    most = _number(yaml.safe_load(text), (*row, "scale"), shipped_map) * WORD
+    most = _number(parse_yaml(text, str(shipped_map))[0], (*row, "scale"), shipped_map) * WORD
     if not 0.0 < limit_m_s <= most:
         raise PlantError(
             f"limit {limit_m_s:g} m/s: give above 0 to {most:.3g} m/s, what the word "

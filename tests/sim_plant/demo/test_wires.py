@@ -54,3 +54,20 @@ def test_a_site_file_in_plant_units_is_refused_by_name(tmp_path):
     folder.mkdir()
     with pytest.raises(PlantError, match=r"odd\.yaml: expected 'limit_m_s:'"):
         wire_up("modbus", odd, folder, 0.3)
+
+
+@pytest.mark.parametrize(
+    ("was", "becomes", "said"),
+    [
+        ("actuators:\n", "other:\n", r"odd\.yaml: expected 'limit_m_s:'"),
+        ("  modbus_tcp:\n", "  modbus_udp:\n", r"odd\.yaml: expected 'gateway\.modbus_tcp'"),
+        ("actuators:\n", "actuators: [\n", r"odd\.yaml"),
+    ],
+)
+def test_a_site_file_that_lacks_what_is_changed_is_refused_by_name(was, becomes, said, tmp_path):
+    odd = tmp_path / "odd.yaml"
+    odd.write_text(shipped(SITES["modbus"]).read_text().replace(was, becomes))
+    folder = tmp_path / "out"
+    folder.mkdir()
+    with pytest.raises(PlantError, match=said):
+        wire_up("modbus", odd, folder, 0.3)
