@@ -24,7 +24,7 @@ from sim_plant.line.locations import candidate_locations, zones
 LINE = shipped("lines/euclid.yaml")
 IDLER = "eccentric_roller"
 SIZES = (2.0, 4.0)
-"""Of what a typical effect of the catalogue has."""
+"""Of the change that a typical effect of the catalogue makes; within what a number may be."""
 ECCENTRIC_M = (2e-4, 4e-4)
 ROLL_M = (1e-3, 2e-3)
 PLACES = 7
@@ -124,8 +124,8 @@ def _drawn(parameter: Parameter, chance: random.Random) -> Value:
     default = parameter.default
     if isinstance(default, str):
         return default
-    size = parameter.typical * chance.uniform(*SIZES)
-    return round(min(max(float(default) + size, parameter.low), parameter.high), PLACES)
+    change = (parameter.typical - float(default)) * chance.uniform(*SIZES)
+    return round(min(max(float(default) + change, parameter.low), parameter.high), PLACES)
 
 
 def write_files(folder: Path, hidden: tuple[Hidden, ...], wire: str = "modbus") -> Files:

@@ -3,10 +3,11 @@
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.demo.loop.drawn import LINE, Hidden, drawn, write_files
+from sim_plant.demo.loop.drawn import IDLER, LINE, Hidden, drawn, write_files
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from sim_plant.refine.model.run_state import OTHER_SHARE
 from tests import quick_yaml
 
 SEEDS = range(1, 9)
@@ -36,6 +37,26 @@ def test_every_effect_of_the_catalogue_can_be_hidden(name, tmp_path):
     assert any(
         value != BY_NAME[name].accepts[key].default for key, value in hidden[1].parameters.items()
     )
+
+
+@pytest.mark.parametrize("name", sorted(BY_NAME))
+def test_what_is_drawn_is_some_times_the_typical_change_and_at_no_bound(name):
+    """A radius wrong by a quarter is another roller, and no estimate at a bound counts."""
+    for seed in SEEDS:
+        _, hidden = drawn(name, seed)
+        for key, value in hidden.parameters.items():
+            row = BY_NAME[name].accepts[key]
+            if row.role != "strength" or name == IDLER:
+                continue
+            typical = row.typical - row.default
+            assert 1.99 <= (value - row.default) / typical <= 4.01, (seed, key, value)
+            assert row.low < value < row.high, (seed, key, value)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_radius_error_that_is_drawn_is_of_a_roll_that_refine_takes(seed):
+    _, hidden = drawn("radius_error", seed)
+    assert abs(hidden.parameters["ratio"] - 1.0) < 0.1 * OTHER_SHARE
 
 
 @pytest.mark.parametrize("wire", ["modbus", "can"])
