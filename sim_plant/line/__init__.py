@@ -24,6 +24,7 @@ __all__ = [
     "references",
     "sections",
     "simulation",
+    "start",
     "with_effects",
     "yaml_file",
 ]

@@ -46,10 +46,8 @@ def start_at_rest(
     declared_radii_m = _radii(p, lay, state)
     for d, drive in enumerate(p.drives):
         k = int(drive["body"])
-        corner = drive["gain_rad_s"] / (4.0 * drive["damping"] ** 2)
         state.torque_N_m[d] = load[k]
-        inertia = _inertia(p, k, declared_radii_m[k])
-        state.drive_integral[d] = load[k] / (inertia * drive["gain_rad_s"] * corner)
+        state.drive_integral[d] = load[k] / _integral_gain(p, d, declared_radii_m[k])
         y[lay.motor + d] = omega[k]
         loop = int(drive["loop"])
         if loop >= 0:
@@ -63,6 +61,12 @@ def start_at_rest(
         force = 0.5 * (pull_N[int(cell["body"])] + pull_N[int(cell["body"]) + 1])
         y[lay.cell + c] = y[lay.resonance + 2 * c] = force
         state.true_N[c] = state.measured_N[c] = cell["gain"] * force + cell["offset_N"]
+
+
+def add_torque(p: LineArrays, lay: Layout, state: LineState, drive: int, tension_N: float) -> None:
+    """Let the integral of a drive hold the torque of a tension at its roller's rim more."""
+    radius_m = float(_radii(p, lay, state)[int(p.drives["body"][drive])])
+    state.drive_integral[drive] += tension_N * radius_m / _integral_gain(p, drive, radius_m)
 
 
 def resting_line(p: LineArrays, lay: Layout, state: LineState) -> RestingLine:
@@ -139,6 +143,13 @@ def _radii(p: LineArrays, lay: Layout, state: LineState) -> Array:
     radius: Array = p.bodies["radius_m"].copy()
     radius[0], radius[-1] = state.y[lay.radius : lay.radius + 2]
     return radius
+
+
+def _integral_gain(p: LineArrays, drive: int, radius_m: float) -> float:
+    """Return the torque of a drive per unit of its integral, N m / rad."""
+    row = p.drives[drive]
+    corner = float(row["gain_rad_s"]) / (4.0 * float(row["damping"]) ** 2)
+    return _inertia(p, int(row["body"]), radius_m) * float(row["gain_rad_s"]) * corner
 
 
 def _inertia(p: LineArrays, k: int, radius_m: float) -> float:

@@ -144,6 +144,13 @@ class FitCriteria:
         "a nuisance whose shift moves the residual by more is simulated, not linear",
         NOT_RECORDED,
     )
+    start_tension_share: float = criterion(
+        0.1,
+        "of the tension",
+        "a run's line begins no further from rest, in torques of drives and in the web: what "
+        "records show of that by less than noise is not estimated",
+        "a probe and a step of tension leave some 0.02 in the drives of an S-wrap (ADR 0038)",
+    )
     astray_sd: float = criterion(
         50.0,
         "prior standard deviations",

@@ -2,12 +2,12 @@
 
 __all__ = [
     "gauss_newton",
-    "linearisation",
     "objective",
     "projection",
     "real_covariance",
     "roll_synchronisation",
     "spread",
     "start_angles",
+    "start_states",
     "whitening",
 ]

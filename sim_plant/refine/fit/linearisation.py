@@ -8,17 +8,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.start_states import Changes, changes_by_starts
 from sim_plant.refine.model.nuisances import Nuisance
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
 
 RIPPLE_M = 2e-5
 """Size of order 1 of the ripple that a free shape's response is taken from; order n has 1/n."""
-
-Changes = tuple[Array, ...]
-"""What one number changes, (channels, samples) per record."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,6 +30,8 @@ class Linearisation:
     free_bodies : bodies whose shape is free in its low orders.
     shape_changes : per free body, order and component (cos, sin), the change by a typical ripple.
     wander_changes : slow changes of effects whose size is not quite constant.
+    start_changes : per number that a run's line may begin with otherwise, the change by the
+        largest that may be; none where the line rested before every record.
     """
 
     point: Case
@@ -42,6 +41,7 @@ class Linearisation:
     free_bodies: tuple[int, ...] = ()
     shape_changes: tuple[Changes, ...] = ()
     wander_changes: tuple[Changes, ...] = ()
+    start_changes: tuple[Changes, ...] = ()
 
 
 def linearised_at(
@@ -51,10 +51,11 @@ def linearised_at(
     *,
     nuisance_changes: tuple[Changes, ...] | None = None,
     free_bodies: Sequence[int] = (),
+    start_changes: tuple[Changes, ...] | None = None,
 ) -> Linearisation:
     """Simulate the line at ``case`` and what changes there.
 
-    ``nuisance_changes`` are taken over from elsewhere when given.
+    ``nuisance_changes`` and ``start_changes`` are taken over from elsewhere when given.
 
     Raises
     ------
@@ -65,6 +66,8 @@ def linearised_at(
     quick, declared = (tuple(run) for run in pool.run([point, replace(case, quick=False)]))
     if nuisance_changes is None:
         nuisance_changes = changes_by_nuisances(pool, nuisances, point, quick)
+    if start_changes is None:
+        start_changes = changes_by_starts(pool, point, quick)
     bodies = tuple(sorted(set(free_bodies)))
     return Linearisation(
         point=point,
@@ -73,6 +76,7 @@ def linearised_at(
         nuisance_changes=nuisance_changes,
         free_bodies=bodies,
         shape_changes=changes_by_shapes(pool, bodies, point, quick),
+        start_changes=start_changes,
     )
 
 

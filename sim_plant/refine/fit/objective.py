@@ -16,13 +16,9 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.linearisation import (
-    Changes,
-    Linearisation,
-    linearised_at,
-    with_free_bodies,
-)
+from sim_plant.refine.fit.linearisation import Linearisation, linearised_at, with_free_bodies
 from sim_plant.refine.fit.projection import AT_ONCE, Projector
+from sim_plant.refine.fit.start_states import Changes, shown_directions
 from sim_plant.refine.fit.whitening import Whitening, declared_whitening
 from sim_plant.refine.model.nuisances import Nuisance, declared_nuisances
 from sim_plant.refine.model.simulation_pool import SimulationPool
@@ -189,6 +185,7 @@ def relinearised_at(
         objective.nuisances,
         case,
         nuisance_changes=before.nuisance_changes if keep_nuisance_changes else None,
+        start_changes=before.start_changes if keep_nuisance_changes else None,
         free_bodies=before.free_bodies,
     )
     whitening = objective.whitening
@@ -276,13 +273,16 @@ def _projector(
     linearisation: Linearisation,
     whitening: Whitening,
 ) -> Projector:
-    """Return what takes out nuisances with their priors, zeros of angles and free shapes."""
+    """Return what takes out nuisances with their priors, zeros, free shapes and start states."""
     sd, rows = prior_sd(nuisances), judged_rows(measured, whitening)
     free = (*linearisation.shape_changes, *linearisation.wander_changes)
     changes = [*linearisation.nuisance_changes, *_zeros(pool, measured), *free]
     columns = _matrix(whitening, changes, len(nuisances))
     for at in range(len(nuisances)):
         columns[rows + at, at] = 1.0 / sd[at]
+    starts = _starts(whitening, linearisation.start_changes, len(nuisances))
+    if starts:
+        columns = np.concatenate([columns.T, *(s.T for s in starts)]).T
     return Projector(columns)
 
 
@@ -291,6 +291,19 @@ def _matrix(whitening: Whitening, changes: Sequence[Sequence[Array]], tolerances
     bundles = [changes[at : at + AT_ONCE] for at in range(0, len(changes), AT_ONCE)]
     parts = [whitening.matrix(some, tolerances).T for some in bundles]
     return np.concatenate(parts).T
+
+
+def _starts(
+    whitening: Whitening, changes: Sequence[Sequence[Array]], tolerances: int
+) -> list[Array]:
+    """Return directions (rows, k) of each record's start state: every record has its own."""
+    if not changes:
+        return []
+    found = []
+    for t in range(len(changes[0])):
+        own = [[c if r == t else np.zeros_like(c) for r, c in enumerate(ch)] for ch in changes]
+        found.append(shown_directions(whitening.matrix(own, tolerances)))
+    return found
 
 
 def _zeros(pool: SimulationPool, measured: Sequence[Array]) -> list[list[Array]]:

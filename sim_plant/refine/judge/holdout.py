@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.start_angles import costs_of, start_angles, with_turned
+from sim_plant.refine.fit.start_states import changes_by_starts, with_start_state
 from sim_plant.refine.judge.moments import with_moments
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
@@ -78,7 +79,8 @@ def evaluate(
     """Return before and after on the only record of the pool.
 
     ``shifts`` are the declared numbers of the line as re-estimated with the effects. A roll's
-    start angle differs from record to record and is found anew (``find_angles``).
+    start angle differs from record to record and is found anew (``find_angles``); so is the state
+    that a run's line began with, always.
     """
     twin = pool.twins[0]
     runs = pool.run([Case(quick=False), Case(quick=False, seed=0)])
@@ -97,6 +99,10 @@ def evaluate(
         )
     changed = Case(effects=final, shifts=shifts, quick=False)
     amended = pool.one(changed)[0] if final or shifts else declared
+    point = replace(changed, quick=True)
+    starts = changes_by_starts(pool, point, (pool.one(point)[0],)) if not twin.rested else ()
+    declared = with_start_state(twin, declared, measured, starts, model)
+    amended = with_start_state(twin, amended, measured, starts, model)
     return Evaluation(
         channels=twin.channels,
         before=rms(twin.channels, measured - declared, first),

@@ -9,5 +9,6 @@ __all__ = [
     "run_limits",
     "run_match",
     "simulation_pool",
+    "start_state",
     "twin",
 ]

@@ -103,6 +103,9 @@ def _side_by_side(
     runs = SideBySide(lanes.functions, lanes.width, lines)
     for given in zip(*settling, strict=True):
         runs.run(given[0])  # the same for all: one twin
+    for line, case in zip(lines, cases, strict=True):
+        for offset in case.start:
+            offset.put(line)
     running = [line for line in lines if np.isfinite(line.state.y).all()]
     if not running:
         return [nothing_of(twin) for _ in cases]

@@ -94,6 +94,7 @@ def twin_of(line: Declaration, record: Recording) -> Twin:
         aff_N_m=_acted(own, record, "_N_m"),
         word_steps=word_steps(record, channels),
         speed_holds=record.run is not None,
+        rested=record.run is None,
     )
     try:
         twin.line(Case(quick=False))

@@ -35,6 +35,7 @@ def _name(group: Group) -> str:
     put = [f"{added.effect} at {added.location}" for added in cases[0].effects]
     put += [f"order {order} of body {body}" for body, order, _, _ in cases[0].ripples]
     put += [f"{name} shifted" for name, _ in cases[0].shifts]
+    put += [f"another start of {o.of} {o.roller}" for o in cases[0].start]
     put += [] if cases[0].seed is None else [f"noise {cases[0].seed}"]
     beside = f" and {len(cases) - 1} beside it" if len(cases) > 1 else ""
     return f"simulation of record {number + 1} with {', '.join(put) or 'nothing added'}{beside}"

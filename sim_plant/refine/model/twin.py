@@ -27,6 +27,7 @@ from sim_plant.line.open import make_line
 from sim_plant.line.references import References
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.line.with_effects import apply_effects
+from sim_plant.refine.model.start_state import StartOffset
 
 COARSE_TICK_S = 0.005
 """Longest drive tick of a quick simulation, of which only differences are used."""
@@ -62,13 +63,15 @@ class Case:
     """One simulation: effects put on the line, declared numbers shifted, noise, step.
 
     ``shifts`` are (nuisance name, amount); ``ripples`` are (body, order, cos_m, sin_m) of the
-    support function, for shapes of any order. ``quick`` takes the quick drive tick, longer
+    support function, for shapes of any order. ``start``: what the record begins with otherwise
+    than at rest. ``quick`` takes the quick drive tick, longer
     than the declared one: only differences between two such runs are used, never their level.
     """
 
     effects: tuple[Added, ...] = ()
     ripples: tuple[tuple[int, int, float, float], ...] = ()
     shifts: tuple[tuple[str, float], ...] = ()
+    start: tuple[StartOffset, ...] = ()
     seed: int | None = None
     quick: bool = True
 
@@ -95,6 +98,7 @@ class Twin:
     aff_m_s : corrections per driven roller that acted after each row, (samples,) each.
     aff_N_m : the same for those that add to the torque of its drive.
     speed_holds : the reference holds from row to row, as a PLC gives it; else linear between rows.
+    rested : the line ran under the first row's references until it rested; a run's did not.
     word_steps : per channel one count of the word that it was recorded in, SI; a sensor's own
         resolution is its declaration's.
     """
@@ -107,6 +111,7 @@ class Twin:
     aff_N_m: dict[str, Array] = field(default_factory=dict)
     word_steps: dict[str, float] = field(default_factory=dict)
     speed_holds: bool = False
+    rested: bool = True
 
     def simulate(self, case: Case) -> Array:
         """Return all channels (channels, samples) of one case.
@@ -174,6 +179,8 @@ class Twin:
     def _outputs(self, case: Case) -> tuple[Array, Array]:
         run = self.line(case)
         run.settle(case.settle_s, quiet=case.seed is None)
+        for offset in case.start:
+            offset.put(run)
         out = run.simulate(
             self.speed_m_s,
             self.tension_N,

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
-from sim_plant.refine.fit.linearisation import Changes
 from sim_plant.refine.fit.objective import Objective, conditioned_on, with_free_wander
+from sim_plant.refine.fit.start_states import Changes
 from sim_plant.refine.search.candidate import FittedCandidate, sure_fall
 from sim_plant.refine.search.completeness import explains_own_spectral_lines, remaining_spectra
 from sim_plant.refine.search.free_terms import free_term_basis

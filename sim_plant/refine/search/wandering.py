@@ -16,8 +16,8 @@ import numpy as np
 from sim_plant.effects.onset import HOLD_S
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, jacobian
-from sim_plant.refine.fit.linearisation import Changes
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.start_states import Changes
 from sim_plant.refine.model.twin import Added
 
 WANDERING = CRITERIA.search.wandering

@@ -1,0 +1,80 @@
+"""The state that a line began a record with, as far as the record shows it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.simulation_pool import SimulationPool
+from sim_plant.refine.model.start_state import SHARE, start_offsets
+from sim_plant.refine.model.twin import Case, Twin
+from sim_plant.refine.noise.innovations import NoiseModel, first_judged
+
+Changes = tuple[Array, ...]
+"""What one number changes, (channels, samples) per record."""
+
+
+def changes_by_starts(pool: SimulationPool, point: Case, run: Changes) -> tuple[Changes, ...]:
+    """Simulate what every start offset, as large as may be, changes from ``run`` at ``point``.
+
+    Per offset (channels, samples) per record: nothing in one before which the line rested, and
+    no offsets at all where it did before every one.
+    """
+    if all(twin.rested for twin in pool.twins):
+        return ()
+    offsets = start_offsets(pool.twins[0].declaration)
+    runs = pool.run([replace(point, start=(offset,)) for offset in offsets], keep=False)
+    largest = CRITERIA.fit.start_tension_share / SHARE
+    return tuple(
+        tuple(
+            np.zeros_like(base)
+            if twin.rested
+            else without_zeros(twin, np.nan_to_num(largest * (begun - base)))
+            for twin, begun, base in zip(pool.twins, changed, run, strict=True)
+        )
+        for changed in runs
+    )
+
+
+def without_zeros(twin: Twin, values: Array) -> Array:
+    """Return (channels, samples) with the mean of judged angles taken off: their zero is free."""
+    first = first_judged(values.shape[1], twin.declaration.sample_time_s)
+    angles = [c for c, name in enumerate(twin.channels) if name.endswith("_angle_rad")]
+    found = values.copy()
+    found[angles] -= found[angles, first:].mean(axis=1, keepdims=True)
+    return found
+
+
+def shown_directions(columns: Array) -> Array:
+    """Return orthonormal columns (rows, k) of what innovations (rows, q) show above noise.
+
+    Each of ``columns`` is what one number changes when it is as large as may be. A mix of them
+    that then changes less than one innovation's standard deviation is not told from noise.
+    Equation: left singular vectors of singular values above 1.
+    """
+    power, mix = np.linalg.eigh(columns.T @ columns)
+    shown = power > 1.0
+    directions: Array = (columns @ mix[:, shown]) / np.sqrt(power[shown])
+    return directions
+
+
+def with_start_state(
+    twin: Twin, run: Array, measured: Array, changes: tuple[Changes, ...], model: NoiseModel
+) -> Array:
+    """Return a run of one record (channels, samples) as it is with the start that fits best.
+
+    ``changes`` are those of ``changes_by_starts`` for a pool of that twin alone.
+    """
+    if not changes:
+        return run
+    whole = np.stack([change[0] for change in changes])
+    white = np.stack([model.whiten(change).ravel() for change in whole], axis=1)
+    power, mix = np.linalg.eigh(white.T @ white)
+    shown = power > 1.0
+    left = model.whiten(without_zeros(twin, measured - run)).ravel()
+    sizes = mix[:, shown] @ ((mix[:, shown].T @ (white.T @ left)) / power[shown])
+    begun: Array = run + np.tensordot(sizes, whole, axes=1)
+    return begun

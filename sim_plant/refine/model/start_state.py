@@ -1,0 +1,65 @@
+"""What a line may begin a record with otherwise than at rest: integrals of drives, web in zones.
+
+Two drives that grip the web close to each other, as those of an S-wrap, hold torque against each
+other: the stiff web between them lets either change its speed but slowly, whatever its loop asks.
+What a probe, a ramp or a step left there is seen in the tension behind them for half a minute.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import Literal
+
+from sim_plant.line.declaration import Declaration
+from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.start import add_torque
+
+SHARE = 0.02
+"""Of the tension: a size whose response is simulated. What is in proportion to it is used."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StartOffset:
+    """One number that a line begins with otherwise than at rest.
+
+    Attributes
+    ----------
+    roller : a driven one.
+    of : ``drive``: its drive's integral holds the torque of that tension at its radius more;
+        ``zone``: the web from it to the next driven one is longer by what that tension strains.
+    tension_N : how much.
+    """
+
+    roller: str
+    of: Literal["drive", "zone"]
+    tension_N: float
+
+    def put(self, line: LineSimulation) -> None:
+        """Let the line begin with it."""
+        p, lay, state = line.arrays, line.layout, line.state
+        if self.of == "drive":
+            add_torque(p, lay, state, line.drive_index(self.roller), self.tension_N)
+            return
+        first, last = next(z for z in _zones(line.declaration) if z[0] == self.roller)
+        body = line.declaration.body
+        spans = slice(body(first), body(last))
+        strain = lay.strain + body(first), lay.strain + body(last)
+        state.y[slice(*strain)] += self.tension_N / p.spans["EA_N"][spans]
+
+
+def start_offsets(line: Declaration) -> tuple[StartOffset, ...]:
+    """Return every number that the line may begin with otherwise, at a size to be simulated."""
+    size_N = SHARE * line.operating_point.tension_N
+    drives = [
+        StartOffset(roller=drive.roller, of="drive", tension_N=size_N)
+        for drive in line.control.drives
+    ]
+    zones = [StartOffset(roller=first, of="zone", tension_N=size_N) for first, _ in _zones(line)]
+    return (*drives, *zones)
+
+
+def _zones(line: Declaration) -> list[tuple[str, str]]:
+    """Return the driven rollers at both ends of every zone, in the web's order."""
+    driven = sorted((drive.roller for drive in line.control.drives), key=line.body)
+    return list(itertools.pairwise(driven))
