@@ -70,6 +70,8 @@ class FittedCandidate:
     ceiling : the score is no higher: what is lost when the effect is taken out again.
     told : of declared numbers by another name, what the record alone says of their change (chi2),
         their tolerance left aside; 0 of any other effect.
+    settles : it is a declared number by another name, and with it declared numbers are together
+        within their tolerances, which they are not without it.
     """
 
     fit: Fit
@@ -77,6 +79,7 @@ class FittedCandidate:
     penalty: float
     ceiling: float = math.inf
     told: float = 0.0
+    settles: bool = False
 
     @property
     def hypothesis(self) -> Hypothesis:

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sim_plant.line.declaration import Declaration
 from sim_plant.line.locations import bridles, candidate_locations
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
@@ -141,15 +142,28 @@ def _elsewhere(objective: Objective, h: Hypothesis, accepted: AcceptedEffect) ->
     near: list[EffectAt] = []
     if h.location in names and h.effect.place == "body" and h.effect.profiles is None:
         at = names.index(h.location)
-        reach = EXCHANGE.reach
+        first, end = _within_reach(line, at, whole_zone=bool(h.effect.declared_as))
         kinds = ("idler",) if line.rollers[at].kind == "idler" else ("driven",)
         near = [
-            EffectAt(h.effect.name, r.name)
-            for r in line.rollers[max(0, at - reach) : at + reach + 1]
-            if r.kind in kinds
+            EffectAt(h.effect.name, r.name) for r in line.rollers[first:end] if r.kind in kinds
         ]
     close = [p for p, _ in accepted.rejected if p.effect == h.effect.name][: EXCHANGE.close]
     return [p for p in dict.fromkeys([*close, *near]) if p != h.key]
+
+
+def _within_reach(line: Declaration, at: int, *, whole_zone: bool) -> tuple[int, int]:
+    """Return first and end of the rollers that are near body ``at``.
+
+    What is constant (a declared number by another name) stands in for the same at any idler of
+    its zone that no reading parts from it.
+    """
+    first, end = max(0, at - EXCHANGE.reach), at + EXCHANGE.reach + 1
+    if not whole_zone or line.rollers[at].kind != "idler":
+        return first, end
+    others = [k for k, r in enumerate(line.rollers) if r.kind != "idler"]
+    before = max((k for k in others if k < at), default=-1)
+    behind = min((k for k in others if k > at), default=len(line.rollers))
+    return min(first, before + 1), max(end, behind)
 
 
 def _moved(objective: Objective, fit: Fit, k: int, place: EffectAt) -> Fit:

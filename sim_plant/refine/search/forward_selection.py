@@ -31,7 +31,12 @@ from sim_plant.refine.search.free_terms import (
     free_term_basis,
 )
 from sim_plant.refine.search.number_ranges import with_number_ranges
-from sim_plant.refine.search.outside_prior import fit_conflicts, told_by_record, total_shifts
+from sim_plant.refine.search.outside_prior import (
+    fit_conflicts,
+    settling_conflict,
+    told_by_record,
+    total_shifts,
+)
 from sim_plant.refine.search.profile_detail import joint_refit
 from sim_plant.refine.search.screening import (
     by_periodic_support,
@@ -329,6 +334,7 @@ def best_of(
         fitted = [apart.judged(c) for c in fitted]
     if selection.accepted:
         fitted = [replace(c, told=told_by_record(weigh, c.fit)) for c in fitted]
+        fitted = settling_conflict(weigh, base, fitted)
     scored = score(judged, fitted, lambda fit: chi2_without_last(objective, fit, apart), progress)
     extension = accept(judged, scored, candidates, progress)
     if extension is None or extension.accepted.score >= ACCEPTANCE.beyond_doubt:

@@ -6,7 +6,7 @@ fit has to start where the nuisance already is.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +20,7 @@ from sim_plant.refine.model.parameter_effects import as_effects, declared_change
 from sim_plant.refine.search.added_effect import rolling_only, with_effect
 from sim_plant.refine.search.candidate import FittedCandidate, Progress, fitted_candidate
 
-DEGENERACY = CRITERIA.search.degeneracy
+ACCEPTANCE, DEGENERACY = CRITERIA.search.acceptance, CRITERIA.search.degeneracy
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,6 +117,26 @@ def told_by_record(objective: Objective, fit: Fit) -> float:
     bare = replace(fit.case, effects=fit.case.effects[:-1])
     response = objective.column(objective.pool.one(fit.case), objective.pool.one(bare), 1.0)
     return objective.projector.cost_with_fixed(response, own)
+
+
+def settling_conflict(
+    objective: Objective, base: Fit, fitted: Sequence[FittedCandidate]
+) -> list[FittedCandidate]:
+    """Return the candidates with whether they settle the conflict of declared numbers in ``base``.
+
+    Looked at are declared numbers by another name that are ``told`` less than a later effect
+    needs: like numbers that stand in for one share what their tolerances cost.
+    """
+    if not any(_may_settle(c) for c in fitted) or joint_conflict(objective, base) is None:
+        return list(fitted)
+    return [
+        replace(c, settles=joint_conflict(objective, c.fit) is None) if _may_settle(c) else c
+        for c in fitted
+    ]
+
+
+def _may_settle(candidate: FittedCandidate) -> bool:
+    return 0.0 < candidate.told <= ACCEPTANCE.later_score and candidate.score > ACCEPTANCE.score
 
 
 def joint_conflict(objective: Objective, fit: Fit) -> PriorConflict | None:

@@ -96,17 +96,21 @@ def alike_margin(explained: float) -> float:
     return max(ACCEPTANCE.margin, 4.0 * error**2 * explained)
 
 
-def least_score(selection: Selection, h: Hypothesis, told: float = 0.0) -> float:
+def least_score(
+    selection: Selection, h: Hypothesis, told: float = 0.0, *, settles: bool = False
+) -> float:
     """Return the score that ``h`` needs given what was found, and what that leaves by nature.
 
     What a declared number gains as an effect is no more than its tolerance cost, z squared. What
     others leave moves it as far as the record tells it badly, so it is what was ``told`` of it
-    (`FittedCandidate`) that has to be more than that. The mean of a roll with a profile is the
-    profile's own.
+    (`FittedCandidate`) that has to be more than that. Several like numbers that stand in for one
+    (a drag at one of six idlers) hide it even so, each within some tolerances; together they are
+    beyond what tolerances are, and with the one that ``settles`` that they are not. The mean of a
+    roll with a profile is the profile's own.
     """
     found = [a.hypothesis for a in selection.accepted]
     shaped = {f.location for f in found if f.effect.profiles is not None}
-    beyond = told > ACCEPTANCE.later_score and h.location not in shaped
+    beyond = (told > ACCEPTANCE.later_score or settles) and h.location not in shaped
     later = found and not beyond
     lasting = ACCEPTANCE.later_score if later else ACCEPTANCE.score
     return least_beside(selection, ACCEPTANCE.periodic_score if orders_of(h, 1.0) else lasting)
@@ -162,7 +166,7 @@ def score(
     best = 0.0
     for c in ranked:
         h = c.hypothesis
-        least = least_score(selection, h, c.told)
+        least = least_score(selection, h, c.told, settles=c.settles)
         if (
             c.score < max(least, best - ACCEPTANCE.margin)
             or len(looked_at) == ACCEPTANCE.most_looks
@@ -193,7 +197,7 @@ def accept(
         return None
     best = scored[0]
     h = best.hypothesis
-    if best.score < least_score(selection, h, best.told):
+    if best.score < least_score(selection, h, best.told, settles=best.settles):
         return None
     others = _others(scored, candidates)
     runner_up, second = others[0] if others else (None, 0.0)

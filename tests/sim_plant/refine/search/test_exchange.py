@@ -97,3 +97,28 @@ def test_a_neighbour_that_was_ahead_stays_named_while_something_is_missing(missi
     (found,) = exchanged(objective, selection, lambda _text: None).accepted
     assert found.hypothesis.location == "R2"
     assert [place.location for place in found.ambiguous] == alike
+
+
+def test_a_constant_drag_is_named_at_every_idler_of_its_zone_that_no_reading_parts_from_it():
+    first = hypothesis(BY_NAME["bearing_drag"], "R8", line=LINE)
+    zone = [f"R{k}" for k in range(1, 10)]
+
+    def braked(case):
+        seen = [dict(e.parameters)["constant_N_m"] for e in case.effects if e.location in zone]
+        wave = np.sign(np.sin(0.02 * np.arange(SAMPLES)))
+        return np.stack([sum(seen) * 50.0 * wave, np.zeros(SAMPLES)])
+
+    twin = formula_twin(braked, ("r3_tension_N", "pullroll_tension_N"), SAMPLES, line=LINE)
+    true = twin.simulate(Case(effects=(first.added((0.1,)),)))
+    objective = objective_of(twin, true + white((2, SAMPLES), 8))
+    accepted = AcceptedEffect(hypothesis=first, score=1.0, runner_up=None, margin=1.0, rejected=())
+    selection = Selection(
+        nominal=nominal_fit(objective, {}),
+        fit=gauss_newton_fit(objective, (first,), ((0.1,),), {}),
+        accepted=(accepted,),
+        travels=(),
+        before=(),
+        after=(),
+    )
+    (found,) = exchanged(objective, selection, lambda _text: None).accepted
+    assert {found.hypothesis.location, *(p.location for p in found.ambiguous)} == set(zone)

@@ -1,13 +1,23 @@
 """What a record says of a declared number by itself, whatever tolerance it was given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.search.outside_prior import starts_outside_prior, told_by_record
+from sim_plant.refine.search.candidate import fitted_candidate
+from sim_plant.refine.search.outside_prior import (
+    settling_conflict,
+    starts_outside_prior,
+    told_by_record,
+)
 from tests.sim_plant.refine.small import fit_of, formula_twin, line_with, objective_of, white
+
+IDLERS = [f"R{k}" for k in range(1, 9)]
+FRICTION_N_M, RADIUS_M = 0.017219, 0.0381
 
 SAMPLES, JUDGED = 6000, 4500
 MODULUS = hypothesis(BY_NAME["web_modulus"], "web")
@@ -59,3 +69,37 @@ def test_a_number_that_a_fit_has_moved_starts_as_its_effect_with_all_else_as_fit
     as_effect = gauss_newton_fit(objective, (h,), (first,), kept, rounds=0)
     assert np.allclose(objective.pool.one(as_effect.case)[0], objective.pool.one(fit.case)[0])
     assert as_effect.cost < fit.cost - 1000.0  # the price of a tolerance of 0.1 %, 100 times over
+
+
+def braked(case):
+    """Return a tension that any of eight idlers' bearings lowers alike."""
+    change = sum(
+        shift * FRICTION_N_M for name, shift in case.shifts if "friction_constant" in name
+    )
+    change += sum(dict(e.parameters)["constant_N_m"] for e in case.effects)
+    return change / RADIUS_M * WAVE[None, :]
+
+
+@pytest.mark.parametrize(("drag_N_m", "settles"), [(0.11, True), (0.02, False)])
+def test_a_drag_that_like_idlers_stand_in_for_settles_what_their_tolerances_are_not(
+    drag_N_m, settles
+):
+    numbers = {f"rollers.{r}.friction_constant_N_m": 0.3 for r in IDLERS}
+    line = line_with({**numbers, "*": 0.0})
+    twin = formula_twin(braked, ["unwind_tension_N"], SAMPLES, line=line)
+    size_N = drag_N_m / RADIUS_M
+    objective = objective_of(twin, size_N * WAVE[None, :] + white((1, SAMPLES)))
+    base = gauss_newton_fit(objective, (), (), {})
+    drag = hypothesis(BY_NAME["bearing_drag"], "R6", line=line)
+    fit = gauss_newton_fit(objective, (drag,), ((0.05,),), {})
+    candidate = fitted_candidate(objective, base, fit)
+    told = told_by_record(objective, fit)
+    # own: what seven others share costs z^2 / 7, z in half tolerances of one, with noise beside
+    z = fit.values[0][0] / (0.5 * 0.3 * FRICTION_N_M)
+    assert told == pytest.approx(z**2 / 7.0, rel=0.1)
+    assert told < 400.0
+    candidate = replace(candidate, told=told, chi2_reduction=300.0)
+    (found,) = settling_conflict(objective, base, [candidate])
+    assert found.settles is settles
+    (other,) = settling_conflict(objective, base, [replace(candidate, told=0.0)])
+    assert other.settles is False  # no declared number by another name

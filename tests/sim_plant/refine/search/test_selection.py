@@ -43,10 +43,12 @@ def selection(cost=COST, nominal=None, **more):
     )
 
 
-def rival(h, worth, told=0.0):
+def rival(h, worth, told=0.0, settles=False):
     """Return a fit whose score is this, and what the record alone says of it."""
     fit = fit_of(h, cost=COST - worth - PENALTY)
-    return FittedCandidate(fit=fit, chi2_reduction=COST - fit.cost, penalty=PENALTY, told=told)
+    return FittedCandidate(
+        fit=fit, chi2_reduction=COST - fit.cost, penalty=PENALTY, told=told, settles=settles
+    )
 
 
 def claimed(rivals, missed, found=None):
@@ -112,6 +114,21 @@ def test_a_later_effect_that_is_a_declared_number_counts_by_what_the_record_says
     found = found_first("torque_ripple", "unwind")
     said = claimed([rival(MODULUS, 170.0, told)], {MODULUS.key: 170.0}, found)
     assert (said is not None) is taken
+
+
+@pytest.mark.parametrize(("settles", "taken"), [(False, False), (True, True)])
+def test_a_later_effect_that_settles_what_no_tolerance_is_needs_no_more_than_a_first(
+    settles, taken
+):
+    """Like numbers that stand in for one keep what the record says of it small."""
+    found = found_first("torque_ripple", "unwind")
+    rivals = [rival(DRAG, 230.0, 280.0, settles), rival(FAR_DRAG, 228.0, 280.0, settles)]
+    said = claimed(rivals, {DRAG.key: 230.0, FAR_DRAG.key: 228.0}, found)
+    assert (said is not None) is taken
+    if taken:
+        assert said.accepted.ambiguous == (FAR_DRAG.key,)
+        large = replace(found, nominal=replace(found.nominal, cost=COST + 1e6))
+        assert claimed(rivals, {DRAG.key: 230.0, FAR_DRAG.key: 228.0}, large) is None
 
 
 @pytest.mark.parametrize(
