@@ -51,6 +51,7 @@ def run_on_line(line: Declaration, record: Recording) -> Recording:
         )
     columns = {mine: record.columns[theirs] for mine, theirs in names.items()}
     said = [f"{mine} is the run's {theirs}" for mine, theirs in names.items() if mine != theirs]
+    said += _unused(run, names, record.columns)
     columns[SPEED_REF], speed_said = _speed_reference(line, run, record, columns)
     columns[TENSION_REF], tension_said = _tension_reference(line, run, record, columns)
     columns |= _corrections(line, record)
@@ -76,13 +77,13 @@ def _channels(
         if sensor.channel in columns:
             yield sensor.channel, sensor.channel
             continue
-        by_use = _by_use(line, run, sensor)
+        by_use = _by_use(line, run, sensor, columns)
         if by_use in columns and by_use not in taken:
             taken.add(by_use)
             yield sensor.channel, by_use
 
 
-def _by_use(line: Declaration, run: RunFacts, sensor: Sensor) -> str:
+def _by_use(line: Declaration, run: RunFacts, sensor: Sensor, columns: Mapping[str, Array]) -> str:
     """Return the column that the site file uses for what this sensor measures, or nothing."""
     rolls = {name.lower(): uses for name, uses in run.site.rolls.items()}
     uses = rolls.get(sensor.roller.lower(), {})
@@ -93,7 +94,7 @@ def _by_use(line: Declaration, run: RunFacts, sensor: Sensor) -> str:
     if isinstance(sensor, CarriagePosition):
         return ""  # a site file has no word for it
     if isinstance(sensor, LoadCell):
-        return _signal_of(line, run, sensor)
+        return _signal_of(line, run, sensor) or _signal_behind(line, run, sensor, columns)
     end = "_m_s" if sensor.scale_radius_m is not None else "_rad_s"
     own = uses.get("speed", "")
     if own.endswith(end):
@@ -109,6 +110,47 @@ def _signal_of(line: Declaration, run: RunFacts, cell: LoadCell) -> str:
         if actuator is not None and loop.load_cell == cell.roller:
             return actuator.signal if actuator.signal.endswith("_N") else ""
     return ""
+
+
+def _signal_behind(
+    line: Declaration, run: RunFacts, cell: LoadCell, columns: Mapping[str, Array]
+) -> str:
+    """Return what the actuator of the drive before this cell keeps quiet, if no loop acts on it.
+
+    That is the tension behind its roller; which it is, is told where the zone has one cell that is
+    not recorded by its name.
+    """
+    at = line.body(cell.roller)
+    driven = sorted(line.body(d.roller) for d in line.control.drives)
+    before = max((k for k in driven if k < at), default=-1)
+    end = min((k for k in driven if k > at), default=len(line.rollers))
+    cells = [
+        s
+        for s in line.sensors
+        if isinstance(s, LoadCell)
+        and s.channel not in columns
+        and before < line.body(s.roller) < end
+    ]
+    roller = line.rollers[before].name if before >= 0 else ""
+    if len(cells) > 1 or roller in ("", *(loop.acts_on for loop in line.control.tension_pi)):
+        return ""
+    for name, actuator in run.site.actuators.items():
+        if roller.lower() in (name.lower(), actuator.roll.lower()):
+            return actuator.signal if actuator.signal.endswith("_N") else ""
+    return ""
+
+
+def _unused(run: RunFacts, names: Mapping[str, str], columns: Mapping[str, Array]) -> list[str]:
+    """Return a sentence about readings of the run that the line file has no sensor for."""
+    references = {run.site.speed_reference, *(a.reference for a in run.site.actuators.values())}
+    known = {*names.values(), *references, run.site.speed, SPEED_REF, TENSION_REF}
+    rest = [n for n in columns if n not in known and not n.startswith(CORRECTION)]
+    if not rest:
+        return []
+    return [
+        f"not used: {', '.join(sorted(rest))}: no sensor of the line file has that name or use; "
+        "name a sensor of the line file so where it is the same reading"
+    ]
 
 
 def _speed_reference(

@@ -92,6 +92,49 @@ def test_channels_are_found_by_what_the_site_file_uses_them_for():
     assert "unwind_tension_N is the run's web_N" in record.findings
 
 
+BEHIND = {"swrap_follower_tension_N": np.full(ROWS, 93.0)}
+
+
+def corrected(*names, signal="swrap_follower_tension_N", roll=""):
+    """Return the unwind's actuator and another, each by a name."""
+    behind = replace(actuator(reference="", roll=roll), signal=signal)
+    return {"unwind": actuator(), **dict.fromkeys(names, behind)}
+
+
+@pytest.mark.parametrize(
+    "actuators", [corrected("swrap_follower"), corrected("s2", roll="Swrap_Follower")]
+)
+def test_the_tension_behind_a_second_roller_is_the_one_cell_of_its_zone_by_whatever_name(
+    actuators,
+):
+    """So a site file that `aff-runtime setup` wrote calls it, from the roller's name."""
+    record = run_on_line(LINE, run(BEHIND, actuators=actuators))
+    assert record.columns["pullroll_tension_N"][0] == 93.0
+    assert "pullroll_tension_N is the run's swrap_follower_tension_N" in record.findings
+    assert not any("not used" in text for text in record.findings)
+
+
+def test_of_two_cells_in_that_zone_none_is_guessed_and_the_reading_is_named():
+    other = next(s for s in LINE.sensors if s.channel == "pullroll_tension_N")
+    second = other.model_copy(update={"channel": "r13_tension_N", "roller": "R13"})
+    line = LINE.model_copy(update={"sensors": (*LINE.sensors, second)})
+    record = run_on_line(line, run(BEHIND, actuators=corrected("swrap_follower")))
+    assert "pullroll_tension_N" not in record.columns
+    (text,) = [t for t in record.findings if "not used" in t]
+    assert "not used: swrap_follower_tension_N: no sensor of the line file" in text
+    by_name = {**BEHIND, "r13_tension_N": np.full(ROWS, 92.0)}  # then the other one is left
+    record = run_on_line(line, run(by_name, actuators=corrected("swrap_follower")))
+    assert record.columns["pullroll_tension_N"][0] == 93.0
+
+
+def test_what_a_drive_that_a_loop_trims_keeps_quiet_is_no_other_cell_of_its_zone():
+    record = run_on_line(
+        LINE, run({"r3_N": np.full(ROWS, 91.0)}, actuators=corrected(signal="r3_N"))
+    )
+    assert "r3_tension_N" not in record.columns
+    assert any("not used: r3_N" in text for text in record.findings)
+
+
 def test_a_name_that_the_line_has_itself_goes_before_its_use():
     record = run_on_line(LINE, run({"unwind_tension_N": np.full(ROWS, 70.0)}))
     assert record.columns["unwind_tension_N"][0] == 70.0
