@@ -94,21 +94,19 @@ def word_steps(record: Recording, channels: Sequence[str]) -> dict[str, float]:
     if record.run is None:
         return {}
     steps = record.run.site.steps
-    coarse = ("_angle_rad", "_radius_m")  # these are in the declaration, see ``at_run``
+    angles = "_angle_rad"  # these are in the declaration, see ``at_run``
     return {
         name: steps[name]
         for name in channels
-        if steps.get(name, 0.0) > 0.0 and not name.endswith(coarse)
+        if steps.get(name, 0.0) > 0.0 and not name.endswith(angles)
     }
 
 
 def _as_recorded(sensor: Sensor, steps: Mapping[str, float]) -> Sensor:
-    """Return an angle or radius at the resolution of its word, if that is coarser."""
+    """Return an angle at the resolution of its word, if that is coarser."""
     step = steps.get(sensor.channel, 0.0)
     if isinstance(sensor, RollAngle) and step > sensor.lsb_rad:
         return sensor.model_copy(update={"lsb_rad": step})
-    if isinstance(sensor, RollRadius) and step > sensor.lsb_m:
-        return sensor.model_copy(update={"lsb_m": step})
     return sensor
 
 

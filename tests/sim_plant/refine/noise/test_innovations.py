@@ -6,6 +6,7 @@ from sim_plant.refine.noise.innovations import (
     band_power,
     first_judged,
     noise_model,
+    rounding_step,
     whitening_filter,
 )
 
@@ -83,6 +84,17 @@ def test_lines_are_sought_beside_words_in_other_channels_only():
 def test_a_coarse_word_counts_by_its_quantum():
     model = noise_model(np.zeros((1, 1, 400)), 100, np.array([1e-5]))
     assert model.floor[0] == pytest.approx(1e-5 / np.sqrt(12.0))
+
+
+@pytest.mark.parametrize("word", [1e-5, 2e-5, 3e-5, 4e-5, 7e-5, 2.3e-5, 0.5e-5])
+def test_a_reading_that_is_rounded_twice_has_the_error_of_both(word):
+    own = 1e-5
+    values = np.random.default_rng(4).uniform(0.1, 0.2, 400_000)
+    counts = np.rint(values / own) * own / max(word, own)
+    ties = np.abs(counts - np.floor(counts) - 0.5) < 1e-6
+    nearest = np.where(ties, np.floor(counts) + (np.arange(counts.size) % 2), np.rint(counts))
+    error = nearest * max(word, own) - values
+    assert rounding_step(own, word) / np.sqrt(12.0) == pytest.approx(np.std(error), rel=0.02)
 
 
 def test_short_records_are_judged_after_a_quarter():
