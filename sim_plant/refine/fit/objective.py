@@ -280,9 +280,9 @@ def _projector(
     columns = _matrix(whitening, changes, len(nuisances))
     for at in range(len(nuisances)):
         columns[rows + at, at] = 1.0 / sd[at]
-    starts = _starts(whitening, linearisation.start_changes, len(nuisances))
-    if starts:
-        columns = np.concatenate([columns.T, *(s.T for s in starts)]).T
+    if linearisation.start_changes:
+        starts = _starts(whitening, linearisation.start_changes, rows + len(nuisances))
+        columns = np.concatenate([columns.T, starts]).T
     return Projector(columns)
 
 
@@ -293,17 +293,16 @@ def _matrix(whitening: Whitening, changes: Sequence[Sequence[Array]], tolerances
     return np.concatenate(parts).T
 
 
-def _starts(
-    whitening: Whitening, changes: Sequence[Sequence[Array]], tolerances: int
-) -> list[Array]:
-    """Return directions (rows, k) of each record's start state: every record has its own."""
-    if not changes:
-        return []
-    found = []
+def _starts(whitening: Whitening, changes: Sequence[Sequence[Array]], length: int) -> Array:
+    """Return directions (k, length) of the start states, those of every record its own."""
+    found, at = [], 0
     for t in range(len(changes[0])):
-        own = [[c if r == t else np.zeros_like(c) for r, c in enumerate(ch)] for ch in changes]
-        found.append(shown_directions(whitening.matrix(own, tolerances)))
-    return found
+        own = whitening.rows(t, [change[t] for change in changes])
+        directions = shown_directions(own.T).T
+        found.append(np.zeros((directions.shape[0], length)))
+        found[-1][:, at : at + own.shape[1]] = directions
+        at += own.shape[1]
+    return np.concatenate(found)
 
 
 def _zeros(pool: SimulationPool, measured: Sequence[Array]) -> list[list[Array]]:

@@ -46,12 +46,15 @@ class Whitening:
 
         Nothing in ``tolerances`` rows at the end. Every column lies together in memory.
         """
-        parts = []
-        for t, (noise, basis) in enumerate(zip(self.noise, self.basis, strict=True)):
-            white = np.stack([noise.whiten(change[t]) for change in changes])
-            parts.append(_without(white, basis).reshape(len(changes), -1))
+        parts = [self.rows(t, [change[t] for change in changes]) for t in range(len(self.noise))]
         parts.append(np.zeros((len(changes), tolerances)))
         return np.concatenate(parts, axis=1).T
+
+    def rows(self, record: int, changes: Sequence[Array]) -> Array:
+        """Return innovations of changes of one record (channels, samples), a row each."""
+        white = np.stack([self.noise[record].whiten(change) for change in changes])
+        rows: Array = _without(white, self.basis[record]).reshape(len(changes), -1)
+        return rows
 
 
 def declared_whitening(pool: SimulationPool, point: Case, quiet: Sequence[Array]) -> Whitening:

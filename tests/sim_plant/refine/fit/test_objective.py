@@ -153,3 +153,23 @@ def test_beyond_noise_a_channel_of_coarse_words_counts_above_its_doubt_only(obje
     assert worded.excess(cost, residual) == pytest.approx(
         cost - worded.expected_cost - doubt, rel=1e-9
     )
+
+
+def remembering(case):
+    """The first channel forgets what drives held at the start, with 600 samples."""
+    held = sum(offset.tension_N for offset in case.start if offset.of == "drive")
+    first = held * np.exp(-np.arange(SAMPLES) / 600.0)
+    return two_channels(case) + np.stack([first, 0.0 * first])
+
+
+@pytest.mark.parametrize("rested", [False, True])
+def test_how_a_run_s_line_began_costs_nothing_and_moves_no_number(rested):
+    twin = replace(formula_twin(remembering, CHANNELS, SAMPLES), rested=rested)
+    noise = white((2, SAMPLES), 3)
+    began = 20.0 * np.stack([np.exp(-np.arange(SAMPLES) / 600.0), np.zeros(SAMPLES)])
+    plain, run = objective_of(twin, noise), objective_of(twin, noise + began)
+    costs = [o.projector.cost(o.residual(o.pool.one(Case()))) for o in (plain, run)]
+    if rested:
+        assert costs[1] > costs[0] + 5000.0
+    else:
+        assert costs[1] == pytest.approx(costs[0], rel=0.02)

@@ -1,7 +1,9 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from sim_plant.refine.judge.holdout import with_unwound_lengths
+from sim_plant.refine.judge.holdout import evaluate, with_unwound_lengths
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import noise_model
 from tests.sim_plant.refine.small import formula_twin, pool_of, white
@@ -58,3 +60,22 @@ def test_what_else_is_on_the_roll_turns_with_it():
     now = dict(found[0].parameters)
     assert now["angle_rad"] - 1.0 == pytest.approx(turned)
     assert found[1] == cell
+
+
+def remembering(case):
+    """A tension that forgets what drives held at the start with 1000 samples."""
+    held = sum(offset.tension_N for offset in case.start if offset.of == "drive")
+    return held * np.exp(-np.arange(SAMPLES) / 1000.0)[None, :]
+
+
+@pytest.mark.parametrize("rested", [False, True])
+def test_how_the_line_of_a_run_held_out_began_counts_as_no_error(rested):
+    twin = formula_twin(remembering, ["unwind_tension_N"], SAMPLES, noise_sd=0.25)
+    measured = 3.0 * np.exp(-np.arange(SAMPLES) / 1000.0)[None, :] + 0.25 * white((1, SAMPLES), 9)
+    there = pool_of(replace(twin, rested=rested))
+    found = evaluate(there, measured, (), find_angles=True)
+    if rested:  # e^-1 to e^-4 of 3 N are left, by their power 0.4 N
+        assert found.after[0] > 1.8 * found.floor[0]
+    else:
+        assert found.after[0] == pytest.approx(found.floor[0], rel=0.05)
+    assert found.before[0] == found.after[0]  # nothing is claimed
