@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from aff_hmi.watch import Seen
 from aff_hmi.window import Window
 from aff_runtime.app.door.messages import Facts
@@ -93,7 +95,7 @@ def seen(values: dict[str, float] | None = None, **more: object) -> Seen:
     """Return a moment in which all is well."""
     values = row() if values is None else values
     window = Window(tuple(values), tuple(values), LINE.cycle_s)
-    window.add([tuple(values.values())] * 2000)
+    window.add(np.tile(np.array(tuple(values.values())), (2000, 1)))
     moment = Seen(
         facts=facts(),
         facts_age_s=0.1,
