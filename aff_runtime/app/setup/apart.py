@@ -1,0 +1,170 @@
+"""Whether what was typed tells words apart, and which word moves when somebody moves it.
+
+A load cell beside the right one often shows the same tension with the same scale. What a display
+shows then fits both, and how well it fits says more of the ripple in each than of which it is.
+"""
+
+from __future__ import annotations
+
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import accumulate
+
+from aff_runtime.app.setup.behaviour import Kind, behaviours, way_of
+from aff_runtime.app.setup.candidates import Candidate, Observation
+from aff_runtime.app.setup.decoding import all_decodings, values
+from aff_runtime.app.setup.reading import Watched
+
+ALIKE = 3.0
+"""Of ``prior``: a scale that is 20 times less usual is no rival where both fit."""
+CLOSE = 1.0  # of ``score``; a scale that is not round may be right too
+NEAR = 0.05  # share of the typed value by which another load cell at one tension may be off
+SMOOTHED_S = 0.2
+STRONG = 2.0
+"""A word has moved when it went on by so many times its swing at rest, and each other one's way.
+
+The swing of the others counts too: what is smaller could hide in it.
+"""
+
+
+def alike(rows: Sequence[Candidate]) -> list[Candidate]:
+    """Return the first row, and those that what was typed does not tell from it."""
+    best = rows[0]
+    return [best] + [
+        one
+        for one in rows[1:]
+        if (one.is_round and one.prior > best.prior - ALIKE) or one.score > best.score - CLOSE
+    ]
+
+
+def neighbours(
+    best: Candidate,
+    rows: Sequence[Candidate],
+    observations: Sequence[Observation],
+    *,
+    taken: frozenset[int],
+) -> list[Candidate]:
+    """Return other words that read nearly the same with the best one's scale, nearest first.
+
+    With a scale that is not round every word fits; with that of the best one few do. A display
+    that was read a moment ago, or shows a mean, may be off a quiet word by more than its noise,
+    and within that of a word that ripples.
+    """
+    latest = observations[-1]
+    does = behaviours(latest.seen)
+    known = {one.decoding for one in rows if one.prior >= best.prior}
+    found = []
+    for decoding in all_decodings(latest.seen, signed=best.decoding.type.startswith("i")):
+        if decoding in known or not taken.isdisjoint(decoding.addresses):
+            continue
+        width, order = decoding.type[1:], decoding.order
+        if (width, order) != (best.decoding.type[1:], best.decoding.order):
+            continue
+        kinds = {does[place].kind for place in decoding.addresses}
+        if kinds == {Kind.STILL} or kinds & {Kind.COUNTER, Kind.RAMP}:
+            continue
+        off = [
+            best.scale * statistics.fmean(values(decoding, one.seen)) - one.shown.value
+            for one in observations
+            if all(place in one.seen.words for place in decoding.addresses)
+        ]
+        shown = [abs(one.shown.value) for one in observations]
+        if len(off) == len(shown) and all(
+            abs(x) < NEAR * y for x, y in zip(off, shown, strict=True)
+        ):
+            found.append(
+                Candidate(
+                    decoding=decoding,
+                    scale=best.scale,
+                    scale_text=best.scale_text,
+                    is_round=best.is_round,
+                    value=latest.shown.value + off[-1],
+                    why=("near what was typed with the same scale", "moves"),
+                    score=best.score,
+                    prior=best.prior,
+                )
+            )
+    return sorted(found, key=lambda one: abs(one.value - latest.shown.value))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Change:
+    """What a candidate did while somebody moved the quantity, SI.
+
+    Attributes
+    ----------
+    swing : its largest distance from its mean before.
+    change : its largest distance from that mean since.
+    """
+
+    candidate: Candidate
+    swing: float
+    change: float
+
+    @property
+    def way(self) -> float:
+        """Return by how much it went beyond its swing."""
+        return max(0.0, self.change - self.swing)
+
+    @property
+    def is_strong(self) -> bool:
+        """Return whether it went further than at rest."""
+        return self.way > STRONG * self.swing
+
+    def is_beyond(self, other: Change) -> bool:
+        """Return whether it went further than another one did, or could have unseen."""
+        return self.way > STRONG * max(other.way, other.swing)
+
+
+def changes(rows: Sequence[Candidate], rest: Watched, since: Watched) -> list[Change]:
+    """Return what each candidate did, the largest change first."""
+    found = []
+    for one in rows:
+        before = _smoothed(values(one.decoding, rest), rest)
+        after = _smoothed(values(one.decoding, since), since)
+        mean, count = statistics.fmean(before), abs(one.scale)
+        found.append(
+            Change(
+                candidate=one,
+                swing=count * max(1.0, *(abs(value - mean) for value in before)),
+                change=count * max(abs(value - mean) for value in after),
+            )
+        )
+    return sorted(found, key=lambda one: -one.way)
+
+
+def moved(found: Sequence[Change]) -> list[Candidate]:
+    """Return the readings of the word that moved; none where none did, or several did alike."""
+    if not found or not found[0].is_strong:
+        return []
+    best = frozenset(found[0].candidate.decoding.addresses)
+    others = [one for one in found if best.isdisjoint(one.candidate.decoding.addresses)]
+    if not all(found[0].is_beyond(one) for one in others):
+        return []
+    return [one.candidate for one in found if one not in others]
+
+
+def words_that_moved(rest: Watched, since: Watched) -> list[int]:
+    """Return the words, of any meaning, that went further than at rest; counters are left out."""
+    does = behaviours(since)
+    found = []
+    for address, series in since.words.items():
+        if does[address].kind in (Kind.COUNTER, Kind.RAMP):
+            continue
+        path = way_of([rest.words[address][-1], *series])[1:]
+        before = _smoothed(way_of(rest.words[address]), rest)
+        zero, mean = way_of(rest.words[address])[-1], statistics.fmean(before)
+        swing = max(1.0, *(abs(value - mean) for value in before))
+        way = max(abs(zero + value - mean) for value in _smoothed(path, since)) - swing
+        if way > STRONG * swing:
+            found.append(address)
+    return found
+
+
+def _smoothed(series: Sequence[float], seen: Watched) -> list[float]:
+    """Return means over ``SMOOTHED_S``: a single reading is no movement."""
+    period_s = seen.duration_s / max(1, len(seen.times_s) - 1)
+    count = max(1, min(len(series), round(SMOOTHED_S / period_s) if period_s else 1))
+    sums = list(accumulate(series, initial=0.0))
+    return [(end - begin) / count for begin, end in zip(sums, sums[count:], strict=False)]
