@@ -41,7 +41,7 @@ def measure(evidence: Evidence) -> Finding:
         if math.isfinite(shown):
             figures.append(_difference(window, name, shown))
         else:
-            missing.append(f"type what the display shows: --typed '{name}=... {unit_of(name)}'")
+            missing.append(f"type what the display shows: {name}=... {unit_of(name)}")
     remarks = (
         ()
         if evidence.site.gateway.read.aff_echo
