@@ -95,9 +95,9 @@ QUESTIONS = (
         "the drive"
     ),
     N_(
-        "Enter; then, within {seconds} s, move this alone for some seconds: {what}; at a running "
-        "line by its set point at the drive; at a stopped one press on the roller of its load "
-        "cell, or lift its dancer"
+        "Enter; then, within {seconds} s, move this alone for some seconds: {what}; at a stopped "
+        "line press on the roller of its load cell, or lift its dancer; at a running one change "
+        "the set point of its zone, which one on draw behind it follows"
     ),
     N_("Which one?"),
     N_("Does the PLC show the {what}, and does the line run now? yes, skip"),

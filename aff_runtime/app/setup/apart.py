@@ -7,13 +7,14 @@ shows then fits both, and how well it fits says more of the ripple in each than 
 from __future__ import annotations
 
 import statistics
-from collections.abc import Sequence
+from bisect import bisect_right
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 
 from aff_runtime.app.setup.behaviour import Kind, behaviours, way_of
 from aff_runtime.app.setup.candidates import Candidate, Observation
-from aff_runtime.app.setup.decoding import all_decodings, values
+from aff_runtime.app.setup.decoding import Decoding, all_decodings, values
 from aff_runtime.app.setup.reading import Watched
 
 ALIKE = 3.0
@@ -21,6 +22,7 @@ ALIKE = 3.0
 CLOSE = 1.0  # of ``score``; a scale that is not round may be right too
 NEAR = 0.05  # share of the typed value by which another load cell at one tension may be off
 SMOOTHED_S = 0.2
+STEP_S, HELD_STEPS = 0.25, 2
 STRONG = 2.0
 """A word has moved when it went on by so many times its swing at rest, and each other one's way.
 
@@ -36,6 +38,21 @@ def alike(rows: Sequence[Candidate]) -> list[Candidate]:
         for one in rows[1:]
         if (one.is_round and one.prior > best.prior - ALIKE) or one.score > best.score - CLOSE
     ]
+
+
+def without_halves(rows: Sequence[Candidate]) -> list[Candidate]:
+    """Return the rows without those that read words of a likelier one with another round scale.
+
+    A word is part of one quantity: the low word of a load cell fits any tension now and then. With
+    the same scale both readings may be meant.
+    """
+    kept: list[Candidate] = []
+    for one in sorted(rows, key=lambda one: -one.score):
+        places = frozenset(one.decoding.addresses)
+        beside = [two for two in kept if not places.isdisjoint(two.decoding.addresses)]
+        if not one.is_round or all(two.scale == one.scale for two in beside if two.is_round):
+            kept.append(one)
+    return [one for one in rows if one in kept]
 
 
 def neighbours(
@@ -117,21 +134,39 @@ class Change:
         return self.way > STRONG * max(other.way, other.swing)
 
 
-def changes(rows: Sequence[Candidate], rest: Watched, since: Watched) -> list[Change]:
-    """Return what each candidate did, the largest change first."""
-    found = []
-    for one in rows:
-        before = _smoothed(values(one.decoding, rest), rest)
-        after = _smoothed(values(one.decoding, since), since)
-        mean, count = statistics.fmean(before), abs(one.scale)
-        found.append(
-            Change(
-                candidate=one,
-                swing=count * max(1.0, *(abs(value - mean) for value in before)),
-                change=count * max(abs(value - mean) for value in after),
-            )
-        )
-    return sorted(found, key=lambda one: -one.way)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Course:
+    """How far a candidate has gone until each time: ``most`` from its mean before, SI."""
+
+    candidate: Candidate
+    swing: float
+    times_s: Sequence[float]
+    most: Sequence[float]
+
+    def until(self, time_s: float) -> Change:
+        """Return what it did until a time."""
+        count = max(1, bisect_right(self.times_s, time_s))
+        return Change(candidate=self.candidate, swing=self.swing, change=self.most[count - 1])
+
+
+def first_moved(
+    rows: Sequence[Candidate], rest: Watched, since: Watched
+) -> tuple[list[Change], list[Candidate]]:
+    """Return what each candidate did, the largest change first, and the readings of what moved.
+
+    A change of tension comes to the next zones with the web: what went first decides, once it has
+    held for half a second. None moved where several did at once, or none did; told is then what
+    they did in the whole time.
+    """
+    courses = [_course(one, rest, since) for one in rows]
+    held: list[frozenset[Decoding]] = []
+    for number in range(1, int(since.duration_s / STEP_S) + 1):
+        found = _sorted(one.until(number * STEP_S) for one in courses)
+        best = moved(found)
+        held.append(frozenset(one.decoding for one in best))
+        if best and len(held) > HELD_STEPS and len(set(held[-1 - HELD_STEPS :])) == 1:
+            return found, best
+    return _sorted(one.until(since.duration_s) for one in courses), []
 
 
 def moved(found: Sequence[Change]) -> list[Candidate]:
@@ -143,6 +178,22 @@ def moved(found: Sequence[Change]) -> list[Candidate]:
     if not all(found[0].is_beyond(one) for one in others):
         return []
     return [one.candidate for one in found if one not in others]
+
+
+def _course(one: Candidate, rest: Watched, since: Watched) -> _Course:
+    before = _smoothed(values(one.decoding, rest), rest)
+    after = _smoothed(values(one.decoding, since), since)
+    mean, count = statistics.fmean(before), abs(one.scale)
+    return _Course(
+        candidate=one,
+        swing=count * max(1.0, *(abs(value - mean) for value in before)),
+        times_s=since.times_s[len(since.times_s) - len(after) :],
+        most=list(accumulate((count * abs(value - mean) for value in after), max)),
+    )
+
+
+def _sorted(found: Iterable[Change]) -> list[Change]:
+    return sorted(found, key=lambda one: -one.way)
 
 
 def words_that_moved(rest: Watched, since: Watched) -> list[int]:

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from aff_runtime.app.setup.apart import alike, changes, moved, neighbours, words_that_moved
+from aff_runtime.app.setup.apart import (
+    alike,
+    first_moved,
+    neighbours,
+    without_halves,
+    words_that_moved,
+)
 from aff_runtime.app.setup.candidates import SHOWN_BEST, Candidate, Observation, candidates
 from aff_runtime.app.setup.decoding import side_by_side
 from aff_runtime.app.setup.display import is_place, shown_value
@@ -108,12 +114,14 @@ class DisplaySteps(Look):
             moves=wanted.moves,
             taken=taken,
             word_order=self.dialogue.draft.order,
-        )[:SHOWN_BEST]
-        if not (rows and wanted.moves):
-            return rows
-        near = neighbours(rows[0], rows, moments, taken=taken)[:MOST_NEAR]
+        )
+        near = []
+        if rows and wanted.moves:
+            near = neighbours(rows[0], rows, moments, taken=taken)[:MOST_NEAR]
         beside = {one.decoding for one in near}
-        return [*(one for one in rows if one.decoding not in beside), *near]
+        fitting = [one for one in rows if one.decoding not in beside]
+        told = without_halves([*fitting, *near])
+        return [*[one for one in told if one not in near][:SHOWN_BEST], *near]
 
     def _side_by_side(self, rows: Sequence[Candidate], seen: Watched) -> None:
         for address in dict.fromkeys(one.decoding.address for one in rows[:3]):
@@ -159,8 +167,7 @@ class DisplaySteps(Look):
         """
         watched = alike(rows)
         rest, since = self._while_it_moves(wanted, watched, turn)
-        found = changes(watched, rest, since)
-        first = moved(found)
+        found, first = first_moved(watched, rest, since)
         for one in found:
             self.dialogue.say(
                 f"  word {one.candidate.decoding.address:5} changed by {one.change:.4g} "
@@ -190,13 +197,7 @@ class DisplaySteps(Look):
         self._wait(f"{wanted.channel}.rest{turn}", AT_REST)
         rest = self.watch(REST_S)
         self._wait(f"{wanted.channel}.move{turn}", how_to_move(wanted))
-        held = [False]
-
-        def enough(seen: Watched) -> bool:
-            held.append(bool(moved(changes(rows, rest, seen))))
-            return all(held[-2:])  # what comes later elsewhere came with the web
-
-        return rest, self.watch(MOVE_S, enough)
+        return rest, self.watch(MOVE_S, lambda seen: bool(first_moved(rows, rest, seen)[1]))
 
     def _wait(self, name: str, text: str) -> None:
         read = Question(name=name, text=text, read=lambda text: text, default="done")
@@ -217,8 +218,8 @@ def how_to_move(wanted: Quantity) -> str:
     how = "change it at the drive"
     if wanted.unit == "N" and wanted.moves:
         how = (
-            "at a running line by its set point at the drive; at a stopped one press on the "
-            "roller of its load cell, or lift its dancer"
+            "at a stopped line press on the roller of its load cell, or lift its dancer; at a "
+            "running one change the set point of its zone, which one on draw behind it follows"
         )
     what = f"{wanted.asked}; {how}"
     return f"Enter; then, within {MOVE_S:g} s, move this alone for some seconds: {what}"
