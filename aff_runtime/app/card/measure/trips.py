@@ -75,7 +75,7 @@ def _sample(evidence: Evidence, trip: str) -> Sample:
     falls = 1 + np.flatnonzero((state[:-1] == State.ACTIVE) & (state[1:] != State.ACTIVE))
     if not falls.size:
         raise RefusedError(f"{window.table.window}: the correction is not tripped in it")
-    at = int(falls[0])
+    at = int(falls[-1])  # those before are of other trips, which were measured
     cause_s = _cause_s(window, at, trip)
     silent = sum_of_corrections(columns) == 0.0
     zeros = at + np.flatnonzero(silent[at:])
