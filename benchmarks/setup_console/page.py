@@ -31,9 +31,16 @@ records and printed to PDF. Seconds are of the machine, waiting for the line inc
 """
 
 
+FAILED = """
+What failed, each with its limit; a machine with other work misses ticks and sees a heartbeat
+late:
+
+"""
+
+
 def page(folder: Path, plants: Sequence[str]) -> str:
     """Return the page of what lies in the folder of each plant."""
-    rows, cards = [], []
+    rows, cards, failed = [], [], []
     for name in plants:
         place = folder / name.replace(" ", "-")
         found = _read(place / "setup.json")
@@ -42,8 +49,13 @@ def page(folder: Path, plants: Sequence[str]) -> str:
         card = _read(place / "card.json")
         if card is not None:
             cards.append(_card_row(name, card))
+            failed += [f"- {name}, {line}" for line in _failed(card["notes"])]
     text = HEAD + "\n".join(rows) + "\n"
-    return text + CARD + "\n".join(cards) + "\n" if cards else text
+    if cards:
+        text += CARD + "\n".join(cards) + "\n"
+    if failed:
+        text += FAILED + "\n".join(failed) + "\n"
+    return text
 
 
 def _read(path: Path) -> Any:
@@ -67,13 +79,29 @@ def _card_row(name: str, card: dict[str, Any]) -> str:
         sum(stand == wanted for stand in stands.values())
         for wanted in ("pass", "fail", "open", "not applicable")
     ]
-    signed = sum(one["step"].startswith("sign") and not one["exit"] for one in card["notes"])
-    verified = any(one["step"] == "verify" and not one["exit"] for one in card["notes"])
+    signs = {one["step"] for one in card["notes"] if one["step"].startswith("sign ")}
+    signed = sum(_ended_well(name, card["notes"]) for name in signs)
+    verified = _ended_well("verify", card["notes"])
     told = " | ".join(map(str, counts))
     return (
         f"| {name} | {len(stands)} | {told} | {signed} | {'yes' if verified else 'no'} | "
         f"{card['seconds'] / 60.0:.0f} |"
     )
+
+
+def _failed(notes: Sequence[dict[str, Any]]) -> Iterator[str]:
+    """Yield what failed in each step when it was measured last."""
+    last = {one["step"]: one["said"] for one in notes if one["step"].startswith("step ")}
+    for step, said in last.items():
+        for line in said:
+            if line.startswith("FAIL "):
+                yield f"{step}: {line.removeprefix('FAIL ').strip()}"
+
+
+def _ended_well(step: str, notes: Sequence[dict[str, Any]]) -> bool:
+    """Return whether a command ended well the last time."""
+    exits = [one["exit"] for one in notes if one["step"] == step]
+    return bool(exits) and exits[-1] == 0
 
 
 def _stands(notes: Sequence[dict[str, Any]]) -> Iterator[tuple[str, str]]:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from aff_runtime.config.loader import load_site
+from benchmarks.setup_console.page import page
 from benchmarks.setup_console.plants import FURTHER, LINE, PLANTS
 from benchmarks.setup_console.technician import MOST_TRIES, StuckError, Technician
 from benchmarks.setup_console.words import wrong_words
@@ -67,6 +69,35 @@ def test_a_question_that_nothing_answers_is_not_asked_for_ever() -> None:
     assert [who.answer("Colour of the web: ") for _ in range(MOST_TRIES)] == [""] * MOST_TRIES
     with pytest.raises(StuckError, match="Colour of the web"):
         who.answer("Colour of the web: ")
+
+
+def test_the_page_counts_a_step_by_its_last_measurement_and_tells_what_failed(
+    tmp_path: Path,
+) -> None:
+    folder = tmp_path / "shipped"
+    folder.mkdir()
+    setup = {"exit": 0, "questions": 70, "seconds": 80, "writes": 0, "wrong": ["one is not there"]}
+    setup |= {"by_enter": ["a"], "by_moving": ["b"], "by_manual": ["c", "d"]}
+    (folder / "setup.json").write_text(json.dumps(setup))
+
+    def note(step: str, *said: str, code: int = 0) -> dict[str, Any]:
+        return {"step": step, "seconds": 1.0, "exit": code, "said": said}
+
+    notes = [
+        note("step 3", "step 3: open"),
+        note("step 3", "step 3: pass"),
+        note("sign 3", "step 3 signed"),
+        note("step 12", "FAIL  unwind: 1 dB; above 3 dB", "step 12: fail", code=5),
+        note("sign 12", "refused", code=4),
+        note("sign 12", "step 12 signed"),
+        note("verify", "whole"),
+    ]
+    (folder / "card.json").write_text(json.dumps({"seconds": 600, "notes": notes}))
+    text = page(tmp_path, ["shipped", "not played"])
+    assert "| shipped | 70 | 80 | 3 of 4 | 1 | 1 | 2 | 0 |" in text
+    assert "| shipped | 2 | 1 | 1 | 0 | 0 | 2 | yes | 10 |" in text
+    assert "- shipped, step 12: unwind: 1 dB; above 3 dB" in text
+    assert "not played" not in text
 
 
 def test_a_word_that_is_read_otherwise_is_named(tmp_path: Path) -> None:
