@@ -23,7 +23,7 @@ STYLE = "screen.css"
 # name of a page: its own modules, in this order; what they take names from comes before them
 PAGES = {
     "overview": ("overview.js", "recent.js"),
-    "login": ("login.js",),
+    "login": ("overview.js", "login.js"),
     "alarms": ("overview.js", "alarms.js"),
     "rolls": ("overview.js", "rolls.js"),
     "trends": ("overview.js", "trends.js"),
@@ -34,7 +34,7 @@ PAGES = {
     "refine": ("overview.js", "refine.js"),
     "maintenance": ("overview.js", "maintenance.js"),
 }
-HAND, NO_HAND = "hand.js", ("login",)
+HAND = "hand.js"
 SCRIPT, CSS = "text/javascript; charset=utf-8", "text/css; charset=utf-8"
 _TAKES = re.compile(r'^import \{([^}]*)\} from "/static/(\w+\.js)";\n', re.MULTILINE)
 _GIVES = re.compile(r"^export (?=(?:async function|function|const) (\w+))", re.MULTILINE)
@@ -54,7 +54,7 @@ def served(*, has_hand: bool) -> Mapping[str, tuple[bytes, str]]:
         "uPlot.iife.min.js": (source("uPlot.iife.min.js").encode(), SCRIPT),
     }
     for page, modules in PAGES.items():
-        more = (HAND,) if has_hand and page not in NO_HAND else ()
+        more = (HAND,) if has_hand else ()
         first, *rest = modules
         files[f"{page}.js"] = (joined((first, *more, *rest)).encode(), SCRIPT)
     return files

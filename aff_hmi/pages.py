@@ -101,7 +101,13 @@ class Pages:
 
     async def login(self, request: Request) -> Response:
         """Return the page on which one logs in."""
-        return self._page("login.html", request)
+        return self._page("login.html", request, path="/login")
+
+    def _back(self, request: Request) -> str:
+        """Return the page of ours from which one has come to log in; else the overview."""
+        wanted, hub = request.query_params.get("from", "/"), self._hub
+        there = [*(SEEN if hub.rooms else ()), *(COMMISSIONED if hub.commission else ())]
+        return wanted if wanted in there else "/"
 
     def _page(self, name: str, request: Request, *, path: str = "/", topic: str = "") -> Response:
         language = self._language_of(request)
@@ -109,6 +115,7 @@ class Pages:
             _=say_in(language),
             language=language,
             path=path,
+            back=self._back(request),
             topic=topic,
             kept=self._hub.kept,
             commissions=self._hub.commission is not None,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 
 from aff_hmi.objections import translated
 from aff_hmi.words import N_, Say
@@ -55,7 +57,13 @@ class Reason:
     to_do: str
 
 
-def reason_of(state: str, alarm: int, blocked: str, say: Say) -> Reason:
+def reason_of(
+    state: str,
+    alarm: int,
+    blocked: str,
+    say: Say,
+    standing: Mapping[str, str] = MappingProxyType({}),
+) -> Reason:
     """Return why the output is as it is.
 
     Parameters
@@ -63,10 +71,11 @@ def reason_of(state: str, alarm: int, blocked: str, say: Say) -> Reason:
     state : name of the guard's state, or ``STARTING``.
     alarm : code of the alarm that stands.
     blocked : what stands against an armed output.
+    standing : alarms that stand, with the signal that the guard named, by their event's name.
     """
     event = BY_CODE.get(alarm, BY_CODE[0])
     if state in RESTING and event.code:
-        return _resting(event, blocked, say)
+        return _resting(event, blocked, say, standing.get(event.name, event.name))
     if (
         blocked
         and state in State.__members__
@@ -80,10 +89,10 @@ def reason_of(state: str, alarm: int, blocked: str, say: Say) -> Reason:
     return Reason(why=say(means) if means else state, to_do=say(TO_DO.get(state, "")) or "")
 
 
-def _resting(event: Event, blocked: str, say: Say) -> Reason:
+def _resting(event: Event, blocked: str, say: Say, name: str) -> Reason:
     """Return why an output rests, and what keeps it from being armed."""
     text = say(event.text)
-    why = text if event.name in CALM else f"{event.name}: {text}"
+    why = text if event.name in CALM else f"{name}: {text}"
     if blocked.split(" ", maxsplit=1)[0] == event.name:
         return Reason(why=f"{blocked}: {text}", to_do=say(event.action))
     if not blocked:

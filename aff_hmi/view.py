@@ -105,7 +105,7 @@ def view_of(
     site = seen.site
     blocked = printable(facts.blocked, 200) if facts is not None else ""
     state = state_of(seen)
-    why, to_do = _why(seen, state, blocked, say)
+    why, to_do = _why(seen, state, blocked, say, standing or {})
     alarms = notices_of(seen, state, say, standing)
     if state == State.ACTIVE.name and not is_probing(seen) and alarms and alarms[0].rank < LOW:
         to_do = alarms[0].to_do  # an output that works may ask for somebody, too
@@ -178,7 +178,9 @@ def _doubted(seen: Seen, layout: Layout, blocked: str) -> Iterator[str]:
         yield "speed"
 
 
-def _why(seen: Seen, state: str, blocked: str, say: Say) -> tuple[str, str]:
+def _why(
+    seen: Seen, state: str, blocked: str, say: Say, standing: Mapping[str, str]
+) -> tuple[str, str]:
     if state == GONE:
         why = say(N_("no service answers; the PI drives carry on alone"))
         return why, say(N_("start it, or see its log: journalctl -u aff-runtime"))
@@ -188,8 +190,15 @@ def _why(seen: Seen, state: str, blocked: str, say: Say) -> tuple[str, str]:
     if is_probing(seen):
         why = say(N_("the response is being measured: a small excitation goes out"))
         return why, say(N_("wait; bypass ends it"))
-    reason = reason_of(state, seen.row.alarm if seen.row is not None else 0, blocked, say)
+    reason = reason_of(
+        state, seen.row.alarm if seen.row is not None else 0, blocked, say, standing
+    )
     return reason.why, reason.to_do
+
+
+def rests(state: State) -> bool:
+    """Return whether an output is zero, or ramps to zero, and no law is let out again."""
+    return state not in (*GOES_OUT, State.ARMED)
 
 
 def values_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
@@ -208,8 +217,11 @@ def values_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, f
     for output in facts.outputs if facts is not None else ():
         factor = 1e3 if output.unit == "m/s" else 1.0
         column = f"correction_{output.column}"
-        peak = factor * (window.peak(column) if window is not None else math.nan)
-        yield f"correction:{output.actuator}", factor * row.number(column)
+        now = factor * row.number(column)
+        peak = abs(now)  # of an output that rests, what was before is not what goes out
+        if not rests(row.state):
+            peak = factor * (window.peak(column) if window is not None else math.nan)
+        yield f"correction:{output.actuator}", now
         yield f"peak:{output.actuator}", peak
         limit = factor * output.limit
         yield f"share:{output.actuator}", peak / limit if limit > 0.0 else math.nan
@@ -279,6 +291,10 @@ def _notes(
             yield slot, say(N_("without: the law's estimate, of the orders that it follows"))
         else:
             yield slot, say(N_("without: as it was before arming, of the orders followed"))
+    for output in layout.outputs:
+        largest = N_("largest of ten seconds; let out by the guard:")
+        now = N_("now; let out by the guard:")
+        yield f"peak:{output.actuator}", say(now if rests(row.state) else largest)
     for tension in layout.tensions:
         slot = f"rms:{tension.channel}"
         if values.get(slot) is None:

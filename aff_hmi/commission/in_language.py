@@ -68,6 +68,7 @@ CHOICES = {
     "skip": N_("skip"),
     "again": N_("another moment"),
     "find": N_("find"),
+    "move": N_("move it"),
 }
 
 

@@ -37,7 +37,10 @@ PATTERNS = (
     N_("does not hold: {reason}"),
     N_("the reason has {count} characters; write {least} to {most}"),
     N_("no service answers; step {step} looks at {thing}"),
-    N_("no service answers that records now; name a window with --run RUN_DIR@FROM..TO"),
+    N_(
+        "no service answers that records now; start it, or name a window of a record (on the "
+        "console: --run RUN_DIR@FROM..TO)"
+    ),
     N_("its process ended without an answer; see the log of the commissioner"),
     *SETUP,
     *RUNS,

@@ -82,6 +82,23 @@ QUESTIONS = (
     N_("web tension behind {roll}"),
     N_("encoder of {roll}"),
     N_("Which one? `again`: type the value at another moment, which decides more surely"),
+    N_(
+        "Which one? `again`: type the value at another moment, which decides more surely; `move`: "
+        "move it, and see which word follows"
+    ),
+    N_(
+        "Leave the line as it shall be while you move it (running, or stopped with its web), then "
+        "Enter"
+    ),
+    N_(
+        "Enter; then, within {seconds} s, move this alone for some seconds: {what}; change it at "
+        "the drive"
+    ),
+    N_(
+        "Enter; then, within {seconds} s, move this alone for some seconds: {what}; at a stopped "
+        "line press on the roller of its load cell, or lift its dancer; at a running one change "
+        "the set point of its zone, which one on draw behind it follows"
+    ),
     N_("Which one?"),
     N_("Does the PLC show the {what}, and does the line run now? yes, skip"),
     N_("Is it so now? yes, no"),
@@ -104,6 +121,17 @@ SAID = (
     N_("a correction goes out; bypass first"),
     N_("no site file is there"),
     N_("no word fits. Type all digits that the display has, and the right unit."),
+    N_("word {word} changed by {value} {unit}, at rest {swing}"),
+    N_("no word moved further than at rest: move it more, or longer"),
+    N_("no row moved; words that did: {words}"),
+    N_("several rows moved alike: move one thing alone"),
+    N_("no row is taken unasked: {why}. Write {words}."),
+    N_("rows {words} fit alike, and a wrong word in the loop moves the web"),
+    N_("the scale of row 1 is not round"),
+    N_("no row stood out when it was moved"),
+    N_("another word or number can be it too"),
+    N_("several words count up like a scan"),
+    N_("several bits changed with it"),
     N_("no word turns as this roll does at this line speed. Does it run?"),
     N_("{site}: somebody has saved it meanwhile; look at it, then begin again. {rest}"),
     N_(
@@ -132,6 +160,8 @@ ROWS = (
     N_("word {word} {type}"),
     N_("{scale} is round"),
     N_("the scale is not round"),
+    N_("near what was typed with the same scale"),
+    N_("changed by {value} {unit}"),
     N_("moves"),
     N_("stands still"),
     N_("it counts or ramps"),

@@ -12,12 +12,14 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from aff_hmi.notices import Condition
-from aff_runtime.app.report.alarm_table import PRIORITIES
+from aff_hmi.see.alarm import Alarm, Follower, Leader, Life
+from aff_runtime.app.report.alarm_table import EVENTS, PRIORITIES
 from aff_runtime.base.events import BY_CODE, Reaction
 from aff_runtime.base.ports import Clock
 
 CHATTER_NS = 60_000_000_000
 TOGETHER_NS = 2_000_000_000
+LATE_NS = 1_000_000_000  # of a look that still shows a correction which has begun to fade
 TEN_MIN_NS = 600_000_000_000
 DAY_NS = 86_400_000_000_000
 FLOOD = 10  # in ten minutes: more than a person can follow (EEMUA 191)
@@ -28,66 +30,11 @@ HIGH = 1
 _S = 1e-9
 
 
-class Life(StrEnum):
-    """Where an alarm stands; ``GONE`` is over and was not seen by anybody yet."""
-
-    ACTIVE = "active"
-    SEEN = "seen"
-    GONE = "gone"
-    SHELVED = "shelved"
-
-
 class Refusal(StrEnum):
     """Why an alarm is not acknowledged or shelved."""
 
     UNKNOWN = "unknown"
     HIGH = "high"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Follower:
-    """An event of the same two seconds as a first-out, ``after_s`` behind it."""
-
-    name: str
-    after_s: float
-
-
-@dataclass(slots=True, kw_only=True)
-class Alarm:
-    """One line of the book.
-
-    Attributes
-    ----------
-    since_s : wall time of its coming. ``tick`` : of its event; None for what is no event.
-    gone_s : wall time of its end; None while it stands.
-    times : how often it came in a row, each within a minute of the one before.
-    seen_by : who acknowledged it. ``shelved_until_ns`` : 0 when it is not.
-    is_first : it is what took the correction out; ``followers`` came with it.
-    is_settled : the two seconds are over in which others are told as come with it.
-    """
-
-    condition: Condition
-    since_s: float
-    came_ns: int
-    tick: int | None = None
-    gone_s: float | None = None
-    times: int = 1
-    seen_by: str = ""
-    shelved_until_ns: int = 0
-    shelved_by: str = ""
-    reason: str = ""
-    is_first: bool = False
-    followers: tuple[Follower, ...] = ()
-    is_settled: bool = False
-
-    @property
-    def life(self) -> Life:
-        """Where it stands."""
-        if self.shelved_until_ns:
-            return Life.SHELVED
-        if self.gone_s is not None:
-            return Life.GONE
-        return Life.SEEN if self.seen_by else Life.ACTIVE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,20 +68,26 @@ class AlarmBook:
         self._left: dict[str, tuple[int, int]] = {}
         self._events: deque[tuple[int, int, int]] = deque(maxlen=MOST_EVENTS)
         self._came: deque[tuple[int, int]] = deque(maxlen=10_000)
+        self._active_ns: int | None = None
 
     def hear(self, events: Sequence[tuple[float, ...]]) -> None:
         """Take events of the ring, (tick, monotonic ns, code, argument) in order."""
         self._events.extend((int(t_ns), int(code), int(tick)) for tick, t_ns, code, _ in events)
 
-    def look(self, conditions: Sequence[Condition], *, is_known: bool) -> None:
+    def look(
+        self, conditions: Sequence[Condition], *, is_known: bool, is_active: bool = False
+    ) -> None:
         """Compare with what stands now.
 
         Parameters
         ----------
         is_known : whether ``conditions`` are all that there is; while the service is not heard
             they are not, and nothing ends.
+        is_active : whether a correction goes out.
         """
         now_ns = self._clock.now_ns()
+        if is_active:
+            self._active_ns = now_ns
         standing = {one.key: one for one in conditions}
         for key, one in standing.items():
             self._stand(key, one, now_ns)
@@ -266,14 +219,27 @@ class AlarmBook:
         alarm.is_first = event is not None and event.reaction is Reaction.FADE_AND_LATCH
         if not alarm.is_first or alarm.tick is None:
             return
-        first_ns = alarm.came_ns
+        alarm.led_by = self._leader_of(alarm)
         followers: dict[str, float] = {}
         for t_ns, code, _ in self._events:
             name = BY_CODE[code].name if code in BY_CODE else ""
             is_other = code != alarm.condition.code and name in PRIORITIES
-            if is_other and 0 <= t_ns - first_ns <= TOGETHER_NS:
-                followers.setdefault(name, (t_ns - first_ns) * _S)
+            if is_other and 0 <= t_ns - alarm.came_ns <= TOGETHER_NS:
+                followers.setdefault(name, (t_ns - alarm.came_ns) * _S)
         alarm.followers = tuple(Follower(name=n, after_s=s) for n, s in followers.items())
+
+    def _leader_of(self, alarm: Alarm) -> Leader | None:
+        """Return what took the correction out before, unless it went out again meanwhile."""
+        for t_ns, code, tick in reversed(self._events):
+            event = BY_CODE.get(code)
+            if event is None or event.name not in EVENTS or t_ns >= alarm.came_ns:
+                continue
+            if event.reaction not in (Reaction.FADE, Reaction.FADE_AND_LATCH):
+                continue
+            if self._active_ns is not None and self._active_ns - t_ns > LATE_NS:
+                return None
+            return Leader(name=event.name, before_s=(alarm.came_ns - t_ns) * _S, tick=tick)
+        return None
 
     def _let_go(self, key: str, alarm: Alarm, now_ns: int) -> None:
         if alarm.seen_by or not self._can_be_seen:

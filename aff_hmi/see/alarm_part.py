@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from aff_hmi.notices import filled
-from aff_hmi.see.alarm_book import Alarm, AlarmBook, Life
+from aff_hmi.see.alarm import Alarm, Life
+from aff_hmi.see.alarm_book import AlarmBook
 from aff_hmi.see.events import Entry, Kind
 from aff_hmi.words import N_, Say
 from aff_runtime.base.printable import printable
@@ -33,6 +34,7 @@ class AlarmLine:
 
     Attributes
     ----------
+    led_by : what had taken the correction out before it; empty for nothing.
     page : what this screen shows of it: its ticks, its roll, the machine; empty for nothing.
     """
 
@@ -48,6 +50,7 @@ class AlarmLine:
     tick: int | None
     times: int
     is_first: bool
+    led_by: str
     followers: tuple[str, ...]
     seen_by: str
     shelved: str
@@ -112,7 +115,8 @@ def _line(alarm: Alarm, cycle_s: float, say: Say) -> AlarmLine:
         gone_s=None if alarm.gone_s is None else round(alarm.gone_s, 3),
         tick=alarm.tick,
         times=alarm.times,
-        is_first=alarm.is_first,
+        is_first=alarm.is_first and alarm.led_by is None,
+        led_by=_led_by(alarm, say),
         followers=tuple(
             after.format(name=f.name, seconds=f"{f.after_s:.3f}") for f in alarm.followers
         ),
@@ -123,6 +127,13 @@ def _line(alarm: Alarm, cycle_s: float, say: Say) -> AlarmLine:
         can_shelve=one.rank != 1 and alarm.life is not Life.GONE,
         page=_page(alarm, cycle_s),
     )
+
+
+def _led_by(alarm: Alarm, say: Say) -> str:
+    if not alarm.is_first or alarm.led_by is None:
+        return ""
+    words = say(N_("the correction was taken out before it, by {name}, {seconds} s earlier"))
+    return words.format(name=alarm.led_by.name, seconds=f"{alarm.led_by.before_s:.3f}")
 
 
 def _page(alarm: Alarm, cycle_s: float) -> str:

@@ -10,7 +10,7 @@ import numpy as np
 
 from aff_hmi.notices import is_probing, why_it_rests
 from aff_hmi.reason import MEANS
-from aff_hmi.see.alarm_book import Alarm
+from aff_hmi.see.alarm import Alarm
 from aff_hmi.see.events import Entry, Kind, insert, newest, prune
 from aff_hmi.see.store import Store
 from aff_hmi.watch import News, Seen
@@ -84,7 +84,11 @@ class Journal:
 
     def first_out(self, alarm: Alarm, ring: str) -> None:
         """Write down what took the correction out, and what came with it; once for its tick."""
-        with_it = ", ".join(f"{one.name} {one.after_s:.3f} s" for one in alarm.followers)
+        led = alarm.led_by
+        others = [f"{one.name} {one.after_s:.3f} s" for one in alarm.followers]
+        if led is not None:  # what only followed it is not told to have done it
+            others = [f"{alarm.condition.name} {led.before_s:.3f} s"]
+        with_it = ", ".join(others)
         text = (
             N_("took the correction out; with it: {others}")
             if with_it
@@ -92,10 +96,10 @@ class Journal:
         )
         self._write(
             Entry(
-                utc_s=alarm.since_s,
-                tick=alarm.tick,
+                utc_s=alarm.since_s - (led.before_s if led is not None else 0.0),
+                tick=alarm.tick if led is None else led.tick,
                 kind=Kind.ALARM,
-                name=printable(alarm.condition.name, 120),
+                name=printable(alarm.condition.name if led is None else led.name, 120),
                 text=text,
                 values={"others": printable(with_it, LONGEST)} if with_it else {},
                 once=f"{ring} {alarm.tick} first" if alarm.tick is not None else "",

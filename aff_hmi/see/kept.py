@@ -30,6 +30,7 @@ from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.app.report.alarm_table import Priority
 from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.signals import State
 
 LOOK_NS = 450_000_000
 FRESH_S = 0.7
@@ -160,6 +161,7 @@ class Kept:
         self.book.look(
             (*conditions, NO_SERVICE) if state == GONE else conditions,
             is_known=is_fresh and seen.tick_age_s < FRESH_S,  # type: ignore[operator]
+            is_active=state == State.ACTIVE.name,
         )
         for alarm in self.book.settled():
             self.journal.first_out(alarm, self._ring)

@@ -26,6 +26,7 @@ function said(one) {
   if (one.shelved) facts.push(one.shelved);
   line.append(part("p", "note", facts.join(" · ")));
   if (one.is_first) line.append(part("p", "first", words.first));
+  if (one.led_by) line.append(part("p", "first", one.led_by));
   if (one.followers.length) {
     line.append(part("p", "note", `${words.together}: ${one.followers.join(", ")}`));
   }

@@ -24,6 +24,7 @@ const heldOnes = [arm, ...["probe", "shadow", "end-shadow", "forget"].map(byId)]
 let frame = null;
 let hold = null;
 let awaited = null;
+let swallowed = ""; // a button whose press came in a moment without fresh data
 
 function put(element, text) {
   if (element && element.textContent !== text) element.textContent = text;
@@ -72,7 +73,11 @@ function show() {
   for (const button of heldOnes) {
     const why = against(button.id);
     const cannot = why.length > 0;
-    if (button.disabled !== cannot) button.disabled = cannot;
+    // what is disabled hears no press: of one without fresh data it is said that nothing is done
+    const hears = why.length === 1 && why[0] === words.stale && button.dataset.could === "yes";
+    if (button.disabled !== (cannot && !hears)) button.disabled = cannot && !hears;
+    button.ariaDisabled = String(cannot);
+    if (!isStale()) button.dataset.could = cannot ? "no" : "yes";
     put(byId(`${button.id}-why`), why.join("; "));
   }
   for (const button of document.querySelectorAll("button[data-may]")) {
@@ -117,9 +122,10 @@ document.addEventListener("frame", (event) => {
   }
   confirmPress();
   show();
+  offerAgain();
 });
 setInterval(() => {
-  if (hold !== null && isStale()) letGo();
+  if (hold !== null && isStale()) swallow(hold.button);
   confirmPress();
   show();
 }, 100);
@@ -127,6 +133,7 @@ setInterval(() => {
 // --- pressing ----------------------------------------------------------------------------------
 
 async function act(action, seen, number) {
+  swallowed = "";
   const after = frame?.q ?? 0;
   tell(words.sent);
   awaited = null;
@@ -151,8 +158,27 @@ function pressBypass() {
   if (!bypass.disabled) act("bypass", "", frame?.q ?? 0);
 }
 
+/** Nothing is done without fresh data, and never later: whoever pressed is told so. */
+function swallow(button) {
+  letGo();
+  swallowed = button.id;
+  tell(`${called(button.id)}: ${words.swallowed}`);
+}
+
+/** Say when a press that came to nothing can be repeated. */
+function offerAgain() {
+  if (swallowed === "" || isStale()) return;
+  if (!byId(swallowed).disabled) tell(`${called(swallowed)}: ${words.again}`);
+  swallowed = "";
+}
+
 function begin(button) {
-  if (hold !== null || button.disabled || isStale()) return;
+  if (hold !== null || button.disabled) return;
+  if (isStale()) {
+    swallow(button);
+    return;
+  }
+  swallowed = "";
   hold = { button, state: frame.state, timer: setTimeout(finish, HOLD_MS) };
   button.classList.add("holding");
   if (button === arm) tell(`${words.arms} ${frame.config}`);
@@ -160,9 +186,15 @@ function begin(button) {
 
 function finish() {
   const { button, state } = hold;
+  if (isStale()) {
+    swallow(button);
+    return;
+  }
   letGo();
-  if (isStale() || frame.state !== state || button.disabled) return;
-  act(button.id, frame.state, frame.q);
+  const why = against(button.id);
+  if (frame.state !== state) tell(words.changed.replace("{name}", frame.word));
+  else if (why.length > 0) tell(`${called(button.id)}: ${why.join("; ")}`);
+  else act(button.id, frame.state, frame.q);
 }
 
 function letGo() {

@@ -16,7 +16,7 @@ form.onsubmit = async (event) => {
     });
     const found = await answer.json();
     byId("said").textContent = found.text;
-    if (found.ok) location.replace(`/?lang=${language}`);
+    if (found.ok) location.replace(`${form.dataset.back}?lang=${language}${location.hash}`);
   } catch {
     byId("said").textContent = form.dataset.failed;
   }

@@ -124,7 +124,7 @@ def _show(options: argparse.Namespace) -> int:
 def _step(options: argparse.Namespace) -> int:
     """Measure; 5 when a limit is not kept."""
     from aff_runtime.app.card import lines, steps, work  # noqa: PLC0415
-    from aff_runtime.app.card.typed_values import typed  # noqa: PLC0415
+    from aff_runtime.app.card.typed_values import NotTypedError, typed  # noqa: PLC0415
     from aff_runtime.app.commission import sources  # noqa: PLC0415
 
     card = work.CardFile.of(options.card)
@@ -138,8 +138,11 @@ def _step(options: argparse.Namespace) -> int:
         values = tuple(typed(text) for text in options.typed)
         if options.number == steps.SEARCH:
             found = sources.after_search(where, found, values, say)
-        with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
-            kept = work.measure(card, options.number, found, values, by)
+        try:
+            with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
+                kept = work.measure(card, options.number, found, values, by)
+        except NotTypedError as error:
+            raise ConfigError(f"{error}; {lines.HOW_TO_TYPE}") from None
     work.keep_site(options.card, found.parameters)
     for line in lines.measured_lines(kept):
         say(line)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from typing import Any
 
@@ -78,6 +79,33 @@ def test_every_route_is_in_the_table_and_only_looking_is_without_it(at: Pressed)
     assert pressed == set(TABLE) == set(MATRIX) == set(GOOD)
     looked = {one.path for one in routes if "GET" in (one.methods or ())}
     assert looked == {"/", "/login", "/metrics", "/static/{name}"}
+
+
+def test_the_page_of_the_login_has_a_bypass_and_arms_nothing(at: Pressed) -> None:
+    text = at.browser().ask("GET", "/login", [("host", HOST)]).said["text"]
+    assert re.search(r'<button id="bypass" type="button" +aria', text)  # not disabled
+    assert 'id="arm"' not in text
+    assert 'data-node="plc"' in text  # with the chain and the state, as every page
+
+
+@pytest.mark.parametrize(
+    ("wanted", "back"),
+    [
+        ("/alarms", "/alarms"),
+        ("/card", "/"),  # no commissioner here
+        ("//evil.example", "/"),
+        ("https://evil.example/alarms", "/"),
+        ("/alarms%0d%0aX:1", "/"),
+        ("", "/"),
+    ],
+)
+def test_a_login_leads_back_to_a_page_of_ours_alone(
+    keeping: Pressed, wanted: str, back: str
+) -> None:
+    found = keeping.browser().ask("GET", f"/login?from={wanted}", [("host", HOST)])
+    assert f'data-back="{back}"' in found.said["text"]
+    came = keeping.browser().ask("GET", "/alarms", [("host", HOST)])
+    assert "&amp;from=/alarms" in came.said["text"]
 
 
 @pytest.mark.parametrize(("path", "role"), CELLS, ids=str)

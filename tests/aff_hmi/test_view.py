@@ -87,6 +87,25 @@ def test_numbers_are_in_the_units_of_the_page() -> None:
     assert view.values["reference:unwind_tension_N"] == 90.0
 
 
+@pytest.mark.parametrize("state", [State.FAULT, State.BYPASS, State.READY, State.SHADOW])
+def test_of_an_output_that_rests_the_correction_is_that_of_now(state: State) -> None:
+    """Ten seconds of 30 mm/s are in the window, and it has come down to 2 mm/s."""
+    before = seen(row(state, correction_unwind_m_s=-0.03))
+    now = replace(before, row=TickRow(row(state, correction_unwind_m_s=-0.002)))
+    view = shown(now)
+    assert view.values["peak:unwind"] == 2.0
+    assert view.values["share:unwind"] == pytest.approx(0.002 / 0.15, rel=1e-5)
+    assert view.notes["peak:unwind"] == "now; let out by the guard:"
+
+
+@pytest.mark.parametrize("state", [State.ACTIVE, State.FADING])
+def test_of_an_output_that_goes_out_it_is_the_largest_of_ten_seconds(state: State) -> None:
+    before = seen(row(state, correction_unwind_m_s=-0.03))
+    view = shown(replace(before, row=TickRow(row(state, correction_unwind_m_s=-0.002))))
+    assert view.values["peak:unwind"] == 30.0
+    assert view.notes["peak:unwind"].startswith("largest of ten seconds")
+
+
 def test_a_number_that_is_not_known_is_none_and_never_zero() -> None:
     moment = seen(row(unwind_tension_N=math.nan, unwind_radius_m=math.nan))
     view = shown(moment)
@@ -183,6 +202,15 @@ def test_a_recorder_that_is_gone_or_loses_rows_is_told() -> None:
     lossy = RecorderReport(folder="/r", rows=5, rows_lost=3, alive=True)
     assert shown(seen(facts=facts(recorder=gone))).alarms[0].text == "nothing is recorded"
     assert shown(seen(facts=facts(recorder=lossy))).alarms[0].text.startswith("3 rows")
+
+
+def test_the_state_names_the_signal_too_when_its_cause_is_over() -> None:
+    fault = seen(row(State.FAULT, alarm=BY_NAME["TENSION_IMPLAUSIBLE"].code))
+    named = {"TENSION_IMPLAUSIBLE": "TENSION_IMPLAUSIBLE (unwind_tension_N)"}
+    view = view_of(fault, layout(seen()), SAY, named)
+    text = BY_NAME["TENSION_IMPLAUSIBLE"].text
+    assert view.why == f"TENSION_IMPLAUSIBLE (unwind_tension_N): {text} (over now)"
+    assert shown(fault).why == f"TENSION_IMPLAUSIBLE: {text} (over now)"
 
 
 def test_orders_that_rest_are_told_together() -> None:

@@ -91,5 +91,7 @@ class Evidence:
             There is none.
         """
         if not self.windows:
-            raise RefusedError("no record: name a window with --run RUN_DIR@FROM..TO")
+            raise RefusedError(
+                "no record: name a window of one (on the console: --run RUN_DIR@FROM..TO)"
+            )
         return self.windows[-1]

@@ -158,7 +158,8 @@ def wanted_windows(step: Step, sources: Sources) -> Iterator[RunWindow]:
     answer = sources.answer
     if answer is None or answer.live is None or answer.recorder is None:
         raise RefusedError(
-            "no service answers that records now; name a window with --run RUN_DIR@FROM..TO"
+            "no service answers that records now; start it, or name a window of a record (on the "
+            "console: --run RUN_DIR@FROM..TO)"
         )
     end_s = answer.live.tick.time_s - MARGIN_S
     folder = Path(answer.recorder.folder)

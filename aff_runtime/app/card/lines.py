@@ -9,6 +9,8 @@ from aff_runtime.app.card.figures import Figure
 from aff_runtime.app.card.page import span_text, undone, value_text
 from aff_runtime.app.card.standing import Card
 
+HOW_TO_TYPE = "what is typed: --typed 'NAME=VALUE UNIT', once for each"
+
 
 def card_lines(card: Card) -> Iterator[str]:
     """Yield how every step stands, then what was not done."""
@@ -26,6 +28,8 @@ def measured_lines(measured: Measured) -> Iterator[str]:
         yield _figure(figure)
     for text in measured.finding.waits_for:
         yield f"missing   {text}"
+    if any("type " in text for text in measured.finding.waits_for):
+        yield f"          {HOW_TO_TYPE}"
     for text in measured.finding.proposals:
         yield f"proposed  {text}"
     for text in measured.finding.remarks:

@@ -17,6 +17,10 @@ _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")
 _DECIBEL = "dB"
 
 
+class NotTypedError(ConfigError):
+    """A step cannot be measured before somebody types what only a person knows."""
+
+
 class TypedValues:
     """What was typed for one step, by name."""
 
@@ -42,8 +46,7 @@ class TypedValues:
         if not math.isfinite(typed.number) or typed.unit not in ("", unit):
             wanted = f"a number in {unit}" if unit else "a plain number"
             raise ConfigError(
-                f"--typed {name}={printable(typed.text, 40)}: expected {wanted}, or in a unit "
-                "of that kind"
+                f"{name}={printable(typed.text, 40)}: expected {wanted}, or in a unit of that kind"
             )
         return typed.number
 
@@ -64,7 +67,7 @@ class TypedValues:
         for name in self._values:
             if name not in wanted:
                 raise ConfigError(
-                    f"--typed {name}: this step does not ask for it; it asks for "
+                    f"{name}: this step does not ask for it; it asks for "
                     f"{', '.join(wanted) or 'nothing'}"
                 )
 

@@ -22,6 +22,7 @@ from aff_runtime.app.commission.views import (
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.config.check import MAX_RESPONSE_BYTES, check_site
+from aff_runtime.config.identified_drive import with_identified
 from aff_runtime.config.models import Actuator, Site
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.core.identified import Estimate, IdentifiedDrive
@@ -46,7 +47,8 @@ def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
     proof = None
     with contextlib.suppress(AffError):
         standing = standing_of(where.socket)
-        proof = proof_times(site, standing) if standing is not None else None
+        runs, _ = with_identified(site, responses)
+        proof = proof_times(runs, standing) if standing is not None else None
     view = replace(
         view,
         orders=tuple(str(one) for one in (*facts.orders, *facts.shapes))[:MOST_LINES],

@@ -92,7 +92,7 @@ def sources(
     return Sources(
         parameters=parameters,
         checked=CheckedSite(
-            site=report.site,
+            site=parameters.site,  # with what a probe identified: it is what runs
             warnings=tuple(str(finding) for finding in report.warnings),
             limits=report.facts.limits,
         ),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours
 from aff_runtime.app.setup.decoding import Decoding, all_decodings, values
@@ -41,6 +41,7 @@ class Candidate:
     is_round : whether the scale is a round number of some unit.
     value : what it reads now, SI.
     why : reasons for and against, for eyes. ``score`` : log of how much better than chance.
+    prior : the part of ``score`` that scale and behaviour say, before any value was typed.
     """
 
     decoding: Decoding
@@ -50,6 +51,11 @@ class Candidate:
     value: float
     why: tuple[str, ...]
     score: float
+    prior: float
+
+    def because(self, reason: str) -> Candidate:
+        """Return it with one more reason."""
+        return replace(self, why=(*self.why, reason))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -176,18 +182,20 @@ def _of(
     if moves is None and moments[-1].sd > _CREEPS * abs(moments[-1].mean):
         habits, why = habits - 5.0, (*why, "too much for what moves slowly")
     if fitting:
-        scale, prior, fit = max(fitting, key=lambda row: row[1] + (row[2] or 0.0))
-        score = prior + (fit or 0.0) + habits + _resolution(scale.si, surest.shown)
+        scale, usual, fit = max(fitting, key=lambda row: row[1] + (row[2] or 0.0))
+        prior = usual + habits + _resolution(scale.si, surest.shown)
         text = scale.text if sign > 0 else f"-{scale.text}"
         reasons = (f"{text} is round", *_agreement(moments, sign * scale.si), *why)
-        yield _candidate(decoding, sign * scale.si, text, True, moments, reasons, score)
+        yield _candidate(
+            decoding, sign * scale.si, text, True, moments, reasons, prior, fit or 0.0
+        )
     fit = _fit(moments, implied)
     if fit is not None:
         gained = fit - surest.surprise(implied)  # its value fits whatever the word is
-        score = _NO_ROUND_SCALE + gained + habits + _resolution(abs(implied), surest.shown)
+        prior = _NO_ROUND_SCALE + habits + _resolution(abs(implied), surest.shown)
         text = plain(float(f"{implied:.4g}"))
         reasons = ("the scale is not round", *_agreement(moments, implied), *why)
-        yield _candidate(decoding, implied, text, False, moments, reasons, score)
+        yield _candidate(decoding, implied, text, False, moments, reasons, prior, gained)
 
 
 def _candidate(
@@ -197,7 +205,8 @@ def _candidate(
     is_round: bool,
     moments: Sequence[_Seen],
     why: Sequence[str],
-    score: float,
+    prior: float,
+    fit: float,
 ) -> Candidate:
     return Candidate(
         decoding=decoding,
@@ -206,7 +215,8 @@ def _candidate(
         is_round=is_round,
         value=scale * moments[-1].mean,
         why=tuple(why),
-        score=score,
+        score=prior + fit,
+        prior=prior,
     )
 
 

@@ -109,11 +109,15 @@ class Dialogue:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RowReader:
-    """Takes a row's number, its word such as w5 by ``at``, or one of ``words``."""
+    """Takes a row's number, its word such as w5 by ``at``, or one of ``words``.
+
+    ``unsure`` : why nothing typed is no answer; empty where it is one.
+    """
 
     rows: frozenset[int]
     at: Mapping[int, int]
     words: tuple[str, ...]
+    unsure: str = ""
 
     def __call__(self, text: str) -> str:
         """Return the row's number, or the word."""
@@ -124,4 +128,7 @@ class RowReader:
         if shown in self.words or (shown.isdecimal() and int(shown) in self.rows):
             return shown
         last = f"1 to {max(self.rows)}" if self.rows else "no row"
-        raise AnswerError(f'"{shown[:40]}": write {" or ".join([last, *self.words])}.')
+        takes = " or ".join([last, *self.words])
+        if not shown and self.unsure:
+            raise AnswerError(f"no row is taken unasked: {self.unsure}. Write {takes}.")
+        raise AnswerError(f'"{shown[:40]}": write {takes}.')

@@ -78,12 +78,15 @@ class Look:
         rows: dict[int, str],
         *words: str,
         at: Mapping[int, int] | None = None,
-        surely: bool = True,
+        unsure: str = "",
     ) -> str:
-        """Return the picked row's number, or one of ``words``; row 1 unasked only ``surely``."""
+        """Return the picked row's number, or one of ``words``.
+
+        Row 1 is taken unasked, unless ``unsure`` says why not.
+        """
         first = "1" if rows else words[0] if words else None
-        default = first if surely else None
-        reader = RowReader(rows=frozenset(rows), at=at or {}, words=words)
+        default = first if not unsure else None
+        reader = RowReader(rows=frozenset(rows), at=at or {}, words=words, unsure=unsure)
         shown = tuple((str(n), row) for n, row in rows.items())
         return self.dialogue.ask_anew(
             Question(name=name, text=text, read=reader, default=default, rows=shown)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from aff_runtime.app.setup.angles import (
     LONGEST_S,
@@ -13,38 +13,26 @@ from aff_runtime.app.setup.angles import (
     is_sure,
 )
 from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours, heartbeats
-from aff_runtime.app.setup.candidates import SHOWN_BEST, Candidate, Observation, candidates
-from aff_runtime.app.setup.decoding import side_by_side
-from aff_runtime.app.setup.display import is_place, shown_value
-from aff_runtime.app.setup.floats import float_hints
+from aff_runtime.app.setup.candidates import SHOWN_BEST
+from aff_runtime.app.setup.display_steps import AGAIN, DisplaySteps
 from aff_runtime.app.setup.interview import YES_NO, owned_bits, quantity_value, roll_names
-from aff_runtime.app.setup.look import SKIP, Look
+from aff_runtime.app.setup.look import SKIP
 from aff_runtime.app.setup.plc import mean_si, readings_si
 from aff_runtime.app.setup.quantities import UNWIND, Quantity
-from aff_runtime.app.setup.questions import NONE, AnswerError, Question, one_of, whole
+from aff_runtime.app.setup.questions import NONE, Question, one_of, whole
 from aff_runtime.app.setup.reading import Block, Watched
 from aff_runtime.app.setup.status_bits import changed_bits
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.base.units import UnitError, plain
+from aff_runtime.base.units import plain
 
 LOOK_S = 3.0
-VALUE_S = 2.0
 BIT_S = 1.5
 SLOWEST_M_S = 0.02
 WHOLE_TURNS = 3.0
-AGAIN = "again"
-NO_TENSION = (
-    "Where a dancer stands is no tension: AFF takes ripple out of a tension that is measured. "
-    "Type what a load cell between the unwind and the next driven roller shows; a line without "
-    "one has nothing that AFF could listen to."
-)
+EVEN = 1.0  # of score, by which a heartbeat has to be ahead
 
 
-def _score(one: Candidate) -> float:
-    return one.score
-
-
-class Steps(Look):
+class Steps(DisplaySteps):
     """What is found by looking, in the order in which it is asked."""
 
     def survey(self) -> None:
@@ -87,94 +75,12 @@ class Steps(Look):
         rows = {
             n: f"word {one.address}: {', '.join(one.why)}" for n, one in enumerate(candidates, 1)
         }
-        pick = self.pick("heartbeat", "Which is the PLC's heartbeat?", rows)
+        rivals = [one for one in candidates[1:] if one.score > candidates[0].score - EVEN]
+        unsure = "several words count up like a scan" if rivals else ""
+        pick = self.pick("heartbeat", "Which is the PLC's heartbeat?", rows, unsure=unsure)
         best = candidates[int(pick) - 1]
         draft = self.dialogue.draft.with_answer("heartbeat", str(best.address))
         self.dialogue.keep(draft.with_answer("scan_ms", plain(float(f"{best.period_ms:.4g}"))))
-
-    def quantity(self, wanted: Quantity) -> None:
-        """Find one quantity by what the display shows."""
-        draft = self.dialogue.draft
-        if self.is_known(wanted):
-            return
-        moments: list[Observation] = []
-        while True:
-            turn = str(len(moments) + 1) if moments else ""
-            text = self._display(wanted, turn)
-            if text == SKIP:
-                self.dialogue.keep(draft.with_answer(f"{wanted.channel}.display", SKIP))
-                return
-            seen = self.watch(VALUE_S)
-            moments.append(Observation(shown=shown_value(text, wanted.unit), seen=seen))
-            for hint in float_hints(moments[-1].shown, seen, wanted.unit):
-                self.dialogue.say(f"  {hint}")
-            rows = candidates(
-                moments,
-                wanted.unit,
-                signed=wanted.signed,
-                moves=wanted.moves,
-                taken=frozenset(self.dialogue.draft.owners),
-                word_order=draft.order,
-            )[:SHOWN_BEST]
-            pick = self._of_candidates(wanted, rows, seen, turn)
-            if pick is not None:
-                self.keep_word(wanted.channel, pick.decoding, pick.scale_text)
-                return
-
-    def _display(self, wanted: Quantity, turn: str) -> str:
-        others = f", or {SKIP}" if wanted.optional else ""
-
-        def read(text: str) -> str:
-            if others and text == SKIP:
-                return SKIP
-            try:
-                return shown_value(text, wanted.unit).text
-            except UnitError as error:
-                if wanted.unit == "N" and not wanted.recorded and is_place(text):
-                    raise AnswerError(f"{error} {NO_TENSION}") from None
-                raise
-
-        return self.dialogue.ask_anew(
-            Question(
-                name=f"{wanted.channel}.display{turn}",
-                text=f"What does the drive show now as {wanted.asked}, all digits and the unit"
-                f"{others}?",
-                read=read,
-                default=SKIP if wanted.recorded else None,
-            )
-        )
-
-    def _of_candidates(
-        self, wanted: Quantity, rows: Sequence[Candidate], seen: Watched, turn: str
-    ) -> Candidate | None:
-        """Return what the technician picks; None to type another value."""
-        shown = {}
-        for n, one in enumerate(rows, 1):
-            reads = f"{one.value:.5g} {wanted.unit} with scale {one.scale_text}"
-            shown[n] = f"{one.decoding}: {reads}; {', '.join(one.why)}"
-        for address in dict.fromkeys(one.decoding.address for one in rows[:3]):
-            four = side_by_side(address, seen)
-            said = "  ".join(f"{name} {count}" for name, count in four.items())
-            self.dialogue.say(f"  word {address:5}: {said}")
-        if not rows:
-            self.dialogue.complain(
-                "  no word fits. Type all digits that the display has, and the right unit."
-            )
-            if not self.dialogue.is_patient:
-                raise ConfigError(f"{wanted.channel}: no word of the window fits what was typed")
-            return None
-        text = f"Which one? `{AGAIN}`: type the value at another moment, which decides more surely"
-        pick = self.pick(
-            f"{wanted.channel}.pick{turn}",
-            text,
-            shown,
-            AGAIN,
-            at={n: one.decoding.address for n, one in enumerate(rows, 1)},
-            surely=rows[0].is_round and rows[0].score > max(rows[1:], key=_score).score + 1.0
-            if rows[1:]
-            else rows[0].is_round,
-        )
-        return None if pick == AGAIN else rows[int(pick) - 1]
 
     def angle(self, wanted: Quantity) -> None:
         """Find the encoder of a roll by its rate against line speed over radius."""
@@ -204,7 +110,7 @@ class Steps(Look):
                     shown,
                     AGAIN,
                     at={n: one.decoding.address for n, one in enumerate(rows, 1)},
-                    surely=is_sure(rows),
+                    unsure="" if is_sure(rows) else "another word or number can be it too",
                 )
                 if pick != AGAIN and rows[int(pick) - 1].usable:
                     one = rows[int(pick) - 1]
@@ -297,7 +203,8 @@ class Steps(Look):
                 owned=frozenset(owned_bits(self.dialogue.draft, name)),
             )
             rows = {n: str(one) for n, one in enumerate(changes, 1)}
-            pick = self.pick(f"{name}.pick", "Which one?", rows, AGAIN, NONE)
+            unsure = "several bits changed with it" if len(rows) > 1 else ""
+            pick = self.pick(f"{name}.pick", "Which one?", rows, AGAIN, NONE, unsure=unsure)
             if pick == AGAIN:
                 continue
             one = changes[int(pick) - 1] if pick != NONE else None

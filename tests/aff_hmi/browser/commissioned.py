@@ -24,8 +24,8 @@ ANSWERS = {
     "count": "24",
     "name": "Euclid",
     "second": "swrap_follower",
+    "second.tension": "pullroll_tension_N",
     "unwind_tension_N.display": "89 N",
-    "unwind_tension_N.pick": "w2",
     "tension_ref_N.display": "88.96 N",
     "tension_ref_N.pick": "w4",
     "line_speed_m_s.display": "200 FPM",
@@ -33,8 +33,8 @@ ANSWERS = {
     "unwind_radius_m.pick": "w6",
     "swrap_follower_speed_m_s.display": "200 FPM",
     "swrap_follower_speed_m_s.pick": "w7",
-    "swrap_follower_tension_N.display": "91 N",
-    "swrap_follower_tension_N.pick": "w9",
+    "pullroll_tension_N.display": "91 N",
+    "pullroll_tension_N.pick": "w9",
     "speed_max": "300 FPM",
     "tension_max": "400 N",
     "radius_min": "4 in",
@@ -138,17 +138,29 @@ class Technician:
             name = str(self.page.get_attribute("#question", "data-name"))
             if name == until:
                 return names
-            number = self.page.evaluate("() => document.getElementById('asked').textContent")
             names.append(name)
             answer = given.get(name, "")
-            self.page.fill("#answer", answer() if callable(answer) else answer)
-            self.page.click("#question button[type=submit]")
-            self.page.wait_for_function(
-                "([name, text]) => document.getElementById('question').hidden || "
-                "document.getElementById('question').dataset.name !== name || "
-                "document.getElementById('asked').textContent !== text",
-                arg=[name, number],
-            )
+            self.answer(answer() if callable(answer) else answer)
+
+    def answer(self, text: str) -> None:
+        """Answer what is asked now; return when the next question stands there, or none."""
+        before = [
+            self.page.get_attribute("#question", "data-name"),
+            self.page.text_content("#asked"),
+            self.page.text_content("#refused"),
+        ]
+        self.page.fill("#answer", text)
+        self.page.click("#question button[type=submit]")
+        self.page.wait_for_function(
+            """before => {
+                const [name, asked, refused] = before;
+                const box = document.getElementById('question');
+                return box.hidden || box.dataset.name !== name ||
+                    document.getElementById('asked').textContent !== asked ||
+                    document.getElementById('refused').textContent !== refused;
+            }""",
+            arg=before,
+        )
 
     def hold(self, button: str) -> None:
         """Hold a button for its second."""

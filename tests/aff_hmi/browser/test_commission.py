@@ -6,6 +6,7 @@ What only a person sees (displays, the PLC's manual) a table has.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from itertools import product
 from pathlib import Path
@@ -25,6 +26,7 @@ WIDTHS = {360: 740, 768: 1024, 1280: 800, 1920: 1080}
 LOOKS = list(product(WIDTHS, ("en", "de")))
 WHY = "seen at the simulated line"
 PROMISED_DB = 3.0
+WORD = re.compile(r"word \d+ ")
 
 
 @pytest.fixture(scope="module")
@@ -104,9 +106,11 @@ def words_are_found(who: Technician, line: FreshLine, pictures: Path) -> None:
     who.open()
     page.click("#find-words")
     page.wait_for_selector("#job:not([hidden])")
+    who.answers(given, until="unwind_tension_N.pick")
+    load_cell_is_told_by_moving_it(who, line, pictures)
     who.answers(given, until="line_speed_m_s.pick")
     pictured(who, pictures, "commission", "commission-words", "#question:not([hidden])")
-    who.answers(given, until="swrap_follower_tension_N.display")
+    who.answers(given, until="pullroll_tension_N.display")
     line.tell("fault", "mute:6")
     assert "retry" in who.answers(given, until="speed_max")
     page.click("#stop")
@@ -119,6 +123,29 @@ def words_are_found(who: Technician, line: FreshLine, pictures: Path) -> None:
     page.wait_for_function(
         "() => document.getElementById('job-last').textContent.includes('euclid.yaml')"
     )
+
+
+def load_cell_is_told_by_moving_it(who: Technician, line: FreshLine, pictures: Path) -> None:
+    """The cell at the pull roll shows nearly the same: Enter takes none, a hand decides."""
+    page = who.page
+    rows = page.locator("#rows button").all_text_contents()
+    assert {"word 2 ", "word 9 "} <= {found for row in rows for found in WORD.findall(row)}
+    who.answer("")
+    assert "no row is taken unasked" in str(page.text_content("#refused"))
+    who.screen.picture(pictures / "commission-alike.png")
+    page.click('#rows button[data-value="move"]')
+    page.wait_for_selector('#question[data-name="unwind_tension_N.rest2"]:not([hidden])')
+    who.answer("")
+    page.wait_for_selector('#question[data-name="unwind_tension_N.move2"]:not([hidden])')
+    assert "press on the roller of its load cell" in str(page.text_content("#asked"))
+    who.answer("")
+    line.tell("fault", "absurd=unwind_tension_N:3")  # a hand on the roller, and no light one
+    page.wait_for_selector('#question[data-name="unwind_tension_N.pick2"]:not([hidden])')
+    first = str(page.locator("#rows button").first.text_content())
+    assert WORD.findall(first) == ["word 2 "]
+    assert "changed by" in first
+    assert str(page.text_content("#default")).endswith(": 1")
+    who.answer("")
 
 
 def activated(who: Technician) -> None:

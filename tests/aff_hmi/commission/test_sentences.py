@@ -10,7 +10,7 @@ import pytest
 
 from aff_hmi.commission.sentences import LONGEST, PATTERNS, sentence
 from aff_hmi.words import say_in
-from aff_runtime.app.setup import flow, look, steps
+from aff_runtime.app.setup import display_steps, flow, look, steps
 from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.interview import (
     bit_questions,
@@ -68,10 +68,48 @@ def test_what_is_asked_of_a_display_is_translated_to_its_end(wanted) -> None:
     assert wanted.asked not in said
 
 
+@pytest.mark.parametrize(
+    "wanted", [one for one in quantities(SECOND) if one.moves is not None], ids=lambda q: q.channel
+)
+def test_how_a_quantity_is_moved_is_told_to_its_end(wanted) -> None:
+    for text in (
+        "Which one? `again`: type the value at another moment, which decides more surely; "
+        "`move`: move it, and see which word follows",
+        display_steps.AT_REST,
+        display_steps.how_to_move(wanted),
+    ):
+        said = sentence(text, GERMAN)
+        assert said != text == sentence(text, ENGLISH)
+        assert wanted.asked not in said
+
+
+@pytest.mark.parametrize(
+    ("why", "german"),
+    [
+        (
+            "rows 1, 2, 4 fit alike, and a wrong word in the loop moves the web",
+            "Zeilen 1, 2, 4 passen gleich gut, und ein falsches Wort im Regelkreis bewegt die "
+            "Bahn",
+        ),
+        ("the scale of row 1 is not round", "die Skala von Zeile 1 ist nicht rund"),
+        ("no row stood out when it was moved", "keine Zeile ragte beim Bewegen heraus"),
+        ("another word or number can be it too",
+         "ein anderes Wort oder eine andere Zahl kann es auch sein"),
+        ("several words count up like a scan", "mehrere Wörter zählen wie ein Zyklus"),
+        ("several bits changed with it", "mehrere Bits änderten sich mit"),
+    ],
+)  # fmt: skip
+def test_why_no_row_is_taken_unasked_is_told(why: str, german: str) -> None:
+    text = f"no row is taken unasked: {why}. Write 1 to 4 or again or move."
+    assert sentence(text, GERMAN) == (
+        f"keine Zeile wird ungefragt genommen: {german}. 1 to 4 or again or move schreiben."
+    )
+
+
 def told() -> list[str]:
     """Return what the setup says in its code, with a number for each place."""
     found = []
-    for module in (flow, look, steps):
+    for module in (display_steps, flow, look, steps):
         tree = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8"))
         for node in ast.walk(tree):
             if isinstance(node, ast.Call) and getattr(node.func, "attr", "") in (

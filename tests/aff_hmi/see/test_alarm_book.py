@@ -7,7 +7,8 @@ from dataclasses import replace
 import pytest
 
 from aff_hmi.notices import Condition
-from aff_hmi.see.alarm_book import FLOOD, MOST, MOST_EVENTS, AlarmBook, Follower, Life, Refusal
+from aff_hmi.see.alarm import Follower, Leader, Life
+from aff_hmi.see.alarm_book import FLOOD, MOST, MOST_EVENTS, AlarmBook, Refusal
 from aff_runtime.base.events import BY_NAME
 from tests.doubles.virtual_clock import VirtualClock
 
@@ -29,9 +30,19 @@ class Told:
             self.clock, lambda: 5000.0 + self.clock.now_ns() / S, can_be_seen=can_be_seen
         )
 
-    def look(self, *conditions: Condition, after_s: float = 0.5, is_known: bool = True) -> None:
+    def look(
+        self,
+        *conditions: Condition,
+        after_s: float = 0.5,
+        is_known: bool = True,
+        is_active: bool = False,
+    ) -> None:
         self.clock.advance_ns(round(after_s * S))
-        self.book.look(conditions, is_known=is_known)
+        self.book.look(conditions, is_known=is_known, is_active=is_active)
+
+    def hear(self, name: str, tick: float) -> None:
+        """Have the ring tell an event of this moment."""
+        self.book.hear([(tick, self.clock.now_ns(), float(BY_NAME[name].code), 0.0)])
 
     @property
     def lives(self) -> list[tuple[str, str]]:
@@ -148,6 +159,32 @@ def test_first_out_is_settled_once_and_a_flood_takes_nothing_of_it_away(told: To
     told.look(STALE)
     assert told.book.settled() == []
     assert [(f.name, f.after_s) for f in told.book.shown()[0].followers] == before
+
+
+@pytest.mark.parametrize("ago_s", [0.3, 1.5, 30.0])
+@pytest.mark.parametrize("name", ["PERMISSIVE_LOST", "SPLICE", "BYPASSED"])
+def test_what_had_taken_the_correction_out_before_leads_and_the_alarm_is_not_first(
+    told: Told, name: str, ago_s: float
+) -> None:
+    told.look(is_active=True)
+    told.hear(name, 4700.0)
+    told.look(after_s=ago_s)
+    told.hear("PLC_STALE", 4711.0)
+    told.look(STALE, after_s=0.1)
+    (alarm,) = told.book.shown()
+    assert alarm.led_by == Leader(name=name, before_s=pytest.approx(ago_s), tick=4700)
+
+
+def test_a_permissive_that_came_back_before_leads_nothing(told: Told) -> None:
+    told.look(is_active=True)
+    told.hear("PERMISSIVE_LOST", 4700.0)
+    told.look(is_active=True, after_s=0.5)  # a look may still show what has begun to fade
+    told.look(after_s=1.0)
+    told.look(is_active=True, after_s=3.0)
+    told.hear("PLC_STALE", 4711.0)
+    told.look(STALE, after_s=0.1)
+    (alarm,) = told.book.shown()
+    assert (alarm.is_first, alarm.led_by) == (True, None)
 
 
 def test_only_a_high_alarm_that_stands_and_nobody_has_seen_is_loud(told: Told) -> None:

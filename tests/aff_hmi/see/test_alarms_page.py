@@ -143,6 +143,25 @@ def test_the_overview_has_the_alarms_of_the_book_and_not_what_comes_and_goes(
     assert told() == []
 
 
+def test_a_permissive_that_went_first_is_told_to_have_taken_the_correction_out(
+    keeping: Pressed,
+) -> None:
+    heard(keeping, "PERMISSIVE_LOST", tick=3900, ago_s=0.5)
+    heard(keeping, "PLC_STALE", tick=4000, ago_s=0.0)
+    for _ in range(6):
+        show(keeping, **STALE)
+    (alarm,) = part(keeping)["alarms"]
+    assert not alarm["is_first"]
+    assert alarm["led_by"] == (
+        "the correction was taken out before it, by PERMISSIVE_LOST, 0.500 s earlier"
+    )
+    assert part(keeping, "de")["alarms"][0]["led_by"] != alarm["led_by"]
+    found = asked(keeping, "/data/events?kind=alarm").said["events"]
+    firsts = [(e["name"], e["tick"], e["text"]) for e in found if "took" in e["text"]]
+    with_it = "took the correction out; with it: PLC_STALE 0.500 s"
+    assert firsts == [("PERMISSIVE_LOST", 3900, with_it)]
+
+
 def test_what_took_the_correction_out_is_kept_as_an_event_once(keeping: Pressed) -> None:
     heard(keeping, "PLC_STALE", tick=4000, ago_s=0.0)
     heard(keeping, "TENSION_IMPLAUSIBLE", tick=4007, ago_s=-0.035)

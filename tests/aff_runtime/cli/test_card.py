@@ -1,6 +1,8 @@
 """The card on the console: exit codes, and what a person types; no service runs here."""
 
+import re
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from aff_runtime.cli.main import main
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE, recorded, steady
 from tests.aff_runtime.app.judged_here import judged_here
 
+ROOT = Path(__file__).parents[3]
 WHY = "checked on the drive"
 
 
@@ -58,6 +61,24 @@ def test_a_step_is_measured_signed_printed_and_verified(line, capsys, monkeypatc
 def test_a_limit_that_is_not_kept_is_exit_code_5(line, capsys):
     assert line("step", "4", "--typed", "reaction=hold", "--typed", "time=1 ms") == 5
     assert "FAIL  reaction of the watchdog: hold" in capsys.readouterr().out
+
+
+def test_what_is_missing_is_said_for_every_reader_and_the_console_says_how(line, capsys):
+    assert line("step", "4") == 0
+    said = capsys.readouterr().out
+    assert "missing   type how long it took: time=120 ms\n" in said
+    assert "          what is typed: --typed 'NAME=VALUE UNIT', once for each\n" in said
+    assert line("step", "1", "--run", f"{line.run}@2..12") == 2
+    said = capsys.readouterr().err
+    assert "step 1: type the load that hangs there: load=0, or load=20 lbf; what is " in said
+
+
+def test_no_measurement_speaks_of_the_console_alone():
+    """Its sentences are shown at the screen, and stand on the card."""
+    files = list((ROOT / "aff_runtime" / "app" / "card" / "measure").glob("*.py"))
+    assert len(files) > 10
+    for file in files:
+        assert not re.search(r"--typed|--run|SITE\.yaml", file.read_text(encoding="utf-8")), file
 
 
 def test_a_step_of_the_record_names_its_window_and_its_segments(line, capsys):

@@ -29,12 +29,12 @@ def measure(evidence: Evidence) -> Finding:
         if math.isfinite(in_plc):
             figures.append(_against_plc(name, actuator.limit, in_plc, actuator.unit))
         else:
-            missing.append(f"type the PLC's limit: --typed '{name}=... {actuator.unit}'")
+            missing.append(f"type the PLC's limit: {name}=... {actuator.unit}")
     figures.extend(_counts(evidence))
     warnings = evidence.checked.warnings
     understood = evidence.typed.number(UNDERSTOOD, "")
     if warnings and not math.isfinite(understood):
-        missing.append(f"read the warnings one by one: --typed {UNDERSTOOD}={len(warnings)}")
+        missing.append(f"read the warnings one by one, then type {UNDERSTOOD}={len(warnings)}")
     if warnings:
         figures.append(
             Figure(
@@ -57,9 +57,9 @@ def watchdog(evidence: Evidence) -> Finding:
     time_ms = 1e3 * evidence.typed.number("time", "s")
     missing = []
     if reaction not in (*GOOD_REACTIONS, *BAD_REACTIONS):
-        missing.append("type what the drive did: --typed reaction=zero, ramp or hold")
+        missing.append("type what the drive did: reaction=zero, ramp or hold")
     if not math.isfinite(time_ms):
-        missing.append("type how long it took: --typed 'time=120 ms'")
+        missing.append("type how long it took: time=120 ms")
     return Finding(
         figures=(
             Figure(

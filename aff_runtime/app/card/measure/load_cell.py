@@ -13,8 +13,9 @@ import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import Figure, Finding, Sample, at_most, mean_and_half
+from aff_runtime.app.card.typed_values import NotTypedError
 from aff_runtime.base.confidence import TWO_SIDED_95
-from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.errors import RefusedError
 
 LIMIT_PERCENT = 1.0
 NOISE_CHANGE = 1.3
@@ -40,9 +41,9 @@ def measure(evidence: Evidence) -> Finding:
         empty = _last(of_cell, loaded=False)
         loaded = _last(of_cell, loaded=True)
         if empty is None:
-            missing.append(f"{signal}: no web, no load: --typed load=0")
+            missing.append(f"{signal}: measure without web and load, and type load=0")
         if loaded is None:
-            missing.append(f"{signal}: the span weight: --typed 'load=20 lbf'")
+            missing.append(f"{signal}: measure with the span weight, and type load=20 lbf")
         if empty is not None and loaded is not None:
             figures.extend(_figures(signal, empty, loaded))
         noise_N = max((one.number("sd_N") for one in of_cell), default=math.nan)
@@ -61,11 +62,9 @@ def _sample(evidence: Evidence, wanted: list[str]) -> Sample:
     load_N = evidence.typed.number("load", "N")
     signal = evidence.typed.word("signal") or (wanted[0] if len(wanted) == 1 else "")
     if not math.isfinite(load_N) or load_N < 0.0:
-        raise ConfigError(
-            "step 1: type the load that hangs there: --typed load=0, or 'load=20 lbf'"
-        )
+        raise NotTypedError("step 1: type the load that hangs there: load=0, or load=20 lbf")
     if signal not in wanted:
-        raise ConfigError(f"step 1: type which cell: --typed signal={' or '.join(wanted)}")
+        raise NotTypedError(f"step 1: type which cell: signal={' or '.join(wanted)}")
     values = evidence.window.readings(signal)
     if values is None:
         raise RefusedError(f"{evidence.window.table.window}: no reading of {signal} in it")

@@ -81,4 +81,4 @@ def _missing(stale_ms: float, typed_ms: float, was_shadow: bool) -> Iterator[str
     elif not was_shadow:
         yield "the plug was not pulled in shadow"
     if not math.isfinite(typed_ms):
-        yield f"type when the PLC showed the base reference: --typed '{BASE}=200 ms'"
+        yield f"type when the PLC showed the base reference: {BASE}=200 ms"

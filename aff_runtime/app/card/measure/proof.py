@@ -15,6 +15,10 @@ from aff_runtime.config.models import Site
 AT_LEAST = " (at least: in the noise when on)"
 TYPED = ("promised", "settle")
 DEFAULT_PROMISE_dB = 0.0
+NOTHING_PROVEN = (
+    "nothing is proven: no corrected order stands out of the noise in both pairs; make each off, "
+    "and each on behind its settling, longer than 20 turns of the largest roll"
+)
 SPEED_PERCENT = 2.0
 PLAIN_SETTLES, SHAPE_MEMORIES = 3.0, 2.0
 Key = tuple[str, str, int]
@@ -39,12 +43,13 @@ def measure(evidence: Evidence) -> Finding:
         )
     pairs = tuple(compare(chosen[k].of(window), chosen[k + 1].of(window)) for k in (0, 2))
     wanted = corrected(evidence.site)
-    figures = [
-        *_overall(pairs, wanted, promised),
-        *_conditions(pairs, window.table.events),
-        *_orders(pairs, wanted),
-    ]
-    return Finding(figures=tuple(figures), remarks=tuple(_remarks(pairs)))
+    overall = list(_overall(pairs, wanted, promised))
+    figures = [*overall, *_conditions(pairs, window.table.events), *_orders(pairs, wanted)]
+    return Finding(
+        figures=tuple(figures),
+        missing=() if overall else (NOTHING_PROVEN,),
+        remarks=tuple(_remarks(pairs)),
+    )
 
 
 def default_settle_s(site: Site) -> float:

@@ -41,7 +41,7 @@ def measure(evidence: Evidence) -> Finding:
     for name in evidence.site.actuators:
         mine = [one for one in samples if one.of == name]
         if not mine:
-            missing.append(f"{name}: `aff-runtime probe SITE.yaml --actuator {name}`")
+            missing.append(f"{name}: probe it (PROBE at the screen, or `aff-runtime probe`)")
             continue
         places = by_place(mine)
         figures.extend(_figures(evidence, name, places))

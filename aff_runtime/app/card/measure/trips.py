@@ -12,8 +12,9 @@ import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Figure, Finding, Sample, at_most
+from aff_runtime.app.card.typed_values import NotTypedError
 from aff_runtime.app.report.comparison.window import Window, sum_of_corrections
-from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import State
 
 COMES_BACK = {
@@ -40,11 +41,11 @@ def measure(evidence: Evidence) -> Finding:
     """Return the figures of every trip that was made; the missing ones are named."""
     trip = evidence.typed.word("trip")
     if trip not in COMES_BACK:
-        raise ConfigError(f"step 11: type which: --typed trip={' or '.join(COMES_BACK)}")
+        raise NotTypedError(f"step 11: type which: trip={' or '.join(COMES_BACK)}")
     fresh = _typed_sample(evidence, trip) if trip in ENDS_RECORD else _sample(evidence, trip)
     last = {one.of: one for one in (*evidence.former, fresh) if one.kind == KIND}
     figures = [figure for one in last.values() for figure in _figures(one)]
-    missing = [f"--typed trip={name}" for name in COMES_BACK if name not in last]
+    missing = [f"make the trip, and type trip={name}" for name in COMES_BACK if name not in last]
     return Finding(figures=tuple(figures), samples=(fresh,), missing=tuple(missing))
 
 
@@ -61,8 +62,8 @@ def bump_sigmas(before: Sequence[float], after: Sequence[float]) -> float:
 def _typed_sample(evidence: Evidence, trip: str) -> Sample:
     time_ms = 1e3 * evidence.typed.number("time", "s")
     if not math.isfinite(time_ms):
-        raise ConfigError(
-            f"step 11: {trip} ends the record: type when the PLC shows zero: --typed 'time=80 ms'"
+        raise NotTypedError(
+            f"step 11: {trip} ends the record: type when the PLC shows zero: time=80 ms"
         )
     return Sample(kind=KIND, of=trip, names=NAMES, numbers=(time_ms, NAN, NAN, NAN))
 
@@ -74,7 +75,7 @@ def _sample(evidence: Evidence, trip: str) -> Sample:
     falls = 1 + np.flatnonzero((state[:-1] == State.ACTIVE) & (state[1:] != State.ACTIVE))
     if not falls.size:
         raise RefusedError(f"{window.table.window}: the correction is not tripped in it")
-    at = int(falls[0])
+    at = int(falls[-1])  # those before are of other trips, which were measured
     cause_s = _cause_s(window, at, trip)
     silent = sum_of_corrections(columns) == 0.0
     zeros = at + np.flatnonzero(silent[at:])

@@ -36,7 +36,14 @@ def test_a_proof_begins_after_the_last_change_and_a_minute_is_a_minute(answer, n
 
 
 def test_only_what_happens_once_is_looked_for_from_there_on():
-    assert [one.number for one in STEPS if one.begins_anew] == [8, 12]
+    assert [one.number for one in STEPS if one.begins_anew] == [5, 8, 11, 12]
+
+
+@pytest.mark.parametrize("number", [5, 11])
+def test_a_plug_or_a_trip_soon_after_a_change_of_settings_is_looked_for_behind_it(answer, number):
+    answer.live.tick.time_s = 60.0
+    (window,) = wanted_windows(step_of(number), SimpleNamespace(windows=(), answer=answer))
+    assert window.from_s == pytest.approx(33.4 + AFTER_CHANGE_S)
 
 
 def test_an_event_without_a_time_and_a_file_without_events_are_no_moment(tmp_path, answer):

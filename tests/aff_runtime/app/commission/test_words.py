@@ -46,7 +46,7 @@ class Talk:
 
 @pytest.fixture
 def plc(monkeypatch):
-    monkeypatch.setattr("aff_runtime.app.setup.steps.VALUE_S", 0.8)
+    monkeypatch.setattr("aff_runtime.app.setup.display_steps.VALUE_S", 0.8)
     monkeypatch.setattr("aff_runtime.app.setup.steps.LOOK_S", 1.5)
     with served(VirtualLine()) as running:
         yield running
@@ -74,7 +74,7 @@ def test_a_screen_finds_the_words_of_the_shipped_site_file_leaves_and_goes_on(pl
     assert words(where, Request(do="words", again=""), second).text == f"wrote {where.site}"
     assert second.asked[0] == "line_speed_m_s.display"
     choices, rows = second.rows["line_speed_m_s.pick"]
-    assert choices == ("again",)
+    assert choices == ("again", "move")
     assert any("word 5" in text for _, text in rows)
     assert second.rows["status.order"][0] == ("yes", "no")
     found, shipped = (

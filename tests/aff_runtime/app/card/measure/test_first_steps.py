@@ -132,6 +132,16 @@ def test_words_are_compared_with_the_display_in_percent(tmp_path):
     assert "unwind_radius_m" in part.missing[0]
 
 
+def test_a_radius_that_shrinks_is_compared_where_the_display_was_read(tmp_path):
+    """By 6 % in the ten seconds: their mean is 3 % above what the display shows at the end."""
+    columns = steady(10.0)
+    share = columns["time_s"] / columns["time_s"][-1]
+    columns["unwind_radius_m"] = 0.212 - 0.012 * share
+    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=SHOWN))
+    assert figure(found, "unwind_radius_m").value == pytest.approx(0.6, abs=0.05)
+    assert found.verdict is Verdict.PASS
+
+
 def test_a_scale_that_is_off_by_two_percent_fails(tmp_path):
     columns = steady(10.0)
     columns["unwind_radius_m"] *= 1.02

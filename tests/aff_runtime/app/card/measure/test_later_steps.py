@@ -116,6 +116,20 @@ def test_time_to_zero_is_from_the_cause_to_the_first_row_of_zero(tmp_path):
     assert len(found.missing) == len(trips.COMES_BACK) - 1
 
 
+def test_of_two_trips_in_a_window_the_newest_is_measured(tmp_path):
+    """The one before faded for a second and came back; the cable stays off."""
+
+    def before(columns):
+        columns["state"][400:600] = State.FADING
+        columns["state"][600:800] = State.OFF
+        columns["fresh"][AT - 16 :] = 0.0
+
+    found = trip(tmp_path, "trip=cable", change=before)
+    ticks = FADE + 17
+    assert figure(found, "cable: time to zero").value == pytest.approx(1e3 * ticks * CYCLE_S)
+    assert figure(found, "cable: stays off").good is True
+
+
 def test_a_cable_is_timed_from_the_last_reading(tmp_path):
     def pull(columns):
         columns["fresh"][AT - 16 :] = 0.0

@@ -47,6 +47,15 @@ def test_a_promise_that_is_not_kept_fails(abab_run):
     assert found.verdict is Verdict.FAIL
 
 
+def test_a_proof_in_which_no_order_stands_out_is_open_and_no_pass(abab_run):
+    """Of each on a second is left behind its settling: no order can be told in it."""
+    whole = window(abab_run[0], from_s=5.0)
+    on = min(one.to_s - one.from_s for one in phases(whole) if one.on)
+    found = proof.measure(evidence(whole, given=[f"settle={on - 1.0} s", "promised=3 dB"]))
+    assert found.verdict is Verdict.OPEN
+    assert found.missing[0].startswith("nothing is proven: no corrected order stands out")
+
+
 def test_a_record_without_the_second_on_is_open(abab_run):
     found = proof.measure(evidence(window(abab_run[0], to_s=60.0), given=["settle=12 s"]))
     assert found.verdict is Verdict.OPEN
