@@ -295,7 +295,7 @@ def _second_of_pair(
     alike = [h for h in periodic if h.effect.name == name]
     beside = [h for h in periodic if h.effect.name != name and h.location == body]
     for group in (others, alike, beside):
-        second = best_of(objective, with_half, group, progress)
+        second = best_of(objective, with_half, group, progress, beside_half=group is beside)
         if second is None:
             continue
         fit = profile_reinitialised(objective, second.fit)
@@ -315,11 +315,14 @@ def best_of(
     rivals: Sequence[FittedCandidate] = (),
     events: Sequence[Candidate] = (),
     apart: Apart | None = None,
+    *,
+    beside_half: bool = False,
 ) -> Extension | None:
     """Return the effect of a group that is accepted in addition to those found, or None.
 
     ``rivals`` are fits made already that compete with the group, ``events`` further first looks.
     With ``apart`` the group is looked at and judged apart from what those found leave by nature.
+    ``beside_half``: those found are half of a pair, see `shortlist`.
     """
     base = selection.fit
     weigh, judged = (objective, selection) if apart is None else (apart.objective, apart.selection)
@@ -327,7 +330,7 @@ def best_of(
     lasting = base if periodic else _looked_from(base, apart)
     candidates = [*screen(weigh, lasting, group, progress), *events]
     candidates.sort(key=lambda c: -c.score)
-    tried = shortlist(candidates)
+    tried = shortlist(candidates, beside_half=beside_half)
     fitted = [*rivals, *fit_candidates(objective, base, tried, progress)]
     candidates = without_failed(candidates, tried, fitted)
     if apart is not None:

@@ -195,10 +195,12 @@ def neighbours(
     return [h for h in hypotheses if h.key in near and h.key not in done]
 
 
-def shortlist(candidates: Sequence[Candidate]) -> list[Candidate]:
+def shortlist(candidates: Sequence[Candidate], *, beside_half: bool = False) -> list[Candidate]:
     """Return the best few of distinct effect and place; curved ones get a second chance.
 
     Of a curved effect each form at a place is one more: at a first size one may imitate another.
+    ``beside_half``: looked at from half of a pair, whose numbers have moved to imitate the other
+    half. What a linear step explains from there is a small part, and ranks nothing.
     """
     best = candidates[0].score if candidates else 0.0
     floor = SCREENING.shortlist_floor * CRITERIA.search.acceptance.periodic_score
@@ -206,6 +208,7 @@ def shortlist(candidates: Sequence[Candidate]) -> list[Candidate]:
     for c in candidates:
         curved = not all(c.hypothesis.linear) or bool(c.hypothesis.moment)
         share = SCREENING.shortlist_share_curved if curved else SCREENING.shortlist_share
+        share = 0.0 if beside_half else share
         if c.score < max(floor, share * best):
             continue
         same = [k for k in kept if _form(k.hypothesis) == _form(c.hypothesis)]

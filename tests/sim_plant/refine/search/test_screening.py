@@ -99,6 +99,25 @@ def test_an_effect_is_fitted_at_three_places_at_most_and_a_curved_one_gets_a_sec
     ]
 
 
+def test_beside_half_of_a_pair_a_small_linear_score_excludes_nothing():
+    """A ripple of the motor that a roll's first order imitates is left a small part of it."""
+
+    def candidate(effect, worth):
+        h = hypothesis(BY_NAME[effect], "unwind")
+        return Candidate(hypothesis=h, chi2_reduction=worth, penalty=0.0, start=h.start)
+
+    found = [
+        candidate("encoder_eccentricity", 15700.0),
+        candidate("torque_ripple", 9200.0),
+        candidate("unbalanced_roller", 8500.0),
+        candidate("torque_ripple", 300.0),
+        candidate("mains_hum", 1.0),
+    ]
+    names = [c.hypothesis.effect.name for c in shortlist(found, beside_half=True)]
+    assert names == ["encoder_eccentricity", "torque_ripple", "unbalanced_roller"]
+    assert [c.hypothesis.effect.name for c in shortlist(found)] == names[:1]
+
+
 def test_a_first_look_whose_fit_gave_no_estimate_is_no_rival():
     drags = [hypothesis(BY_NAME["bearing_drag"], place) for place in ("R1", "R2", "R3")]
     looks = [
