@@ -197,7 +197,7 @@ def _why(
 
 
 def rests(state: State) -> bool:
-    """Return whether an output is zero, or ramps to zero, and no law is let out again."""
+    """Return whether an output is zero and stays so: it neither goes out, fades nor is armed."""
     return state not in (*GOES_OUT, State.ARMED)
 
 

@@ -85,10 +85,12 @@ class Journal:
     def first_out(self, alarm: Alarm, ring: str) -> None:
         """Write down what took the correction out, and what came with it; once for its tick."""
         led = alarm.led_by
-        others = [f"{one.name} {one.after_s:.3f} s" for one in alarm.followers]
-        if led is not None:  # what only followed it is not told to have done it
-            others = [f"{alarm.condition.name} {led.before_s:.3f} s"]
-        with_it = ", ".join(others)
+        if led is None:
+            name, tick, utc_s = alarm.condition.name, alarm.tick, alarm.since_s
+            with_it = ", ".join(f"{one.name} {one.after_s:.3f} s" for one in alarm.followers)
+        else:  # the alarm only followed it, and is not told to have done it
+            name, tick, utc_s = led.name, led.tick, alarm.since_s - led.before_s
+            with_it = f"{alarm.condition.name} {led.before_s:.3f} s"
         text = (
             N_("took the correction out; with it: {others}")
             if with_it
@@ -96,10 +98,10 @@ class Journal:
         )
         self._write(
             Entry(
-                utc_s=alarm.since_s - (led.before_s if led is not None else 0.0),
-                tick=alarm.tick if led is None else led.tick,
+                utc_s=utc_s,
+                tick=tick,
                 kind=Kind.ALARM,
-                name=printable(alarm.condition.name if led is None else led.name, 120),
+                name=printable(name, 120),
                 text=text,
                 values={"others": printable(with_it, LONGEST)} if with_it else {},
                 once=f"{ring} {alarm.tick} first" if alarm.tick is not None else "",

@@ -183,10 +183,11 @@ def moved(found: Sequence[Change]) -> list[Candidate]:
 def _course(one: Candidate, rest: Watched, since: Watched) -> _Course:
     before = _smoothed(values(one.decoding, rest), rest)
     after = _smoothed(values(one.decoding, since), since)
-    mean, count = statistics.fmean(before), abs(one.scale)
+    count = abs(one.scale)
+    mean, swing = _at_rest(before)
     return _Course(
         candidate=one,
-        swing=count * max(1.0, *(abs(value - mean) for value in before)),
+        swing=count * swing,
         times_s=since.times_s[len(since.times_s) - len(after) :],
         most=list(accumulate((count * abs(value - mean) for value in after), max)),
     )
@@ -205,12 +206,18 @@ def words_that_moved(rest: Watched, since: Watched) -> list[int]:
             continue
         path = way_of([rest.words[address][-1], *series])[1:]
         before = _smoothed(way_of(rest.words[address]), rest)
-        zero, mean = way_of(rest.words[address])[-1], statistics.fmean(before)
-        swing = max(1.0, *(abs(value - mean) for value in before))
+        zero = way_of(rest.words[address])[-1]
+        mean, swing = _at_rest(before)
         way = max(abs(zero + value - mean) for value in _smoothed(path, since)) - swing
         if way > STRONG * swing:
             found.append(address)
     return found
+
+
+def _at_rest(before: Sequence[float]) -> tuple[float, float]:
+    """Return the mean, and the largest distance from it, one count at least."""
+    mean = statistics.fmean(before)
+    return mean, max(1.0, *(abs(value - mean) for value in before))
 
 
 def _smoothed(series: Sequence[float], seen: Watched) -> list[float]:

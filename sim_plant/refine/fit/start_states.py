@@ -55,10 +55,16 @@ def shown_directions(columns: Array) -> Array:
     that then changes less than one innovation's standard deviation is not told from noise.
     Equation: left singular vectors of singular values above 1.
     """
+    power, mix = _shown(columns)
+    directions: Array = (columns @ mix) / np.sqrt(power)
+    return directions
+
+
+def _shown(columns: Array) -> tuple[Array, Array]:
+    """Return power (k,) and mixes (q, k) of ``columns`` (rows, q) that are told from noise."""
     power, mix = np.linalg.eigh(columns.T @ columns)
     shown = power > 1.0
-    directions: Array = (columns @ mix[:, shown]) / np.sqrt(power[shown])
-    return directions
+    return power[shown], mix[:, shown]
 
 
 def with_start_state(
@@ -72,9 +78,8 @@ def with_start_state(
         return run
     whole = np.stack([change[0] for change in changes])
     white = np.stack([model.whiten(change).ravel() for change in whole], axis=1)
-    power, mix = np.linalg.eigh(white.T @ white)
-    shown = power > 1.0
+    power, mix = _shown(white)
     left = model.whiten(without_zeros(twin, measured - run)).ravel()
-    sizes = mix[:, shown] @ ((mix[:, shown].T @ (white.T @ left)) / power[shown])
+    sizes = mix @ ((mix.T @ (white.T @ left)) / power)
     begun: Array = run + np.tensordot(sizes, whole, axes=1)
     return begun
