@@ -7,7 +7,7 @@ about it. Tracing, verdict and report ask the row and know no effect by its name
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -33,6 +33,7 @@ Value = float | str
 Apply = Callable[[LineArrays, int, Mapping[str, Value]], LineArrays]
 Limits = Callable[[LineArrays, int], Mapping[str, tuple[float, float]]]
 Refusal = Callable[[LineArrays, int, Mapping[str, Value]], str]
+Starts = Callable[[LineArrays, int, "Asked"], Sequence["Start"]]
 Experiment = Callable[[str, "Effect", str], str]
 """(own location, another effect, its location) -> what to do at the machine; empty: no help."""
 
@@ -117,6 +118,32 @@ class DeclaredNumber:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Asked:
+    """What the records ask of the line.
+
+    Attributes
+    ----------
+    fastest_ramp_m_s2 : of the line speed reference; 0: it never ramps.
+    """
+
+    fastest_ramp_m_s2: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Start:
+    """Where a search begins because of what the records ask.
+
+    Attributes
+    ----------
+    choice : of parameters, by name.
+    acts_below : of numbers among them, the value from which on the effect is idle in the records.
+    """
+
+    choice: Mapping[str, Value]
+    acts_below: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Effect:
     """One catalogue row.
 
@@ -151,6 +178,8 @@ class Effect:
         given line, where physics knows them; None where the line says nothing.
     refuses : says why an index of its place on a given line cannot have it in this form, "" where
         it can; None: every place can have every form.
+    starts : returns further starts of a search at an index of its place, from what the records
+        ask; None: ``tries`` are all.
     declared_as : declared numbers that it is another name of.
     profiles : its named profiles, where tracing finds it by orders first.
     name_in_version_1 : what a version 1 verdict calls it; empty: its name.
@@ -175,6 +204,7 @@ class Effect:
     quadratures: tuple[Quadrature, ...] = ()
     limits: Limits | None = None
     refuses: Refusal | None = None
+    starts: Starts | None = None
     declared_as: tuple[DeclaredNumber, ...] = ()
     profiles: Profiles | None = None
     name_in_version_1: str = ""

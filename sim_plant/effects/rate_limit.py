@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.base.effects import Asked, Effect, Parameter, Start, Value
 
 LIMITED = {"reference": "slew_m_s2", "correction": "correction_slew_m_s2"}
 """Column of the drive for each word of ``limits`` that acts in a drive."""
 LOOP = "loop"
+BELOW_A_RAMP = (0.0003, 0.001, 0.003, 0.01, 0.03, 0.1, 0.3)
+"""Shares of a ramp's rate by which a limit may be below it. What comes of it grows in proportion,
+so a size is a start for those up to three times larger; above the ramp nothing comes of it."""
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -36,6 +39,19 @@ def refuses(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> 
     if parameters["limits"] == LOOP and int(arrays.drives["loop"][place]) < 0:
         return f"no loop trims this drive; expected limits: {' or '.join(LIMITED)}"
     return ""
+
+
+def starts(arrays: LineArrays, place: int, asked: Asked) -> list[Start]:
+    """Return limits of the reference just below the rate of the fastest ramp, which meets them."""
+    rate = asked.fastest_ramp_m_s2 * (1.0 + arrays.drives["draw"][place])
+    shares = BELOW_A_RAMP if rate > 0.0 else ()
+    return [
+        Start(
+            choice={"slew_m_s2": rate * (1.0 - share), "limits": "reference"},
+            acts_below={"slew_m_s2": rate},
+        )
+        for share in shares
+    ]
 
 
 EFFECT = Effect(
@@ -67,4 +83,5 @@ EFFECT = Effect(
     remedy="look at the ramp times of drive {place} and of its tension loop; let the tension "
     "correction enter behind them",
     refuses=refuses,
+    starts=starts,
 )

@@ -22,6 +22,7 @@ from sim_plant.refine.judge.refutation import (
     takes_little,
 )
 from sim_plant.refine.lacking import limits_of
+from sim_plant.refine.model.asked import asked_by
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_limits import lines_of, shared
@@ -160,9 +161,8 @@ def find(
         progress("simulating the declared line, its noise and its tolerances")
         check_runs(pool, [f.record for f in fitted])
         objective = declared_objective(pool, [f.measured for f in fitted])
-        selection = forward_selection(
-            objective, library(twins[0].declaration, without), progress, without
-        )
+        tried = library(twins[0].declaration, without, asked_by(twins))
+        selection = forward_selection(objective, tried, progress, without)
         progress(f"{pool.simulations} simulations")
     return selection
 

@@ -21,7 +21,7 @@ def model_errors(fit: Fit) -> list[float]:
     """
     errors: list[float] = []
     for h, values in zip(fit.hypotheses, fit.values, strict=True):
-        change = {n: v - a for n, v, a in zip(h.names, values, h.absent, strict=True)}
+        change = {n: v - a for n, v, a in zip(h.names, values, h.idle, strict=True)}
         phasors = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
         phasor = math.hypot(*(v for name, v in change.items() if name in phasors))
         for name, value in change.items():

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
-from sim_plant.base.effects import Effect, Value
+from sim_plant.base.effects import Asked, Effect, Value
 from sim_plant.base.signatures import Frequency
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.build import build_arrays, timing_of
@@ -32,6 +32,7 @@ class Hypothesis:
     low, high : physical bounds, from the effect's own file and from the line.
     linear : per strength, whether the response is proportional to it in both directions.
     record : the only record that it is in, by its number; None: in all.
+    acts_below : of some numbers, the value from which on the records see nothing of the effect.
     """
 
     effect: Effect
@@ -45,11 +46,27 @@ class Hypothesis:
     high: tuple[float, ...]
     linear: tuple[bool, ...]
     record: int | None = None
+    acts_below: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def key(self) -> EffectAt:
         """What it claims, by name."""
         return EffectAt(self.effect.name, self.location)
+
+    @property
+    def idle(self) -> tuple[float, ...]:
+        """Values from which on the records see nothing of the effect: its sizes count from there.
+
+        Those at which it is absent, of a limit those that the records ask of it.
+        """
+        rows = zip(self.names, self.absent, strict=True)
+        return tuple(self.acts_below.get(name, value) for name, value in rows)
+
+    @property
+    def highest(self) -> tuple[float, ...]:
+        """Values that a record can tell at the highest."""
+        rows = zip(self.names, self.high, strict=True)
+        return tuple(min(self.acts_below.get(name, high), high) for name, high in rows)
 
     @property
     def moment(self) -> str:
@@ -113,7 +130,8 @@ class Hypothesis:
         """Return a finite-difference step per number, large against the chaos of quantised loops.
 
         A quarter of the value or of the typical size where the response is linear; else a
-        twentieth of the value, or a hundredth of the typical size.
+        twentieth of the value, or a hundredth of the typical size. At most a third of the way to
+        where the effect is idle, and away from there.
         """
         steps = []
         for name, value, start, absent in zip(
@@ -128,7 +146,9 @@ class Hypothesis:
                 step = 0.25 * max(size, typical)
             else:
                 step = 0.05 * max(size, 0.2 * typical)
-            steps.append(step if step > 0.0 else 1e-6)
+            step = step if step > 0.0 else 1e-6
+            room = self.acts_below.get(name, math.inf) - value
+            steps.append(-min(step, room / 3.0) if 0.0 < room < math.inf else step)
         return [-s if v + s > hi else s for s, v, hi in zip(steps, values, self.high, strict=True)]
 
 
@@ -213,15 +233,37 @@ def limits_at(line: Declaration, effect: Effect, location: str) -> dict[str, tup
     return limits
 
 
-def library(line: Declaration, without: Collection[str] = ()) -> list[Hypothesis]:
-    """Return every hypothesis of the library on this line, effects in ``without`` left out."""
-    return [
+def library(
+    line: Declaration, without: Collection[str] = (), asked: Asked | None = None
+) -> list[Hypothesis]:
+    """Return every hypothesis of the library on this line, effects in ``without`` left out.
+
+    With ``asked``, what the records ask of the line, those too that it makes worth a start.
+    """
+    known = [
         hypothesis(effect, location, choice, line=line)
         for effect in CATALOGUE
         if effect.name not in without and effect.traced
         for location in candidate_locations(line, effect)
         for choice in variants(effect)
         if _possible(line, effect, location, choice)
+    ]
+    return known if asked is None else [*known, *_asked_for(line, without, asked)]
+
+
+def _asked_for(line: Declaration, without: Collection[str], asked: Asked) -> list[Hypothesis]:
+    arrays = build_arrays(line, timing_of(line, line.sample_time_s))
+    return [
+        replace(
+            hypothesis(effect, location, tuple(start.choice.items()), line=line),
+            acts_below=start.acts_below,
+        )
+        for effect in CATALOGUE
+        if effect.starts is not None and effect.name not in without
+        for location in candidate_locations(line, effect)
+        for start in effect.starts(
+            arrays, places_of(line, effect, location, effect.name)[0], asked
+        )
     ]
 
 

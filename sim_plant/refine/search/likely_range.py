@@ -70,7 +70,7 @@ def likely_range(
     """
     flat = _flat(fit.values)
     low = np.concatenate([h.low for h in fit.hypotheses])
-    high = np.concatenate([h.high for h in fit.hypotheses])
+    high = np.concatenate([h.highest for h in fit.hypotheses])
     quick = not in_ticks(fit)
     start = _held(objective, fit, flat, quick)
     seen = [start]

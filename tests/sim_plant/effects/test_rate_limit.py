@@ -87,3 +87,15 @@ def test_a_drive_that_no_loop_trims_has_none_to_limit() -> None:
     limited = effect("rate_limit", "pull_roll", slew_m_s2=0.1, limits="loop")
     with pytest.raises(PlantError, match=r"effects\.0: rate_limit at pull_roll: no loop trims"):
         line(limited, settle_s=1.0)
+
+
+def test_what_a_limit_below_a_ramp_leaves_grows_with_its_distance() -> None:
+    """The starts of a search rest on it: the lag at the ramp's end is share x rate x its time."""
+    lags = []
+    for share in (0.001, 0.003, 0.01):
+        made = line(effect("rate_limit", "swrap_follower", slew_m_s2=0.2 * (1.0 - share)))
+        first = float(made.state.reference_m_s[2])
+        for sample in range(1, 401):
+            made.step({"line_speed_ref_m_s": 1.016 + 0.2 * 0.005 * sample})
+        lags.append(first + 0.2 * 0.005 * 400 - float(made.state.reference_m_s[2]))
+    assert lags == pytest.approx([0.2 * 2.0 * share for share in (0.001, 0.003, 0.01)], rel=0.03)

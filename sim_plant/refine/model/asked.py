@@ -1,0 +1,41 @@
+"""What records ask of the line: how fast its speed reference ramps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.base.effects import Asked
+from sim_plant.refine.model.twin import Twin
+
+LOOK_S = 0.2
+"""A rate is judged over this time; a reference that is there sooner is a step and has no rate."""
+STEADY_SHARE = 0.03
+"""Rates that differ by less are one ramp."""
+SLOWEST_SHARE = 0.002
+"""Of the highest speed, per second: what changes more slowly is no ramp."""
+
+
+def asked_by(twins: Sequence[Twin]) -> Asked:
+    """Return what the references of these records ask."""
+    fastest = [fastest_ramp(t.speed_m_s, t.declaration.sample_time_s) for t in twins]
+    return Asked(fastest_ramp_m_s2=max(fastest))
+
+
+def fastest_ramp(speed_m_s: Array, step_s: float) -> float:
+    """Return the highest rate, m/s2, at which a reference (samples,) ramps; 0 where it does not.
+
+    A ramp changes as fast before as after; one that accelerates and brakes does at its fastest.
+    """
+    reach = max(1, round(LOOK_S / step_s))
+    slowest = SLOWEST_SHARE * float(np.max(np.abs(speed_m_s), initial=0.0))
+    rate = np.abs(speed_m_s[reach:] - speed_m_s[:-reach]) / (reach * step_s)
+    before, after = rate[:-reach], rate[reach:]
+    steady = np.abs(after - before) < STEADY_SHARE * np.maximum(after, before)
+    rates = 0.5 * (before + after)[steady]
+    rates = rates[rates > slowest]
+    if not rates.size:
+        return 0.0
+    return float(np.median(rates[rates > (1.0 - STEADY_SHARE) * rates.max()]))
