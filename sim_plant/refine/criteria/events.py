@@ -36,6 +36,12 @@ class EventCriteria:
     wide_step_s: float = criterion(
         3.0, "s", "between moments at which what lasts is weighed", "a zone's time constant"
     )
+    ends_step_s: float = criterion(
+        1.5,
+        "s",
+        "between moments over the whole record at which what ends again may begin and end",
+        "with both half a step off, what rises and is forgotten in seconds is still seen",
+    )
     span_step_s: float = criterion(
         0.5,
         "s",

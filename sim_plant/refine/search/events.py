@@ -23,15 +23,14 @@ from sim_plant.refine.search.distinct_events import distinct, moment_of
 from sim_plant.refine.search.screening import (
     every_third_idler,
     neighbours,
-    responses_of,
     sensitivities,
     sure_look,
 )
-from sim_plant.refine.search.spans import best_spans
+from sim_plant.refine.search.shifted_responses import beginning, begun, with_number
+from sim_plant.refine.search.spans import best_spans, ended_again
 from sim_plant.refine.spectra.onset_filter import (
     Axis,
     best_moments,
-    later,
     moment_axis,
     parts_of,
     resampled,
@@ -120,7 +119,7 @@ def _shapes_of(h: Hypothesis) -> list[Hypothesis]:
     name, values = onset.grid[0] if onset is not None and onset.grid else ("", ())
     if name not in h.names:
         return [h]
-    return [replace(h, start=_put(h, h.start, name, value)) for value in values]
+    return [replace(h, start=with_number(h, h.start, name, value)) for value in values]
 
 
 def _ways(c: Candidate, halvings: int) -> list[Candidate]:
@@ -137,7 +136,7 @@ def _ways(c: Candidate, halvings: int) -> list[Candidate]:
         step = 0.5**halvings * (values[1] - values[0])
         near = [c.start[at] + k * step for k in (-1, 0, 1)]
         values = tuple(v for v in near if h.low[at] <= v <= h.high[at])
-    return [replace(c, start=_put(h, c.start, name, value)) for value in values]
+    return [replace(c, start=with_number(h, c.start, name, value)) for value in values]
 
 
 def _by_matched_filter(
@@ -153,7 +152,7 @@ def _by_matched_filter(
         return []
     axis, white = axes[onset.unit], on_grid[onset.unit]
     parts = parts_of(axis)
-    columns = sensitivities(objective, fit, [_beginning(h, part.middle) for part in parts])
+    columns = sensitivities(objective, fit, [beginning(h, part.middle) for part in parts])
     candidates: list[Candidate] = []
     for part, column in zip(parts, columns, strict=True):
         if not np.isfinite(column).all():
@@ -162,7 +161,7 @@ def _by_matched_filter(
         response = objective.split(column[:, 0])[record]
         response = response[objective.whitening.noise[record].analogue]
         for chi2, moment in best_moments(axis, white, response, part, onset.unit):
-            start = _beginning(h, moment).start
+            start = beginning(h, moment).start
             candidates.append(
                 Candidate(hypothesis=h, chi2_reduction=chi2, penalty=0.0, start=start)
             )
@@ -201,6 +200,7 @@ def _weighed_at_their_moments(
             for shaped in _shapes_of(h)
         ]
         candidates += _shifted(objective, axis, looks, residual)
+        candidates += ended_again(objective, axis, shown, residual)
     return candidates
 
 
@@ -226,7 +226,7 @@ def _shifted(
     found: list[Candidate] = []
     for at in range(0, len(looks), AT_ONCE):
         some = looks[at : at + AT_ONCE]
-        columns = objective.whitened_all([_begun(objective, axis, h, m) for h, m in some])
+        columns = objective.whitened_all([begun(objective, axis, h, m) for h, m in some])
         explained = objective.projector.explained(residual, columns)
         rows = zip(some, explained, strict=True)
         found += [
@@ -234,31 +234,11 @@ def _shifted(
                 hypothesis=h,
                 chi2_reduction=float(chi2),
                 penalty=0.0,
-                start=_beginning(h, moment).start,
+                start=beginning(h, moment).start,
             )
             for (h, moment), chi2 in rows
         ]
     return found
-
-
-def _begun(objective: Objective, axis: Axis, h: Hypothesis, moment: float) -> list[Array]:
-    """Return the change that begins at ``moment``, s: the nearest one simulated, shifted."""
-    record = h.record or 0
-    nearest = min((part.middle for part in parts_of(axis)), key=lambda m: abs(m - moment))
-    change = list(responses_of(objective, _beginning(h, nearest))[0])
-    sample_s = objective.pool.twins[record].declaration.sample_time_s
-    change[record] = later(change[record], round((moment - nearest) / sample_s))
-    return change
-
-
-def _beginning(h: Hypothesis, moment: float) -> Hypothesis:
-    return replace(h, start=_put(h, h.start, h.moment, float(moment)))
-
-
-def _put(h: Hypothesis, start: Start, name: str, value: float) -> Start:
-    """Return numbers to start from with another value of one of them."""
-    at = h.names.index(name)
-    return (*start[:at], value, *start[at + 1 :])
 
 
 def _placed(
@@ -292,7 +272,7 @@ def _best_moment(
     objective: Objective, fit: Fit, c: Candidate, residual: Array, grid: Sequence[float]
 ) -> Candidate:
     moments = [max(0.0, moment_of(c) + d) for d in grid]
-    starts = [_put(c.hypothesis, c.start, c.hypothesis.moment, m) for m in moments]
+    starts = [with_number(c.hypothesis, c.start, c.hypothesis.moment, m) for m in moments]
     return _best_of_starts(objective, fit, c, residual, starts)
 
 
@@ -305,11 +285,11 @@ def _best_of_shapes(
     values: Sequence[float],
 ) -> Candidate:
     h = c.hypothesis
-    starts = [_put(h, c.start, name, value) for value in values]
+    starts = [with_number(h, c.start, name, value) for value in values]
     if name == RISE_S:  # half way up where it was: that is what the moment was found by
         rise_s = c.start[h.names.index(RISE_S)]
         begun = [max(0.0, moment_of(c) - 0.5 * (value - rise_s)) for value in values]
-        starts = [_put(h, s, h.moment, m) for s, m in zip(starts, begun, strict=True)]
+        starts = [with_number(h, s, h.moment, m) for s, m in zip(starts, begun, strict=True)]
     return _best_of_starts(objective, fit, c, residual, [c.start, *starts])
 
 

@@ -16,12 +16,37 @@ from sim_plant.effects.onset import FOREVER_S, HOLD_S
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.projection import Inner
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import Candidate
-from sim_plant.refine.spectra.onset_filter import later
+from sim_plant.refine.search.distinct_events import moment_of
+from sim_plant.refine.search.shifted_responses import Start, lasting
+from sim_plant.refine.spectra.onset_filter import Axis, later
 
 EVENTS = CRITERIA.search.events
-Start = tuple[float, ...]
+
+
+def ended_again(
+    objective: Objective, axis: Axis, shown: Sequence[Candidate], residual: Array
+) -> list[Candidate]:
+    """Return what begins and ends at its best moments of the record, for each place in ``shown``.
+
+    The filter takes one length, 6 s: it sees a fifth of what 20 s explain. Here every pair of
+    moments is weighed.
+    """
+    found: list[Candidate] = []
+    step = EVENTS.ends_step_s
+    moments = np.arange(axis.grid[0] + step, axis.grid[-1], step)
+    places = {c.hypothesis.key: c for c in reversed(shown) if HOLD_S in c.hypothesis.names}
+    for c in places.values():
+        h = c.hypothesis
+        columns = objective.whitened_all(
+            [lasting(objective, axis, h, m) for m in moments.tolist()]
+        )
+        begin, end, chi2 = _best_of_all(objective, columns, moments, residual)
+        start = with_span(c, begin - moment_of(c), end - begin)
+        found.append(replace(c, chi2_reduction=chi2, start=start))
+    return found
 
 
 def best_spans(objective: Objective, fit: Fit, c: Candidate, residual: Array) -> list[Start]:
@@ -57,6 +82,19 @@ def with_span(c: Candidate, later_s: float, hold_s: float) -> Start:
     return tuple(change.get(n, v) for n, v in zip(h.names, c.start, strict=True))
 
 
+def _best_of_all(
+    objective: Objective, columns: Array, moments: Array, residual: Array
+) -> tuple[float, float, float]:
+    """Return the best beginning and end among ``moments``, and the chi-square explained.
+
+    ``columns`` (rows, moments) are what changes from each moment on, whitened.
+    """
+    inner = objective.projector.inner(residual, columns)
+    explained = _explained_by_pairs(inner, moments, moments, slice(None), slice(None))
+    row, column = np.unravel_index(int(np.argmax(explained)), explained.shape)
+    return float(moments[row]), float(moments[column]), float(explained[row, column])
+
+
 def _best_pair(
     objective: Objective,
     h: Hypothesis,
@@ -80,12 +118,23 @@ def _best_pair(
 
     columns = objective.whitened_all([shifted(float(s)) for s in (*begins, *ends)])
     inner = objective.projector.inner(residual, columns)
-    gram, against = inner.gram, inner.against
-    at, size = begins.size, np.diag(gram)
-    power = size[:at, None] - 2.0 * gram[:at, at:] + size[None, at:]
-    gain = (against[:at, None] - against[None, at:]) ** 2
-    apart = ends[None, :] - begins[:, None] > 0.99 * EVENTS.span_step_s
-    floor = max(1e-9 * float(size.max()), 1e-300)
-    explained = np.where(apart & (power > floor), gain / np.maximum(power, floor), 0.0)
+    at = begins.size
+    explained = _explained_by_pairs(inner, begins, ends, slice(None, at), slice(at, None))
     row, column = np.unravel_index(int(np.argmax(explained)), explained.shape)
     return float(begins[row]), float(ends[column])
+
+
+def _explained_by_pairs(
+    inner: Inner, begins: Array, ends: Array, first: slice, last: slice
+) -> Array:
+    """Return the chi-square (begins, ends) of every pair, 0 where an end is no end.
+
+    ``first`` and ``last`` are the columns of beginnings and ends in ``inner``.
+    """
+    gram, against, size = inner.gram, inner.against, np.diag(inner.gram)
+    power = size[first, None] - 2.0 * gram[first, last] + size[None, last]
+    gain = (against[first, None] - against[None, last]) ** 2
+    apart = ends[None, :] - begins[:, None] > 0.99 * EVENTS.span_step_s
+    floor = max(1e-9 * float(size.max()), 1e-300)
+    explained: Array = np.where(apart & (power > floor), gain / np.maximum(power, floor), 0.0)
+    return explained

@@ -73,6 +73,22 @@ def test_what_ends_again_is_found_with_its_end_and_its_rise(hold_s, rise_s):
     assert found["strain"] == pytest.approx(5e-4, rel=0.1)
 
 
+def test_what_lasts_longer_than_the_filter_is_seen_by_all_of_it():
+    """25 s of 0.3 noise units explain some 200; 6 s of them less than a look is worth."""
+    true = Added(
+        "thermal_strain",
+        "unwind_zone",
+        (("strain", 3e-5), ("from_s", 24.3), ("rise_s", 1.0), ("hold_s", 25.0)),
+    )
+    measured = warm_of(Case(effects=(true,))) + white((2, SAMPLES), 4)
+    objective = objective_of(formula_twin(warm_of, CHANNELS, SAMPLES), measured)
+    best = event_candidates(objective, nominal_fit(objective, {}), (), quiet, 120.0)[0]
+    found = dict(zip(best.hypothesis.names, best.start, strict=True))
+    assert found["from_s"] == pytest.approx(24.3, abs=1.5)
+    assert found["hold_s"] == pytest.approx(25.0, abs=2.0)
+    assert found["strain"] == pytest.approx(3e-5, rel=0.2)
+
+
 @pytest.mark.parametrize(("share", "looked_at"), [(0.5, True), (1.0 / 0.29, False)])
 def test_an_event_far_below_what_is_needed_is_not_looked_at(share, looked_at):
     """Its first look sees a step of 40 noise units over 27 s at nearly its whole size."""

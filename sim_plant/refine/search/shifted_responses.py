@@ -1,0 +1,49 @@
+"""What changes when an effect begins at any moment: the nearest response simulated, shifted."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from sim_plant.base.arrays import Array
+from sim_plant.effects.onset import HOLD_S
+from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.search.screening import responses_of
+from sim_plant.refine.spectra.onset_filter import Axis, later, parts_of
+
+Start = tuple[float, ...]
+
+
+def begun(objective: Objective, axis: Axis, h: Hypothesis, moment: float) -> list[Array]:
+    """Return the change that begins at ``moment``, s: the nearest one simulated, shifted."""
+    record = h.record or 0
+    nearest = min((part.middle for part in parts_of(axis)), key=lambda m: abs(m - moment))
+    change = list(responses_of(objective, beginning(h, nearest))[0])
+    sample_s = objective.pool.twins[record].declaration.sample_time_s
+    change[record] = later(change[record], round((moment - nearest) / sample_s))
+    return change
+
+
+def lasting(objective: Objective, axis: Axis, h: Hypothesis, moment: float) -> list[Array]:
+    """Return the change that begins at ``moment``, s, and does not end.
+
+    It is that which ends after a while, and once more from there, until the record is over.
+    """
+    record = h.record or 0
+    change = begun(objective, axis, h, moment)
+    sample_s = objective.pool.twins[record].declaration.sample_time_s
+    held = round(h.start[h.names.index(HOLD_S)] / sample_s)
+    once = change[record]
+    change[record] = sum((later(once, k) for k in range(0, once.shape[1], held)), 0.0 * once)
+    return change
+
+
+def beginning(h: Hypothesis, moment: float) -> Hypothesis:
+    """Return the hypothesis with the moment to begin at."""
+    return replace(h, start=with_number(h, h.start, h.moment, float(moment)))
+
+
+def with_number(h: Hypothesis, start: Start, name: str, value: float) -> Start:
+    """Return numbers to start from with another value of one of them."""
+    at = h.names.index(name)
+    return (*start[:at], value, *start[at + 1 :])
