@@ -23,7 +23,7 @@ PLACES, REPEATS, SIGMAS = 3, 2, 2.0
 FEWEST_TONES, SAME_DIGITS = 8, 6
 LOUDER = (
     "orders that were heard too badly rest: probe louder or longer (probe.amplitude_m_s, "
-    "probe.duration_s), as `aff-runtime probe` says"
+    "probe.duration_s), as `aff-runtime probe` says, or leave them out"
 )
 LIKE = 0.05
 """Probes whose speed and radius differ by less are repeats."""
