@@ -135,6 +135,8 @@ class Commissioning(Running):
 
     def _step_8(self) -> None:
         if not any(one.step == "probe" for one in self.notes):
+            self.tell("roll")  # a thin one shrinks too much while it is probed
+            self.wait(ROLL_S)
             self.probe()
         self.tell("roll")
         self.wait(ROLL_S + 25.0)
