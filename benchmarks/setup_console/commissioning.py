@@ -21,7 +21,7 @@ SPEEDS_M_S = (1.016, 0.85, 1.2)
 SIGN = -1.0
 """A faster unwind or follower lets more web into the zone behind it: tension falls."""
 BROWSERS = ("chromium", "chromium-browser")
-ROLL_S, SETTLE_S, FULL_M = 6.0, 40.0, 0.2032
+ROLL_S, SETTLE_S, FULL_M, READ_S = 6.0, 40.0, 0.2032, 5.0
 
 
 class Commissioning(Running):
@@ -82,15 +82,19 @@ class Commissioning(Running):
         self._leave_out(1, "simulated line: no weight can be hung on a load cell")
 
     def _step_2(self) -> None:
-        self.wait(10.0)
+        self.wait(8.0)
+        now_s, run = self.recorded_until()
         measured = self.status_of_plant().measured
         shown = {
             "unwind_tension_N": f"{measured['tension_ref_N']:.1f} N",
             "pullroll_tension_N": f"{self.mean('pullroll_tension_N'):.1f} N",
             "line_speed_m_s": f"{self.mean('line_speed_m_s'):.4f} m/s",
-            "unwind_radius_m": f"{self.mean('unwind_radius_m'):.4f} m",
+            "unwind_radius_m": f"{self.shown('unwind_radius_m'):.4f} m",  # it shrinks: read last
         }
-        self._measure(2, *(f"{name}={text}" for name, text in shown.items()))
+        self.wait(1.0)
+        typed = [f"{name}={text}" for name, text in shown.items()]
+        # a busy machine starts a command in a quarter of a minute: the window is that of the look
+        self._measure(2, *typed, run=f"{run}@{max(0.0, now_s - READ_S):.2f}..{now_s + READ_S:.2f}")
 
     def _step_3(self) -> None:
         typed = [f"{name}={limit} m/s" for name, limit in LIMITS.items()]
@@ -131,6 +135,8 @@ class Commissioning(Running):
 
     def _step_8(self) -> None:
         if not any(one.step == "probe" for one in self.notes):
+            self.tell("roll")  # a thin one shrinks too much while it is probed
+            self.wait(ROLL_S)
             self.probe()
         self.tell("roll")
         self.wait(ROLL_S + 25.0)
@@ -211,8 +217,9 @@ class Commissioning(Running):
         shutil.rmtree(self.folder / "browser", ignore_errors=True)
         self.say(f"printed {out}, {out.stat().st_size} bytes")
 
-    def _measure(self, step: int, *typed: str) -> list[str]:
+    def _measure(self, step: int, *typed: str, run: str = "") -> list[str]:
         words = [word for one in typed for word in ("--typed", one)]
+        words += ["--run", run] if run else []
         found = ("card", "step", str(step), *words, *self._of_card())
         _, lines = self.aff(f"step {step}", *found, ok=(0, 5))
         return lines

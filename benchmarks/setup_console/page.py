@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
+REMARK, MOST_REMARKS = "remark ", 3
 HEAD = """# Setup at the console
 
 `aff-runtime setup` at a pseudo-terminal on the simulated Euclid line at 200 FPM, by somebody with
@@ -90,12 +91,23 @@ def _card_row(name: str, card: dict[str, Any]) -> str:
 
 
 def _failed(notes: Sequence[dict[str, Any]]) -> Iterator[str]:
-    """Yield what failed in each step when it was measured last."""
+    """Yield what failed in each step when it was measured last, and what was remarked then."""
     last = {one["step"]: one["said"] for one in notes if one["step"].startswith("step ")}
     for step, said in last.items():
         for line in said:
             if line.startswith("FAIL "):
                 yield f"{step}: {line.removeprefix('FAIL ').strip()}"
+        yield from (f"{step}: {text}" for text in _why(said))
+
+
+def _why(said: Sequence[str]) -> Iterator[str]:
+    """Yield the first remarks of a step that failed, and how many more there are."""
+    if not any(line.startswith("FAIL ") for line in said):
+        return
+    remarks = [line.removeprefix(REMARK).strip() for line in said if line.startswith(REMARK)]
+    yield from (f"remark: {text}" for text in remarks[:MOST_REMARKS])
+    if len(remarks) > MOST_REMARKS:
+        yield f"{len(remarks) - MOST_REMARKS} more remarks"
 
 
 def _ended_well(step: str, notes: Sequence[dict[str, Any]]) -> bool:

@@ -113,6 +113,11 @@ class Running:
         except (ValueError, KeyError):
             return ""
 
+    def recorded_until(self) -> tuple[float, Path]:
+        """Return the time of the newest tick (s of the record), and the folder of the record."""
+        status = json.loads(self.run("status", "--json", *self.where()).stdout)
+        return float(status["signals"]["time_s"]), Path(status["recorder"]["folder"])
+
     # --- commands -------------------------------------------------------------------------------
 
     def aff(self, step: str, *words: str, ok: Sequence[int] = (0,)) -> tuple[int, list[str]]:
@@ -156,11 +161,15 @@ class Running:
         """Return what the plant does now."""
         return PlantStatus.from_json(self.tell("status"))
 
+    def shown(self, channel: str) -> float:
+        """Return what a display shows of a channel now."""
+        return self.status_of_plant().measured[channel] or 0.0
+
     def mean(self, channel: str) -> float:
         """Return what a display shows of a channel, which smooths it."""
         values = []
         for _ in range(20):
-            values.append(self.status_of_plant().measured[channel] or 0.0)
+            values.append(self.shown(channel))
             self.wait(0.1)
         return sum(values) / len(values)
 

@@ -44,7 +44,7 @@ ANSWERS = {
     "Largest correction that the PLC allows at the unwind": "0.15",
     "Radius of swrap_follower": "0.15367",
     "Largest correction that the PLC allows at swrap_follower": "0.04",
-    "Amplitude of the probe": "0.02",
+    "Amplitude of the probe": "0.03",
     "Law: blocks": "shape",
     "Word with the status bits": "1",
     "Word that counts splices": "8",

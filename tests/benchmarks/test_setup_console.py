@@ -85,9 +85,15 @@ def test_the_page_counts_a_step_by_its_last_measurement_and_tells_what_failed(
 
     notes = [
         note("step 3", "step 3: open"),
-        note("step 3", "step 3: pass"),
+        note("step 3", "remark    all is well", "step 3: pass"),
         note("sign 3", "step 3 signed"),
-        note("step 12", "FAIL  unwind: 1 dB; above 3 dB", "step 12: fail", code=5),
+        note(
+            "step 12",
+            "FAIL  unwind: 1 dB; above 3 dB",
+            *(f"remark    said {k}" for k in range(5)),
+            "step 12: fail",
+            code=5,
+        ),
         note("sign 12", "refused", code=4),
         note("sign 12", "step 12 signed"),
         note("verify", "whole"),
@@ -97,6 +103,10 @@ def test_the_page_counts_a_step_by_its_last_measurement_and_tells_what_failed(
     assert "| shipped | 70 | 80 | 3 of 4 | 1 | 1 | 2 | 0 |" in text
     assert "| shipped | 2 | 1 | 1 | 0 | 0 | 2 | yes | 10 |" in text
     assert "- shipped, step 12: unwind: 1 dB; above 3 dB" in text
+    assert [line for line in text.splitlines() if "remark" in line] == [
+        *(f"- shipped, step 12: remark: said {k}" for k in range(3)),
+        "- shipped, step 12: 2 more remarks",
+    ]
     assert "not played" not in text
 
 

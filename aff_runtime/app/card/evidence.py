@@ -41,13 +41,15 @@ class Try:
     Attributes
     ----------
     factor : of the value in the site file. ``measured`` : a window of the record is of it.
-    ended : why the service took it back before its time; empty where it did not.
+    ended : why it ended before it was measured; empty where it was.
+    worse : it ended because ripple rose under it: that it may not be is what came of it.
     """
 
     actuator: str
     factor: float
     measured: bool
     ended: str = ""
+    worse: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

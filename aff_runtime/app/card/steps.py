@@ -208,9 +208,9 @@ STEPS: tuple[Step, ...] = (
     Step(
         number=12,
         title="Proof on the running web: off, on, off, on",
-        measured="reduction of every corrected order",
+        measured="whole turns of each part, reduction of every corrected order",
         unit="dB",
-        limit="at least what was promised",
+        limit="20 turns each, at least what was promised",
         rests_on=_ROLL,
         needs=_RECORD,
         seconds=1800.0,

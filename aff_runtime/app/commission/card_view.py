@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 from aff_runtime.app.card.entries import Entry, Measured
 from aff_runtime.app.card.evidence import CheckedSite, Evidence
 from aff_runtime.app.card.figures import Figure
+from aff_runtime.app.card.measure import proof
 from aff_runtime.app.card.page import span_text, undone, value_text
 from aff_runtime.app.card.standing import SIGNABLE, Card, StepStanding
 from aff_runtime.app.card.steps import Step
@@ -24,8 +24,6 @@ from aff_runtime.app.commission.views import (
 )
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.config.models import Site
-
-TURNS, SETTLES, MEMORIES = 20.0, 3.0, 2.0
 
 
 def card_view(
@@ -54,17 +52,10 @@ def card_view(
 def proof_times(site: Site, answer: StatusAnswer) -> ProofTimes | None:
     """Return how long each part of the proof takes at this speed; None while it stands."""
     speed = abs(answer.live.tick.number(site.line.speed)) if answer.live is not None else 0.0
-    radius_m = max(roll.largest_radius_m for roll in site.rolls.values())
-    if not speed > 0.0:
+    if not speed > 0.0 or not proof.corrected(site):
         return None
-    turn_s = math.tau * radius_m / speed
-    settles = [0.0]
-    for one in site.actuators.values():
-        if one.uses_shape:
-            settles.append(MEMORIES * one.memory_turns * turn_s)
-        else:
-            settles += [SETTLES * block.settle_s for block in one.blocks]
-    return ProofTimes(off_s=TURNS * turn_s, on_s=TURNS * turn_s + max(settles))
+    off_s = proof.part_s(site, speed)
+    return ProofTimes(off_s=off_s, on_s=off_s + proof.settling_s(site, speed))
 
 
 def _step(one: StepStanding, checked: CheckedSite | None) -> StepView:

@@ -18,15 +18,18 @@ from aff_runtime.app.card.measure.search import (
 )
 from aff_runtime.app.card.typed_values import TypedValues
 from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.link.settings_answer import RETURNED, SettingsAnswer
 from aff_runtime.app.report.comparison.window import load_window
 from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
 
 SETTLES, MEMORIES, TURNS = 3.0, 2.0, 20.0
 LEAST_S, WRITTEN_S, LOOK_NS = 10.0, 1.0, 500_000_000
+RIPPLE_ROSE = BY_NAME["RIPPLE_ROSE"].name
 Ask = Callable[..., Any]
 
 
@@ -68,10 +71,17 @@ def search(
             why = f"card, step 9: {actuator} at {factor:g} of its setting"
             text = text_with(parameters.site_text, values)
             ask("settings", act="try", text=text, seconds=seconds, why=why)
-        ended, window = _watch(ask, clock, settle_s, look_s, tried=factor < 1.0)
-        if factor < 1.0 and not ended:
+        end = _watch(ask, clock, settle_s, look_s, tried=factor < 1.0)
+        window = end.window
+        if factor < 1.0 and window is not None:
             ask("settings", act="undo", why=f"card, step 9: {factor:g} is measured")
-        one = Try(actuator=actuator, factor=factor, measured=window is not None, ended=ended)
+        one = Try(
+            actuator=actuator,
+            factor=factor,
+            measured=window is not None,
+            ended=end.why,
+            worse=end.worse,
+        )
         seen = load_window(window) if window is not None else None
         table.append(candidate(Evidence(checked=checked, typed=TypedValues(())), one, seen))
         tries.append(one)
@@ -99,10 +109,20 @@ def _times_s(
     return settle_s, look_s
 
 
-def _watch(
-    ask: Ask, clock: Clock, settle_s: float, look_s: float, *, tried: bool
-) -> tuple[str, RunWindow | None]:
-    """Wait until a candidate has been looked at; return why it ended before, or its window."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _End:
+    """How a candidate ended: with the window that it was looked at in, or why before.
+
+    ``worse`` : ripple rose while it was tried.
+    """
+
+    window: RunWindow | None = None
+    why: str = ""
+    worse: bool = False
+
+
+def _watch(ask: Ask, clock: Clock, settle_s: float, look_s: float, *, tried: bool) -> _End:
+    """Wait until a candidate has been looked at, or has ended before."""
     start_s = read_answer(ask("status")).live
     begin_s = start_s.tick.time_s if start_s is not None else math.nan
     from_s = begin_s + settle_s
@@ -111,11 +131,26 @@ def _watch(
         answer = read_answer(ask("status"))
         now_s = answer.live.tick.time_s if answer.live is not None else math.nan
         if answer.state != State.ACTIVE.name or not now_s >= begin_s:
-            return f"the correction was taken back: {answer.state}", None
+            return _taken_back(answer, tried=tried)
         if tried and not answer.trying:
-            return "the former settings returned", None
+            return _returned(SettingsAnswer.from_json(ask("settings", act="history")))
         if now_s >= from_s + look_s + WRITTEN_S:
             if answer.recorder is None:
                 raise RefusedError("nothing is recorded: no search")
             folder = Path(answer.recorder.folder)
-            return "", RunWindow(folder=folder, from_s=from_s, to_s=from_s + look_s)
+            return _End(window=RunWindow(folder=folder, from_s=from_s, to_s=from_s + look_s))
+
+
+def _taken_back(answer: StatusAnswer, *, tried: bool) -> _End:
+    """Return why the correction is not on any more."""
+    alarm = answer.live.alarm.name if answer.live is not None else ""
+    why = f"the correction was taken back: {answer.state}{f', {alarm}' if alarm else ''}"
+    return _End(why=why, worse=tried and alarm == RIPPLE_ROSE)
+
+
+def _returned(answer: SettingsAnswer) -> _End:
+    """Return why the service has taken a try back, in the words of its history."""
+    last = next((one for one in reversed(answer.versions) if one.verb == RETURNED), None)
+    if last is None:
+        return _End(why="the former settings returned")
+    return _End(why=f"the former settings returned: {last.why}", worse=last.ripple_rose)

@@ -15,7 +15,8 @@ class ProofTimes:
 
     Attributes
     ----------
-    off_s : twenty turns of the largest roll. ``on_s`` : the same, after it has settled.
+    off_s : twenty whole turns of the largest corrected roll, and the broken ones at both ends.
+    on_s : the same, after it has settled.
     """
 
     off_s: float

@@ -6,6 +6,11 @@ import base64
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
+RIPPLE_OF = "ripple of"
+"""How the reason begins for which a try is taken back because ripple rose."""
+RETURNED = "returned"
+"""Verb of the version that runs again after a try."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Version:
@@ -40,6 +45,11 @@ class Version:
         """
         row = {one.name: str(said.get(one.name, "")) for one in fields(cls)}
         return cls(**{**row, "number": int(said["number"])})  # type: ignore[arg-type]
+
+    @property
+    def ripple_rose(self) -> bool:
+        """Whether it runs again because ripple rose under what was tried."""
+        return self.verb == RETURNED and self.why.startswith(f"{RIPPLE_OF} ")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -106,6 +106,12 @@ class Draft(BaseModel):
         return tuple(names)
 
     @property
+    def second(self) -> str:
+        """Return the name of the second driven roller; empty without one."""
+        name = self.answers.get("second", NONE)
+        return "" if name == NONE else name
+
+    @property
     def order(self) -> str:
         """Return the PLC's word order as far as a quantity of two words tells; else empty."""
         return next((word.order for word in self.words.values() if word.order), "")

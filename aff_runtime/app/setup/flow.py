@@ -101,13 +101,13 @@ def _look(dialogue: Dialogue, steps: Steps) -> None:
 
 def _names(dialogue: Dialogue) -> None:
     """Ask for the names of the line, its second roller and the tension behind that."""
-    before = dialogue.draft.answers.get("second")
+    before = dialogue.draft.second
     for question in line_questions():
         dialogue.ask(question)
-    second = dialogue.draft.answers["second"]
-    if before not in (None, second):
+    second = dialogue.draft.second
+    if before not in ("", second):
         dialogue.keep(dialogue.draft.without(SECOND_TENSION))
-    if second != NONE:
+    if second:
         _channel(dialogue, second_question(second))
 
 

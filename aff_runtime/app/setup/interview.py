@@ -105,22 +105,18 @@ def second_question(second: str) -> Question:
 
 def second_tension(draft: Draft) -> str:
     """Return the channel of the tension behind the second roller; empty without one."""
-    second = _second(draft)
-    return draft.answers.get(SECOND_TENSION, tension_of(second)) if second else ""
+    default = tension_of(draft.second)
+    return draft.answers.get(SECOND_TENSION, default) if draft.second else ""
 
 
 def quantities_of(draft: Draft) -> tuple[Quantity, ...]:
     """Return what is looked for on this line."""
-    return quantities(_second(draft), second_tension(draft))
+    return quantities(draft.second, second_tension(draft))
 
 
 def angles_of(draft: Draft) -> tuple[Quantity, ...]:
     """Return the angles that are looked for on this line."""
-    return angles(_second(draft))
-
-
-def _second(draft: Draft) -> str:
-    return next(iter(roll_names(draft)[1:]), "")
+    return angles(draft.second)
 
 
 def further_question(draft: Draft, number: int) -> Question:
@@ -233,7 +229,6 @@ def _why_no_bit(draft: Draft, known: Known, name: str, address: int, place: int)
 
 def machine_questions(draft: Draft) -> tuple[Question, ...]:
     """Return what is asked of the machine: limits, radii, and the drive where it is known."""
-    second = draft.answers.get("second", NONE)
     asked = [
         Question(
             name="speed_max",
@@ -255,8 +250,8 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
             read=number("m/s", 0.0, 1.0),
         ),
     ]
-    if second != NONE:
-        asked += _of_second(second)
+    if draft.second:
+        asked += _of_second(draft.second)
     asked += [
         Question(
             name="probe",
@@ -355,8 +350,7 @@ def drive_questions(draft: Draft) -> tuple[Question, ...]:
 
 def roll_names(draft: Draft) -> tuple[str, ...]:
     """Return the rolls that are corrected."""
-    second = draft.answers.get("second", NONE)
-    return (UNWIND,) if second == NONE else (UNWIND, second)
+    return (UNWIND, draft.second) if draft.second else (UNWIND,)
 
 
 def first_number(heartbeat: int) -> Question:

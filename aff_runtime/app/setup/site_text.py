@@ -62,7 +62,7 @@ def register_number(draft: Draft, address: int) -> int:
 
 
 def _conditions(draft: Draft) -> dict[str, bool]:
-    answers, second = draft.answers, draft.answers.get("second", NONE)
+    answers, second = draft.answers, draft.second
     own_order = answers.get("status.order") == "yes"
     enables = own_order or answers.get("bits.AFF_ENABLE_REQUEST", NONE) != NONE
     applied = any(answers.get(f"applied.{roll}", NONE) != NONE for roll in roll_names(draft))
@@ -93,7 +93,7 @@ def _conditions(draft: Draft) -> dict[str, bool]:
         "untold": is_shape and "tension_ref_N" not in draft.words,
         "tcp": answers["wire"] == "modbus_tcp",
         "unwind_angle": f"{UNWIND}_angle_rad" in draft.words,
-        "second": second != NONE,
+        "second": bool(second),
         "further": any(name in draft.words for name in draft.further),
         "second_angle": f"{second}_angle_rad" in draft.words,
         "second_speed": f"{second}_speed_m_s" in draft.words

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from aff_runtime.core.identify.phasors import SIDES, Phasors
+from aff_runtime.core.identify.phasors import Phasors
+from aff_runtime.core.identify.regression import SIDES
 from aff_runtime.core.identify.web_chain import WebChain, seen_from_the_far_end
 
 Floats = npt.NDArray[np.float64]

@@ -10,17 +10,11 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.core.identify.regression import SIDES, Regression
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
-SIDES = 16
-"""Places beside a tone that its noise is told from."""
-WITHIN = 0.4
-"""A place of which the regression leaves less than this tells nothing."""
-SEARCHED = (30, 60)
-"""Places beside a tone that are looked at, and where too few of them are clear."""
 TREND_TO = 6
-SPANNED = 1e-10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -76,8 +70,6 @@ def read_phasors(
 
     The regression's columns are those of the response's own fit (tones, ripple of the rolls,
     strange ripple, drift) and a trend of higher degree: an angle grows, and its roll shrinks.
-    The noise of a tone is that of the residual beside it: at each place its power over the share
-    of that place which the columns leave, times what the regression makes of white noise.
 
     Parameters
     ----------
@@ -88,21 +80,15 @@ def read_phasors(
     span_s = float(time_s[-1] - time_s[0])
     drift = 2.0 * (time_s - 0.5 * (time_s[0] + time_s[-1])) / span_s
     higher = [drift**k for k in range(3, TREND_TO)]
-    columns = np.column_stack([design, *higher])
-    power, directions = np.linalg.eigh(columns.T @ columns)
-    kept = power > SPANNED * power[-1]
-    turn = directions[:, kept] / np.sqrt(power[kept])
-    basis = columns @ turn
-    share = basis.T @ signals
-    solution = turn @ share
-    residual = signals - basis @ share
-    thin = basis.astype(np.float32)  # shares of power need no more
+    regression = Regression(time_s, np.column_stack([design, *higher]))
+    solution, residual = regression.solve(signals)
     rows = []
     for k, (omega, _, amplitude) in enumerate(tones):
         at = first + 2 * k
         seen = solution[at] + 1j * solution[at + 1]
-        spread = float((turn[at] ** 2).sum() + (turn[at + 1] ** 2).sum())
-        noise = _density(time_s, residual, thin, omega, span_s) * spread
+        noise, places = regression.noise(residual, omega, at)
+        if places < SIDES // 2:
+            raise RefusedError("the tones stand too close to tell their noise; probe for longer")
         rows.append((omega, amplitude, seen, noise))
     rows.sort(key=lambda row: row[0])
     omegas, sent, seen_rows, noises = zip(*rows, strict=True)
@@ -112,35 +98,3 @@ def read_phasors(
         seen=np.array(seen_rows),
         noise=np.array(noises),
     )
-
-
-def _density(
-    time_s: Floats, residual: Floats, basis: npt.NDArray[np.float32], omega: float, span_s: float
-) -> Complexes:
-    """Return the covariance of the white noise that would be as large as what is there nearby."""
-    for searched in SEARCHED:
-        cos, sin, left = _places(time_s, basis, omega, span_s, searched)
-        # what the columns leave of a place's own noise, and no other's
-        clear = np.flatnonzero(left > WITHIN)[:SIDES]
-        if clear.size == SIDES:
-            break
-    if clear.size < SIDES // 2:
-        raise RefusedError("the tones stand too close to tell their noise; probe for longer")
-    found = (cos[clear] - 1j * sin[clear]) @ residual
-    near = found / np.sqrt(time_s.size * left[clear])[:, None]
-    return np.asarray(near.T @ near.conj() / clear.size)
-
-
-def _places(
-    time_s: Floats, basis: npt.NDArray[np.float32], omega: float, span_s: float, searched: int
-) -> tuple[Floats, Floats, Floats]:
-    """Return cos and sin at places beside a tone, and the share of each that no column holds."""
-    steps = np.arange(1, searched + 1)
-    aside = 0.25 + 0.5 * ((steps + 1) // 2) * np.where(steps % 2 == 0, -1.0, 1.0)
-    places = omega + math.tau * aside / span_s
-    places = places[places > 0.0]
-    turns = places[:, None] * time_s[None, :]
-    cos, sin = np.cos(turns), np.sin(turns)
-    held = ((cos.astype(basis.dtype) @ basis) ** 2).sum(axis=1)
-    held += ((sin.astype(basis.dtype) @ basis) ** 2).sum(axis=1)
-    return cos, sin, 1.0 - held / time_s.size

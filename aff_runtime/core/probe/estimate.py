@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import chain
 
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.core.identify.regression import Regression
 from aff_runtime.core.probe.strange_ripple import RippleLine, drifting, strange_lines
 from aff_runtime.core.response import ResponsePoint
 
 Floats = npt.NDArray[np.float64]
 MAX_DELAY_S = 1.0
 DELAY_STEPS = 501
-SIDES = 6
 FIRST_TONE = 3
 ON_BINS, BESIDE_BINS, HIDES = 1.5, 4.5, 0.5
 SIGN_BAND = 3.0
@@ -59,8 +58,8 @@ def fit_tones(
     the site does not know becomes columns as well, see ``strange_ripple``: one newton of an idler
     otherwise spoils tones of a twentieth of that for half a hertz on both sides. A tone right
     beside such ripple is left out: neither P nor its error could be told there. The standard
-    error of a tone comes from the residual beside it, so coloured noise and unmodelled ripple
-    count where they are.
+    error of a tone comes from the residual beside it (``Regression.noise``), so coloured noise
+    and unmodelled ripple count where they are.
 
     Parameters
     ----------
@@ -82,7 +81,8 @@ def fit_tones(
         columns += drifting(math.tau * line.frequency_Hz * time_s, drift)
     design = np.column_stack(columns)
     solution = np.linalg.lstsq(design, signal, rcond=1e-9)[0]
-    residual = signal - design @ solution
+    residual = (signal - design @ solution)[:, None]
+    regression = Regression(time_s, design)
     points: list[ResponsePoint] = []
     strange: dict[RippleLine, None] = {}
     for k, tone in enumerate(own):
@@ -91,7 +91,8 @@ def fit_tones(
         if hiding := [line for line in lines if _hides(line, tone, abs(seen), span_s)]:
             strange |= dict.fromkeys(hiding)
             continue
-        error = _noise_beside(residual, time_s, tone.omega_rad_s, span_s, lines)
+        noise, _ = regression.noise(residual, tone.omega_rad_s, at)
+        error = math.sqrt(noise[0, 0].real)
         gain = abs(seen) / tone.amplitude
         if gain > 0.0:
             points.append(
@@ -110,23 +111,6 @@ def _hides(line: RippleLine, tone: Tone, seen: float, span_s: float) -> bool:
     """Return whether a line stands on a tone, or as large as it right beside it."""
     bins = abs(line.frequency_Hz - tone.omega_rad_s / math.tau) * span_s
     return bins < ON_BINS or (bins < BESIDE_BINS and line.amplitude > HIDES * seen)
-
-
-def _noise_beside(
-    residual: Floats, time_s: Floats, omega: float, span_s: float, lines: Sequence[RippleLine]
-) -> float:
-    """Return one standard error of a complex amplitude from the residual's spectrum nearby.
-
-    Where a line was taken out there is less noise than there was at the tone; it is passed over.
-    """
-    bins = [(line.frequency_Hz - omega / math.tau) * span_s for line in lines]
-    sides = [0.5 + k for k in range(1, 40)]
-    clear = [s for s in chain(*((s, -s) for s in sides)) if all(abs(s - b) >= 2.0 for b in bins)]
-    power = 0.0
-    for side in clear[:SIDES]:
-        probe = np.exp(-1j * (omega + math.tau * side / span_s) * time_s)
-        power += abs(2.0 / len(residual) * complex(residual @ probe)) ** 2
-    return math.sqrt(power / SIDES)
 
 
 def fit_delay(points: Sequence[ResponsePoint]) -> float:

@@ -5,22 +5,30 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 
+import numpy as np
+
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Figure, Finding, at_most
 from aff_runtime.app.card.measure.phases import Phase, phases
 from aff_runtime.app.report.comparison.comparing import Comparison, OrderRow, compare
 from aff_runtime.app.report.comparison.turns import Change, Estimate
+from aff_runtime.app.report.comparison.window import Window
+from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.models import Site
 
 AT_LEAST = " (at least: in the noise when on)"
 TYPED = ("promised", "settle")
 DEFAULT_PROMISE_dB = 0.0
+TURNS, BROKEN_TURNS = 20, 2
+"""Whole turns of the slowest corrected roll that each off and on needs; those at its ends are
+broken."""
 NOTHING_PROVEN = (
     "nothing is proven: no corrected order stands out of the noise in both pairs; make each off, "
     "and each on behind its settling, longer than 20 turns of the largest roll"
 )
-SPEED_PERCENT = 2.0
-PLAIN_SETTLES, SHAPE_MEMORIES = 3.0, 2.0
+PARTS = ("first off", "first on", "second off", "second on")
+SPEED_PERCENT, SLOWEST_M_S = 2.0, 1e-3
+SETTLES, MEMORIES = 3.0, 2.0
 Key = tuple[str, str, int]
 _DB = 20.0 / math.log(10.0)
 
@@ -30,7 +38,7 @@ def measure(evidence: Evidence) -> Finding:
     window = evidence.window
     settle_s = evidence.typed.number("settle", "s")
     if not math.isfinite(settle_s):
-        settle_s = default_settle_s(evidence.site)
+        settle_s = settling_s(evidence.site, mean_speed_m_s(window))
     promised = evidence.typed.number("promised", "dB")
     chosen = abab(phases(window), settle_s)
     if not chosen:
@@ -38,35 +46,57 @@ def measure(evidence: Evidence) -> Finding:
             figures=(),
             missing=(
                 "off, on, off, on is not in the window, each long enough "
-                f"(on: {settle_s:.0f} s to settle, and 20 turns)",
+                f"(on: {settle_s:.0f} s to settle, and {TURNS} turns)",
             ),
         )
     pairs = tuple(compare(chosen[k].of(window), chosen[k + 1].of(window)) for k in (0, 2))
     wanted = corrected(evidence.site)
     overall = list(_overall(pairs, wanted, promised))
-    figures = [*overall, *_conditions(pairs, window.table.events), *_orders(pairs, wanted)]
+    turns = list(_turns(pairs, wanted))
+    conditions = _conditions(pairs, window.table.events)
+    short = [one for one in turns if not one.good]
     return Finding(
-        figures=tuple(figures),
-        missing=() if overall else (NOTHING_PROVEN,),
+        figures=(*overall, *turns, *conditions, *_orders(pairs, wanted)),
+        missing=(*(() if overall else (NOTHING_PROVEN,)), *map(_too_short, short)),
         remarks=tuple(_remarks(pairs)),
     )
 
 
-def default_settle_s(site: Site) -> float:
+def settling_s(site: Site, speed_m_s: float) -> float:
     """Return how long an on is left alone before it counts, s.
 
     Three settle times of the slowest block; of a shape law twice its memory, at the largest
-    radius and a third of the highest speed.
+    radius of its rolls.
     """
     times_s = []
     for actuator in site.actuators.values():
-        if actuator.uses_shape and actuator.drive is not None:
-            radius_m = site.rolls[actuator.drive.roll].largest_radius_m
-            turn_s = math.tau * radius_m / (site.speed_max_m_s / 3.0)
-            times_s.append(SHAPE_MEMORIES * actuator.memory_turns * turn_s)
+        if actuator.uses_shape:
+            radius_m = max(site.rolls[block.roll].largest_radius_m for block in actuator.blocks)
+            turn_s = math.tau * radius_m / speed_m_s
+            times_s.append(MEMORIES * actuator.memory_turns * turn_s)
         else:
-            times_s.extend(PLAIN_SETTLES * block.settle_s for block in actuator.blocks)
+            times_s.extend(SETTLES * block.settle_s for block in actuator.blocks)
     return max(times_s, default=0.0)
+
+
+def part_s(site: Site, speed_m_s: float) -> float:
+    """Return how long an off lasts, and an on behind its settling, s: enough of whole turns."""
+    radius_m = max(site.rolls[roll].largest_radius_m for _, roll, _ in corrected(site))
+    return (TURNS + BROKEN_TURNS) * math.tau * radius_m / speed_m_s
+
+
+def mean_speed_m_s(window: Window) -> float:
+    """Return the mean line speed of a window, never 0.
+
+    Raises
+    ------
+    RefusedError
+        It is not recorded.
+    """
+    speed = window.speed
+    if speed is None:
+        raise RefusedError(f"{window.table.window}: no reading of the line speed in it")
+    return max(abs(float(np.nanmean(speed))), SLOWEST_M_S)
 
 
 def abab(found: Sequence[Phase], settle_s: float) -> list[Phase]:
@@ -190,6 +220,31 @@ def root_sum(ends: Sequence[Estimate], noise: float) -> tuple[float, float]:
     total = math.sqrt(sum(size**2 for size in sizes))
     spread = math.sqrt(sum((s * h) ** 2 for s, h in zip(sizes, halves, strict=True)))
     return total, spread / total if total else NAN
+
+
+def _turns(pairs: Sequence[Comparison], wanted: frozenset[Key]) -> Iterator[Figure]:
+    """Yield per off and on the fewest whole turns that an estimate of it rests on."""
+    rows = [tuple(_by_key(pair, wanted).values()) for pair in pairs]
+    parts = [
+        [(end.turns, roll) for end, roll in ends]
+        for both in rows
+        for ends in (
+            [(row.before, row.roll) for row in both],
+            [(row.after, row.roll) for row in both],
+        )
+    ]
+    for part, counted in zip(PARTS, parts, strict=True):
+        turns, roll = min(counted, default=(0, ""))
+        yield Figure(
+            name=f"{part}: whole turns{f' of {roll}' if roll else ''}",
+            value=float(turns),
+            limit=f"at least {TURNS}",
+            good=True if turns >= TURNS else None,
+        )
+
+
+def _too_short(turns: Figure) -> str:
+    return f"{turns.name}: {turns.value:.0f}, {TURNS} are needed; make it longer, or type settle"
 
 
 def _conditions(

@@ -41,7 +41,8 @@ class Candidate:
     factor : of the value in the site file. ``value`` : the shortest that it makes, s or turns.
     ripple, half : of all corrected orders together, with half of the interval.
     noise : deviation of the signal without them. ``peak`` : largest correction.
-    ended : why the try was ended by the service; empty where it was not.
+    ended : why the try ended before it was measured; empty where it was. ``worse`` : because
+        ripple rose.
     """
 
     factor: float
@@ -51,6 +52,7 @@ class Candidate:
     noise: float = NAN
     peak: float = NAN
     ended: str = ""
+    worse: bool = False
 
 
 def values_of(site: Site, actuator: str) -> Mapping[KeyPath, float]:
@@ -124,7 +126,8 @@ def candidate(evidence: Evidence, one: Try, window: Window | None) -> Candidate:
     site = evidence.site
     value = one.factor * min(values_of(site, one.actuator).values())
     if window is None:
-        return Candidate(factor=one.factor, value=value, ended=one.ended or "not measured")
+        ended = one.ended or "not measured"
+        return Candidate(factor=one.factor, value=value, ended=ended, worse=one.worse)
     actuator = site.actuators[one.actuator]
     signal = window.readings(actuator.error.signal)
     if signal is None:
@@ -146,7 +149,6 @@ def candidate(evidence: Evidence, one: Try, window: Window | None) -> Candidate:
         half=half,
         noise=math.sqrt(max(0.0, power)),
         peak=peak,
-        ended=one.ended,
     )
 
 
@@ -157,7 +159,8 @@ def measure(evidence: Evidence) -> Finding:
     windows = iter(evidence.windows)
     table = [candidate(evidence, t, next(windows) if t.measured else None) for t in evidence.tries]
     actuator = evidence.tries[0].actuator
-    is_over = next_factor(table) is None and math.isfinite(table[0].ripple)
+    cut_off = [one for one in table if one.ended and not one.worse]
+    is_over = next_factor(table) is None and not cut_off and math.isfinite(table[0].ripple)
     factor = chosen(table)
     proposals = [
         f"{'.'.join(map(str, path))}: {factor * value:g}  # was {value:g}"
@@ -175,9 +178,17 @@ def measure(evidence: Evidence) -> Finding:
             ),
         ),
         proposals=tuple(proposals),
-        remarks=tuple(f"{c.value:g}: ended by the service: {c.ended}" for c in table if c.ended),
-        missing=() if is_over else ("the search was ended before its end",),
+        remarks=tuple(f"{c.value:g} makes it worse: {c.ended}" for c in table if c.worse),
+        missing=tuple(_missing(cut_off, is_over=is_over)),
     )
+
+
+def _missing(cut_off: Sequence[Candidate], *, is_over: bool) -> Iterator[str]:
+    """Yield what keeps a search from its end: a try that ended early is no candidate measured."""
+    for one in cut_off:
+        yield f"{one.value:g} was not measured to its end: {one.ended}; arm, and search again"
+    if not is_over and not cut_off:
+        yield "the search was ended before its end; arm, and search again"
 
 
 def _figures(actuator: Actuator, table: Sequence[Candidate], *, is_over: bool) -> Iterator[Figure]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,8 +15,15 @@ from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import NO_ECHO
 
 LIMIT_PERCENT = 1.0
-LAST_S = 2.0
-"""Of a radius, which shrinks while the display is read: the newest readings alone."""
+READ_S, AT_ONCE_S = 10.0, 0.5
+"""Of a radius, which changes while its display is read: how long that may take, and readings that
+count as one moment's."""
+LATE_SHARE = 0.5
+"""Of a cycle: a tick that begins later than this looks at the heartbeat at another time."""
+OURS_WERE_LATE = (
+    "heartbeat: in each rest that is too long, up to {:.0f} ms, the service missed or began late "
+    "a tick of its own, which says nothing of the PLC: again on a machine that keeps its ticks"
+)
 UNITS = {"_N_m": "N m", "_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad", "_N": "N", "_m": "m"}
 
 
@@ -35,9 +43,9 @@ def wanted(evidence: Evidence) -> tuple[str, ...]:
 def measure(evidence: Evidence) -> Finding:
     """Return how long the heartbeat rests, the echo's age, and differences from the display."""
     window = evidence.window
-    figures = [_heartbeat(window, evidence.site.freshness.hold_after_ms)]
-    figures.extend(_echo(evidence))
-    missing = []
+    heartbeat, again = _heartbeat(window, evidence.site.freshness.hold_after_ms)
+    figures = [heartbeat, *_echo(evidence)]
+    missing = list(again)
     for name in dict.fromkeys([*wanted(evidence), *evidence.typed.names]):
         shown = evidence.typed.number(name, unit_of(name))
         if math.isfinite(shown):
@@ -59,29 +67,62 @@ def unit_of(channel: str) -> str:
     return next((unit for end, unit in UNITS.items() if channel.endswith(end)), "")
 
 
-def longest_rest_s(time_s: Array, heartbeat: Array) -> float:
-    """Return the longest time between two movements of a counter, s; both ends count too."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rest:
+    """Longest times between two movements of the PLC's heartbeat, s.
+
+    Attributes
+    ----------
+    longest_s : of all of them.
+    seen_s : of those in which every tick of the service was there and in time: they are the
+        PLC's own.
+    """
+
+    longest_s: float
+    seen_s: float
+
+
+def longest_rest(time_s: Array, heartbeat: Array, wake_us: Array) -> Rest:
+    """Return the longest rest of a counter; both ends of the window count too.
+
+    Parameters
+    ----------
+    time_s : on the grid of the cycle; a tick that was missed is not there.
+    wake_us : by how much each tick began late.
+    """
     known = np.isfinite(heartbeat)
-    time_s, heartbeat = time_s[known], heartbeat[known]
+    time_s, heartbeat, wake_us = time_s[known], heartbeat[known], wake_us[known]
     if time_s.size < 2:
-        return NAN
-    moved = time_s[1:][np.diff(heartbeat) != 0.0]
-    return float(np.max(np.diff(np.concatenate([time_s[:1], moved, time_s[-1:]]))))
+        return Rest(longest_s=NAN, seen_s=NAN)
+    cycle_s = float(np.median(np.diff(time_s)))
+    late = wake_us * 1e-6 > LATE_SHARE * cycle_s
+    late[1:] |= np.diff(time_s) > 1.5 * cycle_s
+    ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(heartbeat)), [time_s.size - 1]])
+    rests_s = np.diff(time_s[ends])
+    ours = np.add.reduceat(late[1:], np.minimum(ends[:-1], late.size - 2)) > 0
+    return Rest(longest_s=float(rests_s.max()), seen_s=float(rests_s[~ours].max(initial=0.0)))
 
 
-def _heartbeat(window: Window, hold_after_ms: float) -> Figure:
+def _heartbeat(window: Window, hold_after_ms: float) -> tuple[Figure, tuple[str, ...]]:
+    """Return the heartbeat's longest rest, and why it says nothing of the PLC."""
     columns = window.table.columns
-    rest_ms = 1e3 * longest_rest_s(columns["time_s"], columns["plc_heartbeat"])
-    cycle_ms = 1e3 * float(np.median(np.diff(columns["time_s"]))) if rest_ms > 0.0 else NAN
-    return Figure(
+    time_s = columns["time_s"]
+    wake_us = np.nan_to_num(columns.get("wake_us", np.zeros(time_s.size)))
+    rest = longest_rest(time_s, columns["plc_heartbeat"], wake_us)
+    rest_ms = 1e3 * rest.longest_s
+    cycle_ms = 1e3 * float(np.median(np.diff(time_s))) if rest_ms > 0.0 else NAN
+    good = at_most(rest_ms, hold_after_ms + 1e-6)
+    is_ours = good is False and 1e3 * rest.seen_s <= hold_after_ms + 1e-6
+    figure = Figure(
         name="heartbeat: longest rest",
         value=rest_ms,
         unit="ms",
         low=rest_ms - cycle_ms,
         high=rest_ms + cycle_ms,
         limit=f"at most {hold_after_ms:g} ms (hold_after_ms)",
-        good=at_most(rest_ms, hold_after_ms + 1e-6),
+        good=None if is_ours else good,
     )
+    return figure, (OURS_WERE_LATE.format(rest_ms),) if is_ours else ()
 
 
 def _echo(evidence: Evidence) -> Iterator[Figure]:
@@ -104,9 +145,9 @@ def _difference(window: Window, name: str, shown: float) -> Figure:
     values = window.readings(name)
     if values is None:
         raise RefusedError(f"{window.table.window}: no reading of {name} in it")
-    if unit_of(name) == "m":  # a roll runs down: by 6 % in ten seconds near its core
-        values = values[window.time_s > window.time_s[-1] - LAST_S]
     mean, half = mean_and_half(values)
+    if unit_of(name) == "m":  # a roll runs down: by 6 % in ten seconds near its core
+        mean, half = _at_the_reading(window, values, shown)
     size = abs(shown) or NAN
     error = 100.0 * (mean - shown) / size
     half = 100.0 * half / size
@@ -119,3 +160,15 @@ def _difference(window: Window, name: str, shown: float) -> Figure:
         limit=f"within {LIMIT_PERCENT:g} %",
         good=at_most(abs(error), LIMIT_PERCENT),
     )
+
+
+def _at_the_reading(window: Window, values: Array, shown: float) -> tuple[float, float]:
+    """Return the mean and half its interval where a radius was nearest to what was shown.
+
+    When in the window the display was read nobody knows, and between reading and measuring lie
+    walking and typing: a radius that the display showed is one that the word passed in the window.
+    """
+    ago = np.floor((window.time_s[-1] - window.time_s) / AT_ONCE_S)
+    means = [mean_and_half(values[ago == k]) for k in range(round(READ_S / AT_ONCE_S))]
+    known = [one for one in means if math.isfinite(one[0])]
+    return min(known, key=lambda one: abs(one[0] - shown), default=(NAN, NAN))

@@ -22,7 +22,7 @@ from aff_runtime.app.link.answers import Done
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.request_socket import Asked
-from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
+from aff_runtime.app.link.settings_answer import RETURNED, SettingsAnswer, Version
 from aff_runtime.app.link.settings_request import SettingsRequest
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.edit_session import EditSession
@@ -283,7 +283,7 @@ class SettingsDesk:
     def _ended(self, why: str) -> None:
         """Put on record that the former settings run again; tell those who wanted that."""
         self._record.announced = None
-        self._record.say("returned", self._processes.parameters, "the service", why)
+        self._record.say(RETURNED, self._processes.parameters, "the service", why)
         asked, self._undo_asked = self._undo_asked, []
         for one in asked:
             one.answer(self._answer())

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import author_of
-from aff_runtime.app.link.settings_answer import Version
+from aff_runtime.app.link.settings_answer import RETURNED, Version
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.settings.history import SiteHistory, digest
 from aff_runtime.base.errors import RefusedError
@@ -128,7 +128,7 @@ class SettingsRecord:
         if number:
             return self.numbered(number)
         for version in reversed(self.versions):
-            if version.verb not in ("tried", "returned") and version.sha256 != running_sha256:
+            if version.verb not in ("tried", RETURNED) and version.sha256 != running_sha256:
                 return version
         raise RefusedError(f"no version before this one: {self._what_exists()}")
 

@@ -7,6 +7,8 @@ from collections import deque
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from aff_runtime.app.link.settings_answer import RIPPLE_OF
+
 BLOCK_S = 0.25
 NOW_S, BEFORE_S = 5.0, 20.0
 SETTLE_S = 2.0
@@ -85,7 +87,7 @@ class RippleRise:
                 continue
             now = self._ripple(name, end_s - NOW_S, end_s)
             if now > ROSE * before:
-                return f"ripple of {name} rose from {before:.3g} to {now:.3g}"
+                return f"{RIPPLE_OF} {name} rose from {before:.3g} to {now:.3g}"
         return ""
 
     def _ripple(self, name: str, start_s: float, end_s: float) -> float:

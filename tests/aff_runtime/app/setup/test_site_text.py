@@ -40,6 +40,7 @@ def test_a_small_line_is_a_valid_site(tmp_path: Path) -> None:
     assert site.freshness.hold_after_ms == 30  # three scans
     assert site.actuators["unwind"].response == "learned/line2_unwind.json"
     assert "@" not in path.read_text(encoding="utf-8")
+    assert site.probe.duration_s == 25.0
     assert site.line.speed_reference is None
     assert "  #speed_reference: line_speed_ref_m_s\n" in path.read_text(encoding="utf-8")
     assert "For the record alone, under" not in path.read_text(encoding="utf-8")
@@ -72,6 +73,7 @@ def test_a_drive_that_nobody_has_numbers_for_is_left_to_the_probe(
     assert (drive.speed_gain_rad_s, drive.zeta, drive.inertia_kg_m2) == (None, None, None)
     assert drive.web_density_kg_m3 == density
     assert drive.tension_N == pytest.approx(20 * 4.4482216)
+    assert load_site(path).probe.duration_s == 60.0
 
 
 def test_comments_stand_before_the_sections_as_in_the_shipped_file() -> None:
@@ -104,6 +106,15 @@ def test_what_is_kept_comes_back_and_one_thing_can_be_asked_again(tmp_path: Path
     assert read_draft(path) == DRAFT
     assert "line_speed_m_s" not in DRAFT.without("line_speed_m_s").words
     assert read_draft(tmp_path / "none.json") == Draft()
+
+
+@pytest.mark.parametrize(
+    ("kept", "name"), [({}, ""), ({"second": "none"}, ""), ({"second": "lead"}, "lead")]
+)
+def test_a_second_roller_that_was_not_asked_for_yet_is_none(
+    kept: dict[str, str], name: str
+) -> None:
+    assert Draft(answers=kept).second == name
 
 
 def test_words_have_owners_and_an_order() -> None:

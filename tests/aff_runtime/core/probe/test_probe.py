@@ -81,6 +81,35 @@ def test_standard_errors_are_honest():
     assert 0.5 < math.sqrt(sum(m * m for m in misses) / len(misses)) < 1.8
 
 
+def test_standard_errors_are_honest_where_tones_and_orders_stand_close():
+    """Tones two turns of the record apart between orders of two rolls that drift."""
+    time_s = np.arange(2000) * 0.01
+    angles = [math.tau * (0.8 * time_s + 4e-4 * time_s**2), math.tau * 1.07 * time_s]
+    tones = [
+        Tone(omega_rad_s=math.tau * 0.1 * k, phase_rad=0.7 * k * k, amplitude=0.01)
+        for k in range(4, 44, 2)
+    ]
+    P = 40.0 * np.exp(0.7j)
+    sent = sum(t.amplitude * np.exp(1j * (t.omega_rad_s * time_s + t.phase_rad)) for t in tones)
+    squares = []
+    for seed in range(12):
+        noise_N = np.random.default_rng(seed).standard_normal(time_s.size)
+        fit = fit_tones(
+            time_s=time_s,
+            signal=(P * sent).real + noise_N,
+            angles_rad=angles,
+            nuisance_orders=6,
+            own=tones,
+            foreign=[],
+        )
+        squares += [
+            (abs(cmath.rect(p.gain, p.phase_rad) - P) / (p.gain * p.relative_error)) ** 2
+            for p in fit.points
+        ]
+    assert len(squares) > 200
+    assert 0.9 < math.sqrt(np.mean(squares)) < 1.15
+
+
 def test_excitation_never_exceeds_its_bound_and_starts_and_ends_at_zero():
     line, probe, sent = Line(LagDelay(-400.0), {}), Probe(site(with_blocks(BLOCKS)), PARAMS), []
     for _ in range(round(32 / CYCLE_S)):

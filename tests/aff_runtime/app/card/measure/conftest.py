@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from aff_runtime.loop.messages import Bypass
-from tests.aff_runtime.app.card.measure.recorded import recorded, switched
+from tests import quick_yaml
+from tests.aff_runtime.app.card.measure.recorded import SMALL_M, recorded, switched
 from tests.doubles.recorded_run import RecordedRun, files
 from tests.made_once import made_once
 
@@ -51,6 +52,9 @@ def made_in(folder):
     text = made.site.read_text()
     assert text.count(FULL) == 1
     made.site.write_text(text.replace(FULL, SMALL))
+    line = quick_yaml.safe_load(made.line.read_text())
+    line["initial_radii_m"]["unwind"] = SMALL_M
+    made.line.write_text(quick_yaml.safe_dump(line, sort_keys=False))
     run = RecordedRun(made, folder / "runs")
     truth = []
     run.bench.plant.observers.append(

@@ -26,6 +26,8 @@ CHANNELS = tuple(SITE.gateway.read.channels)
 OUTPUTS = tuple(f"{name}_m_s" for name in SITE.actuators)
 CYCLE_S = 0.005
 RADIUS_M, FOLLOWER_M, SPEED_M_S = 0.2, 0.15367, 1.0
+SMALL_M = 0.15
+"""Radius of a roll that turns more than twenty times in 20 s."""
 
 
 def steady(seconds):
@@ -75,7 +77,7 @@ def switched(seconds, arms):
         size_N[inside], on = LEFT_N + (RIPPLE_N - LEFT_N) * falls, on | inside
     true_N = 60.0 + size_N * np.cos(angle + 0.3)
     rng = np.random.default_rng(2)
-    radius_m = RADIUS_M - 1e-5 * time_s
+    radius_m = SMALL_M - 1e-5 * time_s
     found |= {
         "status": np.full(time_s.size, float(READY_STATUS)),
         "state": np.where(on, float(State.ACTIVE), float(State.READY)),

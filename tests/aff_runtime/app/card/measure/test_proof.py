@@ -2,14 +2,17 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from aff_runtime.app.card.figures import Verdict
 from aff_runtime.app.card.measure import proof
 from aff_runtime.app.card.measure.phases import Phase, phases
 from aff_runtime.app.report.comparison.turns import Change, Estimate
+from aff_runtime.config.loader import load_site
 from sim_plant.base.order_tracking import order_amplitudes
-from tests.aff_runtime.app.card.measure.recorded import evidence, figure, window
+from tests.aff_runtime.app.card.measure.recorded import SITE, evidence, figure, window
+from tests.parameter_records import CONFIG
 
 pytestmark = pytest.mark.timeout(300)
 SETTLE_S = 12.0
@@ -37,6 +40,36 @@ def test_the_reduction_is_that_of_the_plants_true_tension_within_a_decibel(abab_
     assert together.value == pytest.approx(order.value, abs=0.2)  # it is the only one there
     assert figure(found, "line speed").value < 1.0
     assert found.verdict is Verdict.PASS
+
+
+def test_the_turns_of_each_off_and_on_are_counted_and_shown(abab_run):
+    whole = window(abab_run[0], from_s=5.0)
+    found = proof.measure(evidence(whole, given=[f"settle={SETTLE_S} s"]))
+    for part, phase in zip(proof.PARTS, proof.abab(phases(whole), SETTLE_S), strict=True):
+        time_s, _, angle_rad = abab_run[1].T
+        passed_rad = np.ptp(angle_rad[(time_s >= phase.from_s) & (time_s < phase.to_s)])
+        turns = figure(found, f"{part}: whole turns of swrap_follower")  # it is the larger one
+        assert turns.value == pytest.approx(passed_rad / math.tau - 1.0, abs=1.0)
+        assert turns.good
+
+
+def test_a_proof_of_fewer_than_twenty_turns_is_open_and_says_which_part_is_short(abab_run):
+    whole = window(abab_run[0], from_s=5.0)
+    found = proof.measure(evidence(whole, given=["settle=22 s"]))
+    assert [text.partition(":")[0] for text in found.missing] == ["first on", "second on"]
+    assert "20 are needed; make it longer" in found.missing[0]
+    assert figure(found, "pullroll_tension_N: all").good
+    assert found.verdict is Verdict.OPEN
+
+
+def test_an_on_settles_at_the_speed_that_runs_and_each_part_has_twenty_whole_turns():
+    """A shape: twice its memory of turns; the plain law: three settle times at any speed."""
+    shape = load_site(CONFIG / "euclid.yaml")
+    turn_s = math.tau * shape.rolls["unwind"].largest_radius_m / 0.8
+    assert shape.actuators["unwind"].memory_turns == 9
+    assert proof.settling_s(shape, 0.8) == pytest.approx(2.0 * 9 * turn_s)
+    assert proof.part_s(shape, 0.8) == pytest.approx(22.0 * turn_s)
+    assert proof.settling_s(SITE, 0.8) == proof.settling_s(SITE, 0.4) == 30.0
 
 
 def test_a_promise_that_is_not_kept_fails(abab_run):

@@ -17,11 +17,13 @@ SIGNS = ["sign_unwind=-1", "sign_swrap_follower=-1"]
 BOTH = frozenset({"unwind", "swrap_follower"})
 
 
-def probed(speed, seed, size=ERROR, coherence=0.97, sign=-1.0, radius=0.2, error=ERROR):
+def probed(
+    speed, seed, size=ERROR, coherence=0.97, sign=-1.0, radius=0.2, error=ERROR, at=FREQUENCIES
+):
     """Return a probe of sign * 100 / (1 + jf) with a delay, off by ``size`` of itself."""
     rng = np.random.default_rng(seed)
     points = []
-    for f in FREQUENCIES:
+    for f in at:
         true = sign * 100.0 / (1.0 + 1j * f) * cmath.exp(-1j * math.tau * f * DELAY_S)
         noise = complex(*rng.standard_normal(2)) / math.sqrt(2.0)
         value = true * (1.0 + size * noise)
@@ -73,6 +75,17 @@ def test_repeats_are_apart_by_one_where_the_stated_error_is_right():
     assert np.sqrt(np.mean(np.square(found))) == pytest.approx(1.0, abs=0.08)
 
 
+def test_what_lies_between_two_tones_is_not_compared_where_both_have_tones_in_common():
+    """The second has a tone in the middle of two of the first, where a straight line is off."""
+    wide = np.array([0.3, 0.5, 0.7, 0.9, 1.1, 1.5, 2.0, 2.5, 3.0, 8.0])
+    moved = np.append(np.delete(wide, 8), 5.0)
+    how = {"size": 1e-4, "error": 1e-4}
+    first, second = probed(1.0, 1, at=wide, **how), probed(1.0, 2, at=moved, **how)
+    assert response.repeat_sigmas(first, second) < 1.6
+    few = probed(1.0, 3, at=moved[-3:], **how)  # it has no other
+    assert response.repeat_sigmas(first, few) > 10.0
+
+
 def test_an_error_that_is_stated_three_times_too_small_fails():
     found = taken(six(size=3.0 * ERROR))
     assert figure(found, "unwind: difference of repeats").value > 2.0
@@ -81,7 +94,10 @@ def test_an_error_that_is_stated_three_times_too_small_fails():
 
 def test_low_coherence_at_an_order_and_the_wrong_sign_fail():
     low = taken(six(coherence=0.7))
-    assert figure(low, "unwind: lowest coherence").value == pytest.approx(0.7)
+    worst = figure(low, "unwind: lowest coherence")
+    assert worst.value == pytest.approx(0.7)
+    assert worst.name.endswith("(unwind 1x at 0.398 Hz)")  # 0.5 m/s over 2 pi 0.2 m
+    assert any("probe louder or longer" in text for text in low.remarks)
     assert low.verdict is Verdict.FAIL
     wrong = taken(six(sign=1.0))
     assert figure(wrong, "unwind: sign").good is False

@@ -11,6 +11,7 @@ from aff_runtime.app.card.figures import Verdict
 from aff_runtime.app.card.measure import search
 from aff_runtime.app.card.measure.search import Candidate
 from aff_runtime.app.commission.search import search as run_search
+from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.config.loader import load_recorded_site, load_site
 from tests.aff_runtime.app.card.measure.recorded import SITE, SITE_FILE, evidence, figure, window
@@ -99,23 +100,37 @@ def test_a_key_that_is_not_in_the_file_is_asked_for():
 FAST = load_recorded_site(TEXT.replace("settle_s: 8", "settle_s: 4"), "site.yaml")
 
 
-class Service:
-    """Answers as a service would whose record is there already; a try returns at ``returns_s``."""
+def version(row):
+    """Return a version of the history by its verb and reason."""
+    verb, why = row
+    return Version(number=1, when="", who="the service", verb=verb, why=why, sha256="")
 
-    def __init__(self, clock, folder, begin_s, returns_s=math.inf):
+
+class Service:
+    """Answers as a service would whose record is there already.
+
+    A try returns at ``returns_s`` for ``why``, or because an ``alarm`` took the correction back.
+    """
+
+    def __init__(self, clock, folder, begin_s, returns_s=math.inf, why="", alarm=""):
         self.clock, self.folder, self.begin_s, self.returns_s = clock, folder, begin_s, returns_s
-        self.asked, self.trying = [], ""
+        self.asked, self.trying, self.why, self.alarm = [], "", why, alarm
 
     def __call__(self, do, **arguments):
+        if arguments.get("act") == "history":
+            rows = [("tried", "card, step 9"), ("returned", self.why)]
+            return SettingsAnswer(versions=tuple(map(version, rows))).to_json()
         if do == "settings":
             self.asked.append(arguments)
             self.trying = "tried" if arguments["act"] == "try" else ""
             return {}
         time_s = self.begin_s + self.clock.now_ns() * 1e-9
-        if time_s > self.returns_s:
+        is_over = time_s > self.returns_s
+        if is_over:
             self.trying = ""
         return {
-            "state": "ACTIVE",
+            "state": "FAULT" if is_over and self.alarm else "ACTIVE",
+            "alarm": {"code": 1, "name": self.alarm} if is_over and self.alarm else {},
             "trying": self.trying,
             "recorder": {"folder": str(self.folder)},
             "signals": {"time_s": time_s, "line_speed_m_s": 1.0, "state": 4},
@@ -157,13 +172,40 @@ def test_a_candidate_that_is_worse_ends_the_search_and_nothing_is_proposed(abab_
 
 
 @pytest.mark.timeout(300)
-def test_a_try_that_the_service_takes_back_ends_it_and_is_on_the_card(abab_run):
-    service, found, finding = searched(abab_run[0], returns_s=66.0)
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ({"why": "ripple of pullroll_tension_N rose from 0.4 to 0.9"}, "rose from 0.4 to 0.9"),
+        ({"alarm": "RIPPLE_ROSE"}, "taken back: FAULT, RIPPLE_ROSE"),
+    ],
+)
+def test_a_try_that_is_taken_back_because_ripple_rose_ends_the_search(abab_run, how, said):
+    service, found, finding = searched(abab_run[0], returns_s=66.0, **how)
     assert [one["act"] for one in service.asked] == ["try"]
-    assert found.tries[1].ended == "the former settings returned"
-    assert "settle_s" not in " ".join(finding.proposals)
-    assert any("ended by the service" in text for text in finding.remarks)
+    assert found.tries[1].worse
+    assert finding.proposals == ()
+    assert finding.remarks[0].startswith("2 makes it worse: ")
+    assert said in finding.remarks[0]
+    assert figure(finding, "settle_s of the search").value == 4.0
     assert finding.verdict is Verdict.PASS
+
+
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ({"why": "a file was saved meanwhile"}, "settings returned: a file was saved meanwhile"),
+        ({"alarm": "PLC_STALE"}, "the correction was taken back: FAULT, PLC_STALE"),
+    ],
+)
+def test_a_try_that_ends_early_for_another_reason_is_no_candidate_measured(abab_run, how, said):
+    _, found, finding = searched(abab_run[0], returns_s=66.0, **how)
+    assert (found.tries[1].measured, found.tries[1].worse) == (False, False)
+    (missing,) = finding.missing
+    assert missing == f"2 was not measured to its end: {missing.partition('end: ')[2]}"
+    assert said in missing
+    assert missing.endswith("; arm, and search again")
+    assert (finding.proposals, finding.verdict) == ((), Verdict.OPEN)
 
 
 def test_a_first_candidate_that_was_not_measured_leaves_it_open():

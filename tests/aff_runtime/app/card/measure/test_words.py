@@ -1,0 +1,118 @@
+"""Step 2: the heartbeat and whose rest it is; words against a display that was read before."""
+
+import numpy as np
+import pytest
+
+from aff_runtime.app.card.figures import Verdict
+from aff_runtime.app.card.measure import words
+from tests.aff_runtime.app.card.measure.recorded import (
+    CYCLE_S,
+    SITE,
+    evidence,
+    figure,
+    recorded,
+    steady,
+    window,
+)
+
+SHOWN = [
+    "unwind_tension_N=88.44 N",
+    "pullroll_tension_N=60 N",
+    "line_speed_m_s=60 m/min",
+    "unwind_radius_m=200 mm",
+]
+
+
+def test_words_are_compared_with_the_display_in_percent(tmp_path):
+    found = words.measure(evidence(window(recorded(tmp_path, steady(10.0))), given=SHOWN))
+    tension = figure(found, "unwind_tension_N")
+    assert tension.value == pytest.approx(100.0 * (88.0 - 88.44) / 88.44)
+    assert figure(found, "line_speed_m_s").value == pytest.approx(0.0, abs=1e-9)
+    assert found.verdict is Verdict.PASS
+    part = words.measure(evidence(window(recorded(tmp_path, steady(10.0))), given=SHOWN[:3]))
+    assert part.verdict is Verdict.OPEN
+    assert "unwind_radius_m" in part.missing[0]
+
+
+@pytest.mark.parametrize(
+    ("shown_m", "nearest_m"), [(0.2, 0.2003), (0.2084, 0.2084), (0.216, 0.2117), (0.196, 0.2003)]
+)
+def test_a_radius_that_shrinks_is_compared_where_the_display_was_read(
+    tmp_path, shown_m, nearest_m
+):
+    """From 212 to 200 mm in the ten seconds: read in them at any moment, or never."""
+    columns = steady(10.0)
+    share = columns["time_s"] / columns["time_s"][-1]
+    columns["unwind_radius_m"] = 0.212 - 0.012 * share
+    given = [*SHOWN[:3], f"unwind_radius_m={shown_m} m"]
+    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=given))
+    error = 100.0 * (nearest_m - shown_m) / shown_m
+    assert figure(found, "unwind_radius_m").value == pytest.approx(error, abs=0.16)
+    assert found.verdict is (Verdict.PASS if abs(error) < 1.0 else Verdict.FAIL)
+
+
+def test_of_a_long_window_the_last_ten_seconds_of_a_radius_count(tmp_path):
+    columns = steady(30.0)
+    columns["unwind_radius_m"] = np.where(columns["time_s"] < 19.0, 0.21, 0.2)
+    given = [*SHOWN[:3], "unwind_radius_m=0.21 m"]
+    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=given))
+    assert figure(found, "unwind_radius_m").value == pytest.approx(-100.0 / 21.0)
+
+
+def test_a_scale_that_is_off_by_two_percent_fails(tmp_path):
+    columns = steady(10.0)
+    columns["unwind_radius_m"] *= 1.02
+    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=SHOWN))
+    assert figure(found, "unwind_radius_m").value == pytest.approx(2.0)
+    assert found.verdict is Verdict.FAIL
+
+
+def test_a_heartbeat_that_rests_and_an_echo_that_is_missing_fail(tmp_path):
+    columns = steady(10.0)
+    columns["plc_heartbeat"][400:404] = columns["plc_heartbeat"][399]
+    columns["echo_age"][::4] = -1.0
+    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=SHOWN))
+    rest = figure(found, "heartbeat: longest rest")
+    assert rest.value == pytest.approx(1e3 * 5 * CYCLE_S)  # moves at 399 and at 404
+    assert rest.good is False
+    if SITE.gateway.read.aff_echo is not None:
+        assert figure(found, "echo: share").value == pytest.approx(75.0)
+
+
+def rests(folder, ours, plc=0, late_us=0.0):
+    """Return what is found of a heartbeat where ``ours`` ticks of the service are missing.
+
+    Parameters
+    ----------
+    plc : ticks in which it rests otherwise. ``late_us`` : by how much a tick after 2 s wakes late,
+        of three in which the heartbeat rests.
+    """
+    columns = steady(10.0)
+    if plc:
+        columns["plc_heartbeat"][1200 : 1200 + plc] = columns["plc_heartbeat"][1199]
+    if late_us:
+        columns["plc_heartbeat"][400:403] = columns["plc_heartbeat"][399]
+        columns["wake_us"][401] = late_us
+    kept = np.ones(columns["time_s"].size, dtype=bool)
+    kept[800 : 800 + ours] = False
+    columns = {name: values[kept] for name, values in columns.items()}
+    return words.measure(evidence(window(recorded(folder, columns)), given=SHOWN))
+
+
+def test_a_rest_in_which_our_own_ticks_are_missing_is_not_the_plcs(tmp_path):
+    found = rests(tmp_path, ours=4)
+    rest = figure(found, "heartbeat: longest rest")
+    assert rest.value == pytest.approx(1e3 * 5 * CYCLE_S)
+    assert rest.good is None
+    assert found.verdict is Verdict.OPEN
+    assert "up to 25 ms, the service missed or began late a tick" in found.missing[0]
+
+
+def test_a_rest_in_which_our_own_tick_woke_late_is_not_the_plcs(tmp_path):
+    assert rests(tmp_path / "a", ours=0, late_us=4000.0).verdict is Verdict.OPEN
+    assert rests(tmp_path / "b", ours=0, late_us=400.0).verdict is Verdict.FAIL
+
+
+def test_a_rest_of_the_plc_fails_though_ticks_of_ours_are_missing_elsewhere(tmp_path):
+    assert rests(tmp_path / "a", ours=4, plc=4).verdict is Verdict.FAIL
+    assert rests(tmp_path / "b", ours=1).verdict is Verdict.PASS
