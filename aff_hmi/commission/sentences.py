@@ -3,7 +3,8 @@
 Commissioner and card write English sentences with numbers and names in them. Each is found again
 by its pattern and said with the same numbers; what is in no pattern stays English, and is told
 whole. What has a pattern and more than ``LONGEST`` characters loses its tail to an ellipsis.
-What stands in a place called ``what`` or ``why`` is itself such a sentence, or a list of them.
+What stands in a place called ``what`` or ``why`` is itself such a sentence, or a list of them; in
+one called ``choices`` answers that can be given: they are named as their buttons are called.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import re
 from collections.abc import Iterator
 from functools import cache
 
+from aff_hmi.commission.choices import all_named
 from aff_hmi.commission.run_sentences import RUNS
 from aff_hmi.commission.setup_sentences import SETUP
 from aff_hmi.commission.verdict_sentences import PATTERNS as VERDICTS
@@ -48,7 +50,8 @@ PATTERNS = (
 )
 _PLACE = re.compile(r"\\\{(\w+)\\\}")
 _NESTED = ("what", "why")
-_LISTS = (*_NESTED, "bits", "rest", "reason", "site", "text", "thing", "words")
+_CHOICES = "choices"
+_LISTS = (*_NESTED, _CHOICES, "bits", "rest", "reason", "site", "text", "thing", "words")
 LIST_MARKS = ("; ", ", ")
 _END = re.compile(r"(?<=\.) ")
 LONGEST, DEEPEST = 700, 6
@@ -79,10 +82,16 @@ def sentence(text: str, say: Say, depth: int = 0) -> str:
             continue
         said = say(template)
         for name, value in found.groupdict().items():
-            shown = _parts(value, say, depth) if name in _NESTED else value
-            said = said.replace(f"{{{name}}}", shown)
+            said = said.replace(f"{{{name}}}", _shown(name, value, say, depth))
         return said
     return text
+
+
+def _shown(name: str, value: str, say: Say, depth: int) -> str:
+    """Return what stands in a place, in the reader's language where it is a text of ours."""
+    if name == _CHOICES:
+        return all_named(value, say)
+    return _parts(value, say, depth) if name in _NESTED else value
 
 
 def _bounded(text: str) -> str:
