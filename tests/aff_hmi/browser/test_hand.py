@@ -63,6 +63,23 @@ def test_bypass_is_one_key_and_is_done_when_the_line_shows_it(chromium, with_han
     until("bypassed", lambda: with_hand.service.status()["state"] == "BYPASS")
 
 
+def test_the_place_on_a_page_is_kept_by_way_of_language_and_login(
+    chromium, with_hand: Screen
+) -> None:
+    page = Page(chromium, f"{with_hand.url}rolls?lang=en#unwind%20unwind")
+    page.await_live()
+    page.page.click("#language")
+    page.page.wait_for_url("**/rolls?lang=de#unwind%20unwind")
+    page.await_live()
+    page.page.click(".who a.button")
+    page.page.wait_for_url("**/login?lang=de&from=/rolls#unwind%20unwind")
+    page.page.fill("#name", "bert")
+    page.page.fill("#password", PASSWORD)
+    page.page.press("#password", "Enter")
+    page.page.wait_for_url("**/rolls?lang=de#unwind%20unwind")
+    page.close()
+
+
 def held(page: Page, button: str) -> None:
     """Hold a button long enough, again where a busy machine made the page stale."""
     before = page.page.text_content("#hand-said")
