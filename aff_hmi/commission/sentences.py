@@ -61,7 +61,8 @@ LONGEST, DEEPEST = 700, 6
 def _compiled() -> tuple[tuple[re.Pattern[str], str], ...]:
     """Return every pattern; those with the most fixed text come first."""
     by_length = sorted(PATTERNS, key=lambda text: -len(re.sub(r"\{\w+\}", "", text)))
-    return tuple((re.compile(_PLACE.sub(_any, re.escape(text))), text) for text in by_length)
+    patterns = (_PLACE.sub(_any, re.escape(_evenly(text))) for text in by_length)
+    return tuple(zip(map(re.compile, patterns), by_length, strict=True))
 
 
 def _any(place: re.Match[str]) -> str:
@@ -75,7 +76,7 @@ def sentence(text: str, say: Say, depth: int = 0) -> str:
     """Return a sentence in the reader's language; English where no pattern is of it."""
     if depth > DEEPEST:
         return text
-    bounded = _bounded(text)
+    bounded = _bounded(_evenly(text))
     for pattern, template in _compiled():
         found = pattern.fullmatch(bounded)
         if found is None:
@@ -92,6 +93,11 @@ def _shown(name: str, value: str, say: Say, depth: int) -> str:
     if name == _CHOICES:
         return all_named(value, say)
     return _parts(value, say, depth) if name in _NESTED else value
+
+
+def _evenly(text: str) -> str:
+    """Return a text whose words stand one space apart: a terminal's columns are none here."""
+    return " ".join(text.split())
 
 
 def _bounded(text: str) -> str:

@@ -170,6 +170,7 @@ ROWS = (
     N_("changed by {value} {unit}"),
     N_("moves"),
     N_("stands still"),
+    N_("still"),
     N_("it counts or ramps"),
     N_("agrees at {count} moments"),
     N_("measured {count} counts/turn ({low} to {high})"),

@@ -168,6 +168,21 @@ def test_a_question_names_its_buttons_and_leaves_what_must_be_typed() -> None:
     assert with_buttons("`find`, or `none`", (), GERMAN) == "`find`, or `none`"
 
 
+@pytest.mark.parametrize(
+    ("text", "german"),
+    [
+        (
+            f"  word {2:5} changed by {3.1:.4g} N, at rest {0.25:.4g}",
+            "Wort 2 um 3.1 N geändert, in Ruhe 0.25",
+        ),
+        (f"  word {9:5} = {1:6}  still", "Wort 9 = 1  unbewegt"),
+        (f"  word {4:5}: u16 8896  i16 8896", "Wort 4: u16 8896 i16 8896"),
+    ],
+)
+def test_the_columns_of_a_terminal_hide_no_sentence(text: str, german: str) -> None:
+    assert sentence(text, GERMAN) == german
+
+
 def test_what_is_refused_of_a_bit_is_told_in_german() -> None:
     said = refused(bit(lambda word, bit: ""), "7")
     assert sentence(said, GERMAN).startswith("„7“: Wort und Bit schreiben, etwa 20.7")
