@@ -19,17 +19,17 @@ def encode(view: View, *, number: int, boot: str, is_loud: bool = False) -> str:
     ----------
     is_loud : whether an alarm stands for which a screen that may makes itself heard.
     """
-    said = {"q": number, "boot": boot, "loud": is_loud, **_plain(view)}
-    separators = (",", ":")
-    text = json.dumps(
-        said, ensure_ascii=False, allow_nan=False, separators=separators, default=_plain
-    )
-    return text[1:]
+    return _TEXT.encode({"q": number, "boot": boot, "loud": is_loud, **_plain(view)})[1:]
 
 
 def _plain(one: Any) -> Any:
     """Return the fields of a dataclass; ``asdict`` would copy all that is in them, too."""
     return {field.name: getattr(one, field.name) for field in fields(one)}
+
+
+_TEXT = json.JSONEncoder(
+    ensure_ascii=False, allow_nan=False, separators=(",", ":"), default=_plain
+)
 
 
 def with_part(frame: str, part: str) -> str:

@@ -31,6 +31,7 @@ from aff_runtime.base.signals import State
 
 FRESH_S = 0.7
 KEPT_MOMENTS = 64
+KEPT_TEXTS = 64  # of what sessions are told, while nothing of it changes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -69,6 +70,7 @@ class Hand:
         self.sessions = Sessions(self.accounts, clock, self._note)
         self.desk = PressDesk(socket, clock)
         self._of_nobody: dict[tuple[Place, Say], str] = {}
+        self._texts: dict[tuple[object, ...], str] = {}
         self._moments: deque[Moment] = deque(maxlen=KEPT_MOMENTS)
         self._state: State | None = None
         self._blocked = ""
@@ -120,21 +122,29 @@ class Hand:
         return self._of_nobody[place, say]
 
     def _own_of(self, session: Session | None, place: Place, say: Say) -> str:
-        held = self.sessions.holder()
-        has_hand = held is not None and held.session is session
+        """Return it, worked out anew where anything that it is of has changed."""
+        held, person = self.sessions.holder(), self.person(session, place)
+        around = self._circumstances()
         said = {
             "account": session.account.name if session is not None else "",
-            "has_hand": has_hand,
+            "has_hand": person.has_hand,
             "hand_of": held.session.account.name if held is not None else "",
             "hand_from": held.session.place if held is not None else "",
             "lost_to": session.lost_to if session is not None else "",
             "hears": self.desk.rules is not None,
-            "why": {
-                action.value: [said_in(one, say) for one in self.reasons(action, session, place)]
-                for action in Action
-            },
         }
-        return json.dumps(said, ensure_ascii=False, separators=(",", ":"))
+        key = (*said.values(), person, around, say)
+        if key not in self._texts:
+            if len(self._texts) >= KEPT_TEXTS:
+                self._texts.clear()
+            why = {
+                action.value: [said_in(one, say) for one in may(action, person, around)]
+                for action in Action
+            }
+            self._texts[key] = json.dumps(
+                {**said, "why": why}, ensure_ascii=False, separators=(",", ":")
+            )
+        return self._texts[key]
 
     def _note(self, what: str, session: Session) -> None:
         """Have what nobody pressed put into the audit."""

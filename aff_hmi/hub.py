@@ -21,12 +21,11 @@ from aff_hmi.see.kept import Kept
 from aff_hmi.view import view_of
 from aff_hmi.watch import Seen, Watch
 from aff_hmi.words import say_in
-from aff_runtime.app.door.messages import Facts
 from aff_runtime.app.report.metrics.readings import Sample, Spread
 from aff_runtime.base.ports import Clock
 
 FRAME_S = 0.1
-QUIET_S = 0.5  # while nobody looks
+QUIET_S = 0.6  # while nobody looks: the history has each second of it, with room for a late poll
 LEAST_S = 0.02
 MAX_SOCKETS = 32
 MAX_IN_FLIGHT = 2
@@ -44,9 +43,13 @@ class Viewer:
     topic : of its page, empty for none.
     in_flight : numbers of the frames that were sent to it and that it has not acknowledged.
     echo_ms : its newest stamp, said back to it; None until it was heard.
+    listening : hears it; its end lets it go.
     """
 
-    def __init__(self, language: str, address: str, own: Callable[[], str], topic: str) -> None:
+    def __init__(
+        self, socket: WebSocket, language: str, address: str, own: Callable[[], str], topic: str
+    ) -> None:
+        self._socket = socket
         self.language = language
         self.topic = topic
         self.address = address
@@ -54,7 +57,29 @@ class Viewer:
         self.in_flight: list[int] = []
         self.echo_ms: float | None = None
         self.heard_ns = 0
-        self.frame: asyncio.Event = asyncio.Event()
+        self.listening: asyncio.Task[None] | None = None
+
+    def send(self, text: str) -> bool:
+        """Hand a text to the socket at once, or not at all; False where it takes none now.
+
+        A socket with room takes it without waiting. One that has none would wait before it takes
+        any of it: then nothing is sent, for the next frame is newer.
+        """
+        sending = self._socket.send_text(text)
+        try:
+            sending.send(None)
+        except StopIteration:
+            return True
+        except (RuntimeError, WebSocketDisconnect):
+            self.end()
+            return False
+        sending.close()
+        return False
+
+    def end(self) -> None:
+        """Let it go."""
+        if self.listening is not None:
+            self.listening.cancel()
 
     def heard(self, number: int, stamp_ms: float, now_ns: int) -> None:
         """Take a receipt."""
@@ -102,7 +127,7 @@ class Hub:
         self._number = 0
         self._ticked_ns: int | None = None
         self._due = asyncio.Event()
-        self._layout_of: tuple[Facts | None, tuple[str, ...]] = (None, ())
+        self._layout_of: tuple[object, ...] = ()
         self.boot = secrets.token_hex(8)
         self.layout = Layout()
 
@@ -162,16 +187,19 @@ class Hub:
             (language, topic): self._with_part(heads[language], topic, language)
             for language, topic in {(viewer.language, viewer.topic) for viewer in self._viewers}
         }
+        now_ns = self._clock.now_ns()
         for viewer in self._viewers:
-            viewer.frame.set()
+            self._send(viewer, now_ns)
 
     def _lay_out(self, seen: Seen) -> None:
         """Work out the rows of the page again where facts or columns are other ones."""
-        columns = tuple(seen.row.values) if seen.row is not None else ()
-        if seen.facts is None or not columns or self._layout_of == (seen.facts, columns):
+        if seen.facts is None or seen.row is None or not seen.row.values:
             return
-        self._layout_of = (seen.facts, columns)
-        assert seen.row is not None
+        of = (seen.facts.status.line, seen.site, tuple(seen.row.values))
+        is_same = of == self._layout_of
+        self._layout_of = of  # the same one the next time: then it need not be looked through
+        if is_same:
+            return
         layout = layout_of(seen.facts, tuple(channel.name for channel in seen.row.channels))
         if layout != self.layout:  # one that stays has its digest already
             self.layout = layout
@@ -204,20 +232,16 @@ class Hub:
             await socket.close(TRY_LATER)
             return
         await socket.accept()
-        viewer = Viewer(language, address, own, topic)
+        viewer = Viewer(socket, language, address, own, topic)
         viewer.heard_ns = self._clock.now_ns()
         self._viewers.add(viewer)
-        tasks = [
-            asyncio.create_task(self._listen(socket, viewer)),
-            asyncio.create_task(self._send(socket, viewer)),
-        ]
+        listening = viewer.listening = asyncio.create_task(self._listen(socket, viewer))
         try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait([listening])
         finally:
             self._viewers.discard(viewer)
-            for task in tasks:
-                task.cancel()
-            await asyncio.gather(*tasks, return_exceptions=True)
+            listening.cancel()
+            await asyncio.gather(listening, return_exceptions=True)
         with contextlib.suppress(RuntimeError, WebSocketDisconnect):
             await socket.close(POLICY)
 
@@ -238,23 +262,22 @@ class Hub:
                 self._due.set()
             viewer.heard(*said, now_ns)
 
-    async def _send(self, socket: WebSocket, viewer: Viewer) -> None:
-        """Send the newest frame to who keeps up; ends with who does not."""
-        while True:
-            await viewer.frame.wait()
-            viewer.frame.clear()
-            if self._clock.now_ns() - viewer.heard_ns > PATIENCE_S * 1e9:
-                return
-            frame = self._frames.get((viewer.language, viewer.topic))
-            if frame is None or viewer.echo_ms is None or len(viewer.in_flight) >= MAX_IN_FLIGHT:
-                self.counts.skipped += len(viewer.in_flight) >= MAX_IN_FLIGHT
-                continue
-            self.counts.sent += 1
-            viewer.in_flight.append(self._number)
-            async with asyncio.timeout(PATIENCE_S):
-                await socket.send_text(frames.opened(frame, viewer.echo_ms, viewer.own()))
-            if self._ticked_ns is not None:
-                self.counts.delays.add((self._clock.now_ns() - self._ticked_ns) * 1e-9)
+    def _send(self, viewer: Viewer, now_ns: int) -> None:
+        """Send the newest frame to who keeps up; let go of who has said nothing for long."""
+        if now_ns - viewer.heard_ns > PATIENCE_S * 1e9:
+            viewer.end()
+            return
+        if viewer.echo_ms is None:
+            return
+        has_room = len(viewer.in_flight) < MAX_IN_FLIGHT
+        frame = self._frames[viewer.language, viewer.topic]
+        if not (has_room and viewer.send(frames.opened(frame, viewer.echo_ms, viewer.own()))):
+            self.counts.skipped += 1
+            return
+        self.counts.sent += 1
+        viewer.in_flight.append(self._number)
+        if self._ticked_ns is not None:
+            self.counts.delays.add((self._clock.now_ns() - self._ticked_ns) * 1e-9)
 
 
 def _begun_ns(seen: Seen) -> int | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from urllib.parse import quote
 
 from aff_hmi.watch import Seen
@@ -244,7 +245,12 @@ def place_key(actuator: str, roll: str) -> str:
 def _place_of(orders: list[OrderStatus]) -> str:
     """Return the place of the first roll among orders; an imbalance has none of its own."""
     first = next((one for one in orders if not one.is_imbalance), None)
-    return ROLLS if first is None else f"{ROLLS}#{quote(place_key(first.actuator, first.roll))}"
+    return ROLLS if first is None else _place_on_page(place_key(first.actuator, first.roll))
+
+
+@lru_cache(maxsize=64)
+def _place_on_page(key: str) -> str:
+    return f"{ROLLS}#{quote(key)}"
 
 
 def is_probing(seen: Seen) -> bool:

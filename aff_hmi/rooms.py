@@ -19,6 +19,7 @@ from aff_hmi.support.bundle import FILES
 from aff_hmi.support.desk import SupportDesk
 from aff_hmi.timing.room import Timing
 from aff_hmi.timing.tallies import Tallies
+from aff_hmi.waiting import Waiting
 from aff_hmi.watch import News, Seen
 from aff_hmi.windows.desk import WindowDesk
 from aff_hmi.windows.routes import tick_routes
@@ -64,6 +65,7 @@ class Rooms:
         self.timing = Timing(clock, counts, hand, kept.store)
         self.tallies = Tallies(clock)
         self.support = SupportDesk(kept, self.timing, clock, metrics)
+        self._waiting = Waiting()
         kept.join(TIMING, self.timing.part)
 
     seconds = SECONDS
@@ -72,12 +74,17 @@ class Rooms:
     support_files = tuple(FILES.items())
 
     def listen(self, news: News) -> None:
-        """Take what a poll has brought."""
-        for room in (self.kept, self.scope, self.timing, self.tallies):
-            room.listen(news)
+        """Take what a poll has brought; the history takes it with its next look."""
+        self.scope.listen(news)
+        self.timing.listen(news)
+        self.tallies.listen(news)
+        self._waiting.add(news)
 
     def look(self, seen: Seen, layout: Layout) -> None:
         """Take note of a moment."""
+        if self.kept.is_due:
+            for news in self._waiting.take():
+                self.kept.listen(news)
         rooms = (self.kept, self.scope, self.windows, self.timing, self.tallies, self.support)
         for room in rooms:
             room.look(seen, layout)

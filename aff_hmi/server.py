@@ -9,6 +9,7 @@ from collections.abc import Callable
 import h11
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
+from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from aff_hmi.commission.link import Commission
 from aff_hmi.counted import Counted
@@ -29,6 +30,7 @@ READY_LOOK_S = 0.02
 END_LOOK_S = 0.5
 MAX_HEADER_BYTES = 16_384
 MAX_SOCKET_BYTES = 1024
+MAX_UNHEARD = 4
 
 
 class PatientOnce(H11Protocol):
@@ -48,6 +50,23 @@ class PatientOnce(H11Protocol):
         has_spoken = not is_idle or transport.get_protocol() is not self
         if not has_spoken and not transport.is_closing():
             transport.close()
+
+
+class Receipts(WebSocketsSansIOProtocol):
+    """A WebSocket that goes on reading while a receipt or two wait to be heard.
+
+    They are short and few: uvicorn's own stops and starts reading for each, at two calls of the
+    kernel. Who says more than those is not read on.
+    """
+
+    def send_receive_event_to_app(self) -> None:
+        """Hand over a message."""
+        was_paused, self.read_paused = self.read_paused, True  # or it would be paused for this one
+        super().send_receive_event_to_app()
+        self.read_paused = was_paused
+        if not was_paused and self.queue.qsize() > MAX_UNHEARD:
+            self.read_paused = True
+            self.transport.pause_reading()
 
 
 class Unhurried(uvicorn.Server):
@@ -86,7 +105,7 @@ def config_of(listening: Listening, hub: Hub, language: str) -> uvicorn.Config:
         host=listening.address,
         port=listening.port,
         http=PatientOnce,
-        ws="websockets-sansio",
+        ws=Receipts,
         loop="asyncio",
         lifespan="off",
         log_level="warning",

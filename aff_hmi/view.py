@@ -207,7 +207,6 @@ def values_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, f
     for tension in layout.tensions:
         mean = window.mean_now(tension.channel) if window is not None else math.nan
         yield f"tension:{tension.channel}", mean
-        yield f"rms:{tension.channel}", window.rms(tension.channel) if window else math.nan
         yield f"reference:{tension.channel}", row.number(tension.reference or None)
     yield "speed", 60.0 * row.number(layout.speed or None)
     facts = seen.site
@@ -226,9 +225,18 @@ def values_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, f
         limit = factor * output.limit
         yield f"share:{output.actuator}", peak / limit if limit > 0.0 else math.nan
         yield f"let_out:{output.actuator}", 100.0 * row.number(f"applied_ratio_{output.column}")
-        ripple_factor = 1e3 if output.signal.endswith("_m_s") else 1.0
-        compared = row.state in GOES_OUT and not is_probing(seen)
-        yield from _ripple(row, output.actuator, ripple_factor, compared=compared)
+    yield from ripple_of(seen, row, layout)
+
+
+def ripple_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
+    """Yield the numbers of ``values_of`` that are of ripple: as measured, and of the orders."""
+    window, facts = seen.window, seen.site
+    for tension in layout.tensions:
+        yield f"rms:{tension.channel}", window.rms(tension.channel) if window else math.nan
+    compared = row.state in GOES_OUT and not is_probing(seen)
+    for output in facts.outputs if facts is not None else ():
+        factor = 1e3 if output.signal.endswith("_m_s") else 1.0
+        yield from _ripple(row, output.actuator, factor, compared=compared)
 
 
 def _ripple(
@@ -264,11 +272,19 @@ def _told_apart(row: TickRow, orders: list[OrderStatus]) -> list[OrderStatus]:
     for order in sorted(orders, key=lambda one: -_finite(one.ripple)):
         turn = turns[order.roll]
         frequency = order.order * turn
-        if any(abs(frequency - f) * TURNS < min(turn, t) for f, t in kept if t != turn):
-            continue
-        kept.append((frequency, turn))
-        orders_kept.append(order)
+        if not _is_heard_already(frequency, turn, kept):
+            kept.append((frequency, turn))
+            orders_kept.append(order)
     return orders_kept
+
+
+def _is_heard_already(frequency: float, turn: float, kept: list[tuple[float, float]]) -> bool:
+    """Return whether a lock-in of this roll hears one of these (frequency, turn) of others."""
+    for other, turn_of_it in kept:
+        is_near = abs(frequency - other) * TURNS < min(turn, turn_of_it)
+        if is_near and turn_of_it != turn:
+            return True
+    return False
 
 
 def _notes(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -26,41 +27,44 @@ class Window:
         self._from = [columns.index(name) for name in self._at]
         self._size = max(2, round(WINDOW_S / cycle_s))
         self._now = max(1, round(NOW_S / cycle_s))
-        self._rows: NDArray[np.float64] = np.full((self._size, len(self._at)), np.nan)
+        # a column lies in one piece: it is read as a whole, ten times a second
+        self._columns: NDArray[np.float64] = np.full((len(self._at), self._size), np.nan)
         self._count = 0
 
     def add(self, records: NDArray[np.float64] | Sequence[Sequence[float]]) -> None:
         """Append records of the ring in order."""
         rows = np.asarray(records[-self._size :], dtype=float)[:, self._from]
         places = np.arange(self._count, self._count + len(rows)) % self._size
-        self._rows[places] = rows
+        self._columns[:, places] = rows.T
         self._count += len(rows)
 
     def mean_now(self, name: str) -> float:
         """Return the mean of the last tenth of a second; NaN when nothing is known."""
-        at = self._at.get(name)
-        if at is None or self._count == 0:
-            return np.nan
-        newest = np.arange(max(0, self._count - self._now), self._count) % self._size
-        values = self._rows[newest, at]
-        values = values[np.isfinite(values)]
-        return float(values.mean()) if values.size else np.nan
+        column, end = self._column(name), self._count % self._size
+        begin = end - min(self._now, self._count)
+        parts = [column[begin:end]] if begin >= 0 else [column[begin:], column[:end]]
+        values = _finite(np.concatenate(parts))
+        return float(values.sum()) / values.size if values.size else math.nan
 
     def rms(self, name: str) -> float:
         """Return the deviation from the mean of the window, rms; NaN while it is not full."""
-        values = self._known(name)
-        return float(values.std()) if values.size else np.nan
+        values = _finite(self._column(name))
+        if not values.size or values.size < LEAST_SHARE * self._size:
+            return math.nan
+        deviation = values - float(values.sum()) / values.size
+        return math.sqrt(float(deviation @ deviation) / values.size)
 
     def peak(self, name: str) -> float:
         """Return the largest absolute value in the window; NaN while nothing is known."""
-        at = self._at.get(name)
-        values = self._rows[:, at] if at is not None else np.empty(0)
-        values = values[np.isfinite(values)]
-        return float(np.abs(values).max()) if values.size else np.nan
+        values = _finite(self._column(name))
+        return float(max(values.max(), -values.min())) if values.size else math.nan
 
-    def _known(self, name: str) -> NDArray[np.float64]:
-        """Return the finite values of a column, none while the window has holes."""
+    def _column(self, name: str) -> NDArray[np.float64]:
+        """Return a column, the newest values anywhere in it; empty where there is none."""
         at = self._at.get(name)
-        values = self._rows[:, at] if at is not None else np.empty(0)
-        found = values[np.isfinite(values)]
-        return found if found.size >= LEAST_SHARE * self._size else np.empty(0)
+        return self._columns[at] if at is not None else np.empty(0)
+
+
+def _finite(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the finite ones of some values; mostly all are, and then so is their sum."""
+    return values if math.isfinite(values.sum()) else values[np.isfinite(values)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from aff_hmi.commission.choices import called, with_buttons
 from aff_hmi.commission.sentences import sentence
 from aff_hmi.commission.shown import (
     JobInShort,
@@ -60,15 +61,6 @@ DRIVE_NUMBERS = {
     "friction_N_m_s": (N_("friction"), "N m s"),
     "delay_s": (N_("delay to the drive"), "s"),
     "stiffness_N_m": (N_("stiffness of the web"), "N/m"),
-}
-CHOICES = {
-    "yes": N_("yes"),
-    "no": N_("no"),
-    "none": N_("none"),
-    "skip": N_("skip"),
-    "again": N_("another moment"),
-    "find": N_("find"),
-    "move": N_("move it"),
 }
 
 
@@ -177,9 +169,9 @@ def _question(asked: QuestionView, say: Say) -> ShownQuestion:
     return ShownQuestion(
         number=asked.number,
         name=asked.name,
-        text=sentence(asked.text, say),
+        text=with_buttons(sentence(asked.text, say), asked.choices, say),
         default=asked.default,
-        choices=tuple((value, say(CHOICES.get(value, value))) for value in asked.choices),
+        choices=tuple((value, called(value, say)) for value in asked.choices),
         rows=tuple((value, sentence(text, say)) for value, text in asked.rows),
     )
 

@@ -3,7 +3,8 @@
 Commissioner and card write English sentences with numbers and names in them. Each is found again
 by its pattern and said with the same numbers; what is in no pattern stays English, and is told
 whole. What has a pattern and more than ``LONGEST`` characters loses its tail to an ellipsis.
-What stands in a place called ``what`` or ``why`` is itself such a sentence, or a list of them.
+What stands in a place called ``what`` or ``why`` is itself such a sentence, or a list of them; in
+one called ``choices`` answers that can be given: they are named as their buttons are called.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import re
 from collections.abc import Iterator
 from functools import cache
 
+from aff_hmi.commission.choices import all_named
 from aff_hmi.commission.run_sentences import RUNS
 from aff_hmi.commission.setup_sentences import SETUP
 from aff_hmi.commission.verdict_sentences import PATTERNS as VERDICTS
@@ -48,7 +50,8 @@ PATTERNS = (
 )
 _PLACE = re.compile(r"\\\{(\w+)\\\}")
 _NESTED = ("what", "why")
-_LISTS = (*_NESTED, "bits", "rest", "reason", "site", "text", "thing", "words")
+_CHOICES = "choices"
+_LISTS = (*_NESTED, _CHOICES, "bits", "rest", "reason", "site", "text", "thing", "words")
 LIST_MARKS = ("; ", ", ")
 _END = re.compile(r"(?<=\.) ")
 LONGEST, DEEPEST = 700, 6
@@ -58,7 +61,8 @@ LONGEST, DEEPEST = 700, 6
 def _compiled() -> tuple[tuple[re.Pattern[str], str], ...]:
     """Return every pattern; those with the most fixed text come first."""
     by_length = sorted(PATTERNS, key=lambda text: -len(re.sub(r"\{\w+\}", "", text)))
-    return tuple((re.compile(_PLACE.sub(_any, re.escape(text))), text) for text in by_length)
+    patterns = (_PLACE.sub(_any, re.escape(_evenly(text))) for text in by_length)
+    return tuple(zip(map(re.compile, patterns), by_length, strict=True))
 
 
 def _any(place: re.Match[str]) -> str:
@@ -72,17 +76,28 @@ def sentence(text: str, say: Say, depth: int = 0) -> str:
     """Return a sentence in the reader's language; English where no pattern is of it."""
     if depth > DEEPEST:
         return text
-    bounded = _bounded(text)
+    bounded = _bounded(_evenly(text))
     for pattern, template in _compiled():
         found = pattern.fullmatch(bounded)
         if found is None:
             continue
         said = say(template)
         for name, value in found.groupdict().items():
-            shown = _parts(value, say, depth) if name in _NESTED else value
-            said = said.replace(f"{{{name}}}", shown)
+            said = said.replace(f"{{{name}}}", _shown(name, value, say, depth))
         return said
     return text
+
+
+def _shown(name: str, value: str, say: Say, depth: int) -> str:
+    """Return what stands in a place, in the reader's language where it is a text of ours."""
+    if name == _CHOICES:
+        return all_named(value, say)
+    return _parts(value, say, depth) if name in _NESTED else value
+
+
+def _evenly(text: str) -> str:
+    """Return a text whose words stand one space apart: a terminal's columns are none here."""
+    return " ".join(text.split())
 
 
 def _bounded(text: str) -> str:

@@ -125,7 +125,7 @@ SAID = (
     N_("no word moved further than at rest: move it more, or longer"),
     N_("no row moved; words that did: {words}"),
     N_("several rows moved alike: move one thing alone"),
-    N_("no row is taken unasked: {why}. Write {words}."),
+    N_("no row is taken unasked: {why}. Write {choices}."),
     N_("rows {words} fit alike, and a wrong word in the loop moves the web"),
     N_("the scale of row 1 is not round"),
     N_("no row stood out when it was moved"),
@@ -139,8 +139,14 @@ SAID = (
         "then run setup again."
     ),
     N_('"{text}": write a whole number, {low} to {high}.'),
-    N_('"{text}": write {words}.'),
-    N_('"{text}" is not known. {rest}'),
+    N_('"{text}": write {choices}.'),
+    N_(
+        '"{text}": write word and bit such as 20.7 (bit 0 to 15), `20.7 inverted` where 0 means '
+        "yes, `find`, or `none`."
+    ),
+    N_('"{text}" is not known. {why}'),
+    N_("Did you mean {choices}?"),
+    N_("Known here: {choices}."),
     N_('"{text}" is out of range: above {low}, up to {high} {unit}.'),
     N_("{count} characters. Write 1 to {most}."),
     N_("word {word} is {owner} already."),
@@ -164,6 +170,7 @@ ROWS = (
     N_("changed by {value} {unit}"),
     N_("moves"),
     N_("stands still"),
+    N_("still"),
     N_("it counts or ramps"),
     N_("agrees at {count} moments"),
     N_("measured {count} counts/turn ({low} to {high})"),

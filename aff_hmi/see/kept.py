@@ -147,12 +147,16 @@ class Kept:
         self._ring = news.ring or self._ring
         self.trends.listen(news)
 
+    @property
+    def is_due(self) -> bool:
+        """Whether a moment is looked at now: twice a second at most."""
+        return self._looked_ns is None or self._clock.now_ns() - self._looked_ns >= LOOK_NS
+
     def look(self, seen: Seen, layout: Layout) -> None:
-        """Take note of a moment, twice a second at most."""
-        now_ns = self._clock.now_ns()
-        if self._looked_ns is not None and now_ns - self._looked_ns < LOOK_NS:
+        """Take note of a moment, where one is due."""
+        if not self.is_due:
             return
-        self._looked_ns = now_ns
+        self._looked_ns = self._clock.now_ns()
         self._seen, self._layout = seen, layout
         self._texts.clear()
         state = state_of(seen)

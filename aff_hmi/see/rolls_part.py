@@ -225,7 +225,9 @@ def of_rolls(
     for order in row.orders():
         name = _roll_of(order, site)
         place = (order.actuator, name)
-        found.setdefault(place, (facts.get(name, RollFacts(name=name)), []))[1].append(order)
+        if place not in found:
+            found[place] = (facts.get(name) or RollFacts(name=name), [])
+        found[place][1].append(order)
     return found
 
 

@@ -64,6 +64,10 @@ class SeriesSet:
         samples = dict(_of_samples(layout))
         samples |= dict(_of_orders(columns, site))
         self._samples = tuple(samples)[: MOST - len(ticks)]
+        places = {slot: len(ticks) + n for n, slot in enumerate(self._samples)}
+        self._change_at = {slot[3:]: at for slot, at in places.items() if slot.startswith("dB:")}
+        self._size_at = {slot[3:]: at for slot, at in places.items() if slot.startswith("mm:")}
+        self._place_of = places
         self.all = (*(one.series for one in ticks), *(samples[slot] for slot in self._samples))
 
     def of_ticks(self, records: Rows) -> NDArray[np.float64]:
@@ -86,19 +90,23 @@ class SeriesSet:
 
         Parameters
         ----------
-        values : of the overview, by slot.
+        values : of the overview, by slot; those that are no curves are left out.
         """
-        by_slot = dict(values)
-        for order in row.orders():
-            key = f"{order.actuator}.{order.name}"
-            before, now = order.ripple_before, order.ripple
-            is_both = before > 0.0 and now > 0.0 and row.state is State.ACTIVE
-            by_slot[f"dB:{key}"] = 20.0 * math.log10(now / before) if is_both else math.nan
-            by_slot[f"mm:{key}"] = order.size
         sample = np.full((1, len(self.all)), np.nan)
         if row.number("age_s") > self._fault_after_s:
             return sample
-        sample[0, len(self._ticks) :] = [by_slot.get(slot, math.nan) for slot in self._samples]
+        numbers = sample[0]
+        for slot, value in values.items():
+            if (at := self._place_of.get(slot)) is not None:
+                numbers[at] = value
+        is_active = row.state is State.ACTIVE
+        for order in row.orders():
+            key = f"{order.actuator}.{order.name}"
+            before, now, at = order.ripple_before, order.ripple, self._change_at.get(key)
+            if at is not None and is_active and before > 0.0 and now > 0.0:
+                numbers[at] = 20.0 * math.log10(now / before)
+            if (at := self._size_at.get(key)) is not None:
+                numbers[at] = order.size
         return sample
 
 

@@ -25,7 +25,7 @@ from aff_hmi.see.trend_rows import (
     put_bins,
     put_hour,
 )
-from aff_hmi.view import values_of
+from aff_hmi.view import ripple_of
 from aff_hmi.watch import News, Seen
 
 FINE = 3600  # seconds in memory
@@ -98,7 +98,7 @@ class Trends:
         self._turn()
         is_fresh = seen.writer_lives and seen.tick_age_s is not None and seen.tick_age_s < 1.0
         if self._set is not None and seen.row is not None and is_fresh:
-            values = dict(values_of(seen, seen.row, layout))
+            values = dict(ripple_of(seen, seen.row, layout))
             self._rows.append(self._set.of_sample(seen.row, values))
 
     def wanted(self, group: str, window: str) -> Callable[[sqlite3.Connection], Curves]:

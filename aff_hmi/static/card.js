@@ -176,6 +176,21 @@ function stepped(step, proof, old) {
 // --- the card ----------------------------------------------------------------------------------
 
 const rows = new Map();
+let linked = location.hash.slice(1); // the step that a link has asked for
+
+/** Open the step of a link, once it is there. */
+function openLinked() {
+  const wanted = rows.get(Number(linked));
+  if (!linked || !wanted) return;
+  linked = "";
+  wanted.box.open = true;
+  wanted.box.querySelector("summary").focus();
+}
+
+addEventListener("hashchange", () => {
+  linked = location.hash.slice(1);
+  openLinked();
+});
 
 function show(answer) {
   const card = answer?.ok ? answer.card : null;
@@ -197,6 +212,7 @@ function show(answer) {
     else byId("steps").append(made);
     rows.set(step.number, { said, box: made });
   }
+  openLinked();
 }
 
 function listing(list, texts) {

@@ -28,6 +28,7 @@ function listing(list, texts, kind = "") {
 // --- the interview -----------------------------------------------------------------------------
 
 let asked = 0;
+let labels = new Map(); // of the answers that have a button
 
 function question(one, said) {
   byId("question").hidden = one === null;
@@ -43,8 +44,9 @@ function question(one, said) {
   put(byId("refused"), last?.kind === "complain" ? last.text : "");
   byId("answer").value = "";
   put(byId("answer-label"), words.typed);
-  const text = one.default ? fill(words.default, { text: one.default }) : "";
-  put(byId("default"), text);
+  labels = new Map(one.choices);
+  const called = labels.get(one.default) ?? one.default;
+  put(byId("default"), called ? fill(words.default, { text: called }) : "");
   const picks = [...one.rows.map(([value, row]) => [value, `${value}: ${row}`]), ...one.choices];
   byId("rows").replaceChildren(
     ...picks.map(([value, row]) => {
@@ -66,9 +68,15 @@ async function answer(text) {
   look();
 }
 
+/** What is typed; the name of a button stands for its answer. */
+function typed(text) {
+  const name = text.trim().toLowerCase();
+  return [...labels].find(([, label]) => label.toLowerCase() === name)?.[0] ?? text;
+}
+
 byId("question").onsubmit = (event) => {
   event.preventDefault();
-  answer(byId("answer").value);
+  answer(typed(byId("answer").value));
 };
 byId("find-words").onclick = async () => {
   await act("words", byId("again").value);

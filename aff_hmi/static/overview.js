@@ -250,6 +250,13 @@ function otherTheme() {
   keep("theme", root.dataset.theme);
 }
 
+/** To another language, and by way of the login: the place on the page goes along. */
+for (const link of document.querySelectorAll("a[data-keeps-place]")) {
+  for (const kind of ["pointerdown", "click"]) {
+    link.addEventListener(kind, () => (link.hash = location.hash)); // pointerdown: into a new tab
+  }
+}
+
 const actions = {
   t: otherTheme,
   u: otherUnits,

@@ -77,7 +77,13 @@ function whoRow(one) {
   const made = part("tr");
   const role = part("th", "", one.role);
   role.scope = "row";
-  made.append(role, part("td", "", one.place), part("td", "", cell(one.bypass)), part("td", "", cell(one.arm)));
+  const names = [...document.querySelectorAll(".who-may thead th")].map((head) => head.textContent);
+  const may = [one.bypass, one.arm].map((why, n) => {
+    const found = part("td", "long", cell(why));
+    found.dataset.name = names[n + 2]; // where the table is too narrow for its head
+    return found;
+  });
+  made.append(role, part("td", "", one.place), ...may);
   return made;
 }
 

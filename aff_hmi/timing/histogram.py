@@ -86,10 +86,13 @@ class Times:
 
     def add(self, times_us: NDArray[np.float64], second: int) -> None:
         """Count the times of one second; ``second`` never runs backwards."""
-        self.whole.add(times_us)
+        fresh = Histogram()
+        fresh.add(times_us)
+        self.whole.join(fresh)
         if not self._seconds or self._seconds[-1][0] != second:
-            self._seconds.append((second, Histogram()))
-        self._seconds[-1][1].add(times_us)
+            self._seconds.append((second, fresh))
+        else:
+            self._seconds[-1][1].join(fresh)
 
     def minute(self, second: int) -> Histogram:
         """Return the last minute before a second."""

@@ -16,6 +16,7 @@ from aff_hmi.timing.histogram import EDGES_US, Figures, Times
 from aff_hmi.timing.own import Own, own
 from aff_hmi.timing.rights import RightLine, right_lines
 from aff_hmi.timing.who import WhoLine, who_lines
+from aff_hmi.waiting import Waiting
 from aff_hmi.watch import News, Seen
 from aff_hmi.words import N_, Say
 from aff_runtime.app.report.metrics.readings import Spread
@@ -105,11 +106,20 @@ class Timing:
         self._machine = machine()
         self._machine_ns = clock.now_ns()
         self._seen = Seen()
+        self._waiting = Waiting()
 
     def listen(self, news: News) -> None:
-        """Take the ticks of a poll."""
-        if not len(news.records):
-            return
+        """Take the ticks of a poll; they are counted when somebody asks, or when they are many."""
+        self._waiting.add(news)
+        if self._waiting.is_much:
+            self._count()
+
+    def _count(self) -> None:
+        for news in self._waiting.take():
+            if len(news.records):
+                self._count_all(news)
+
+    def _count_all(self, news: News) -> None:
         second = self._clock.now_ns() // 1_000_000_000
         rows = np.asarray(news.records)
         self._ticks += len(rows)
@@ -132,6 +142,7 @@ class Timing:
 
     def part(self, say: Say) -> TimingPart:
         """Return what the page shows of the newest moment."""
+        self._count()
         seen = self._seen
         facts = seen.facts
         site = seen.site
@@ -164,6 +175,7 @@ class Timing:
 
     def spreads(self) -> Iterator[Spread]:
         """Yield the times of every tick that was seen as histograms of a monitoring system."""
+        self._count()
         for name, metric in METRICS.items():
             whole = self._times[name].whole
             below = np.cumsum(whole.counts)

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import Counter, defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aff_hmi.layout import Layout
+from aff_hmi.waiting import Waiting
 from aff_hmi.watch import News, Seen
 from aff_runtime.app.report.line_facts import VELOCITY, LineFacts, RollFacts
 from aff_runtime.app.report.metrics.readings import TICK_PATIENCE_S, Sample
@@ -30,6 +32,7 @@ class Tallies:
         self._heard_ns = float(clock.now_ns())
         self._site: LineFacts | None = None
         self._seen = Seen()
+        self._waiting = Waiting()
         self._events: Counter[str] = Counter(dict.fromkeys(EVENTS.values(), 0))
         self._outcomes: Counter[int] = Counter()
         self._active_s = 0.0
@@ -38,7 +41,17 @@ class Tallies:
         self._web_m: defaultdict[str, float] = defaultdict(float)
 
     def listen(self, news: News) -> None:
-        """Take what a poll has brought; events that a ring held before are none of ours."""
+        """Take what a poll has brought; it is added when somebody asks, or when it is much."""
+        self._waiting.add(news)
+        if self._waiting.is_much:
+            self._take()
+
+    def _take(self) -> None:
+        for news in self._waiting.take():
+            self._take_one(news)
+
+    def _take_one(self, news: News) -> None:
+        """Add what a ring has brought; events that it held before are none of ours."""
         new = [event for event in news.events if event[1] > self._heard_ns]
         self._events.update(EVENTS[int(code)] for _, _, code, _ in new if int(code) in EVENTS)
         self._heard_ns = max([self._heard_ns, *(event[1] for event in new)])
@@ -47,12 +60,16 @@ class Tallies:
             self._add(_Ticks(news.columns, rows), self._site)
 
     def look(self, seen: Seen, layout: Layout) -> None:
-        """Take note of a moment."""
+        """Take note of a moment; what came before another site was told is of the one before."""
         self._seen = seen
-        self._site = seen.site
+        if seen.site is not self._site:
+            if seen.site != self._site:
+                self._take()
+            self._site = seen.site
 
     def samples(self) -> Iterator[Sample]:
         """Yield every sum, and what the last ten seconds were."""
+        self._take()
         yield Sample("aff_ring_overruns_total", ("screen",), self._seen.unread)
         yield Sample("aff_active_seconds_total", (), self._active_s)
         for outcome in Outcome:
@@ -68,7 +85,8 @@ class Tallies:
         yield from (one for one in self._of_ten_seconds() if math.isfinite(one.value))
 
     def _add(self, ticks: _Ticks, site: LineFacts) -> None:
-        self._outcomes.update(int(one) for one in ticks.known("outcome"))
+        outcomes, counts = np.unique(ticks.known("outcome"), return_counts=True)
+        self._outcomes.update(dict(zip(map(int, outcomes), map(int, counts), strict=True)))
         is_active = ticks.column("state") == State.ACTIVE
         self._active_s += float(is_active.sum()) * site.cycle_s
         for output in site.outputs:
@@ -78,10 +96,9 @@ class Tallies:
         is_heard = ticks.column("age_s") <= site.fault_after_s
         for roll in site.rolls:
             omega_rad_s = np.abs(ticks.column(f"{roll.name}.omega_rad_s"))
-            turned_rad = np.where(is_heard, omega_rad_s, np.nan) * site.cycle_s
-            self._turns[roll.name] += float(np.nansum(turned_rad)) / math.tau
-            radius_m = _radius_m(ticks, roll)
-            self._web_m[roll.name] += float(np.nansum(turned_rad * radius_m))
+            turned_rad = np.where(is_heard, omega_rad_s, math.nan) * site.cycle_s
+            self._turns[roll.name] += _sum_of(turned_rad) / math.tau
+            self._web_m[roll.name] += _sum_of(turned_rad * _radius_m(ticks, roll))
 
     def _of_ten_seconds(self) -> Iterator[Sample]:
         """Yield ripple and largest correction; nothing of a line that does not tick."""
@@ -106,7 +123,7 @@ class _Ticks:
     """Rows of the ring by the names of their columns."""
 
     def __init__(self, columns: tuple[str, ...], rows: NDArray[np.float64]) -> None:
-        self._at = {name: n for n, name in enumerate(columns)}
+        self._at = _places(columns)
         self._rows = rows
 
     def column(self, name: str) -> NDArray[np.float64]:
@@ -118,6 +135,16 @@ class _Ticks:
         """Return the finite numbers of a column."""
         column = self.column(name)
         return column[np.isfinite(column)]
+
+
+@lru_cache(maxsize=4)
+def _places(columns: tuple[str, ...]) -> Mapping[str, int]:
+    return {name: n for n, name in enumerate(columns)}
+
+
+def _sum_of(values: NDArray[np.float64]) -> float:
+    """Return the sum of what is finite."""
+    return float(values[np.isfinite(values)].sum())
 
 
 def _radius_m(ticks: _Ticks, roll: RollFacts) -> NDArray[np.float64] | float:

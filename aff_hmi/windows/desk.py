@@ -15,6 +15,7 @@ from aff_hmi.see.store import Store
 from aff_hmi.watch import Seen
 from aff_hmi.windows.rows import SHARE, FullError, Window, begin, keep, let_go, listed, ticks_of
 from aff_hmi.words import N_
+from aff_runtime.app.door.messages import Facts
 from aff_runtime.base.printable import printable
 
 MOST_S = 60.0
@@ -42,13 +43,15 @@ class WindowDesk:
         self._store = store
         self._journal = journal
         self._line = self._config = self._run = ""
+        self._facts: Facts | None = None
         store.put(begin)
 
     def look(self, seen: Seen, layout: Layout) -> None:
         """Take note of which run and which settings a window would be of."""
         self._line = layout.line
         facts = seen.facts
-        if facts is not None:
+        if facts is not None and facts is not self._facts:
+            self._facts = facts
             recorder = facts.status.recorder
             self._config = facts.status.config_hash[:8]
             self._run = PurePath(recorder.folder).name if recorder is not None else ""

@@ -19,13 +19,14 @@ def printable(text: str, longest: int | None = None) -> str:
     longest : characters of the result, dots included; None for all of it.
     """
     start = text if longest is None else text[: longest + 1]  # escapes only make it longer
-    shown = "".join(
-        char if char.isprintable() else char.encode("unicode_escape").decode("ascii")
-        for char in start
-    )
+    shown = start if start.isprintable() else "".join(map(_shown, start))
     if longest is None or len(shown) <= longest:
         return shown
     return (shown[: max(longest - len(_MORE), 0)] + _MORE)[:longest]
+
+
+def _shown(char: str) -> str:
+    return char if char.isprintable() else char.encode("unicode_escape").decode("ascii")
 
 
 def word(value: object, absent: str = "") -> str:

@@ -80,53 +80,87 @@ class OrderStatus:
         return self.name == IMBALANCE
 
 
-def order_statuses(record: Mapping[str, float]) -> tuple[OrderStatus, ...]:
-    """Return every order of a record, in the order of its columns."""
+def order_statuses(record: Mapping[str, float | None]) -> tuple[OrderStatus, ...]:
+    """Return every order of a record, in the order of its columns; None stands for NaN."""
+    get = record.get
     return tuple(
-        _status(actuator, name, {part: record[column] for part, column in columns})
-        for actuator, name, columns in _columns_of_orders(tuple(record))
+        place.status(*[math.nan if (value := get(at)) is None else value for at in place.columns])
+        for place in _places(tuple(record))
     )
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Place:
+    """What the columns of one order say of it; ``columns`` : of ``status``, empty for none."""
+
+    actuator: str
+    name: str
+    roll: str
+    order: int
+    law: str
+    size_unit: str
+    columns: tuple[str, ...]
+
+    def status(
+        self,
+        state: float,
+        size: float,
+        phase_deg: float,
+        ripple_before: float,
+        ripple: float,
+        response_ratio: float,
+        share: float,
+    ) -> OrderStatus:
+        """Return the order with the numbers of one record."""
+        return OrderStatus(
+            actuator=self.actuator,
+            name=self.name,
+            roll=self.roll,
+            order=self.order,
+            law=self.law,
+            state=_trend(state),
+            size=size,
+            size_unit=self.size_unit,
+            phase_deg=phase_deg,
+            ripple_before=ripple_before,
+            ripple=ripple,
+            response_ratio=response_ratio,
+            share=share,
+        )
+
+
 @lru_cache(maxsize=8)
-def _columns_of_orders(
-    columns: tuple[str, ...],
-) -> tuple[tuple[str, str, tuple[tuple[str, str], ...]], ...]:
-    """Return actuator and name of every order, with what its columns say; rings change rarely."""
+def _places(columns: tuple[str, ...]) -> tuple[_Place, ...]:
+    """Return every order of a record's columns; rings change rarely."""
     said: dict[tuple[str, str], dict[str, str]] = {}
     for column in columns:
         parts = column.split(".")
         if len(parts) == 3:
             said.setdefault((parts[0], parts[1]), {})[parts[2]] = column
-    return tuple((*key, tuple(of.items())) for key, of in said.items() if STATE in of)
+    return tuple(_place(*key, of) for key, of in said.items() if STATE in of)
 
 
-def _status(actuator: str, name: str, said: Mapping[str, float]) -> OrderStatus:
-    column = next((c for c in said if c in SIZES), "")
-    law, unit = SIZES.get(column, ("blocks", ""))
+def _place(actuator: str, name: str, said: Mapping[str, str]) -> _Place:
+    size = next((column for column in said if column in SIZES), "")
+    law, unit = SIZES.get(size, ("blocks", ""))
     roll, _, order = name.rpartition("_")
     number = int(order[:-1]) if order[:-1].isdigit() else 0
     imbalance = name == IMBALANCE
-    return OrderStatus(
+    parts = (STATE, size, "phase_deg", "ripple_before", "ripple", "gain_of_P", "share")
+    return _Place(
         actuator=actuator,
         name=name,
         roll="" if imbalance else roll,
         order=1 if imbalance else number,
         law=law,
-        state=_trend(said[STATE]),
-        size=said.get(column, math.nan),
         size_unit=unit,
-        phase_deg=said.get("phase_deg", math.nan),
-        ripple_before=said.get("ripple_before", math.nan),
-        ripple=said.get("ripple", math.nan),
-        response_ratio=said.get("gain_of_P", math.nan),
-        share=said.get("share", math.nan),
+        columns=tuple(said.get(part, "") for part in parts),
     )
 
 
 def _trend(value: float) -> Trend | None:
     """Return the state that a number stands for; None when it is none."""
-    try:
-        return Trend(int(value)) if math.isfinite(value) else None
-    except ValueError:
-        return None
+    return _TRENDS.get(int(value)) if math.isfinite(value) else None
+
+
+_TRENDS: Mapping[int, Trend] = {int(one): one for one in Trend}

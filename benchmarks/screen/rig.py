@@ -6,6 +6,7 @@ import contextlib
 import json
 import os
 import subprocess
+from collections import Counter
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import replace
@@ -19,11 +20,12 @@ from aff_runtime.app.hand.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.hand.may import Role
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, PlantError, WireError
+from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.python_child import module_command
 from aff_runtime.base.signals import State
 from aff_runtime.telemetry.ring import RingReader
 from benchmarks.screen.clients import beside_control
-from benchmarks.screen.ticks import Block
+from benchmarks.screen.ticks import Block, as_words
 from sim_plant.demo.processes import SCREEN, Child, runtime_command
 from sim_plant.demo.session import (
     Plan,
@@ -58,6 +60,16 @@ def used(pid: int) -> tuple[float, float]:
     return (int(fields[11]) + int(fields[12])) / TICKS_PER_S, pages * PAGE_BYTES * 1e-6
 
 
+def goes_first(pid: int) -> bool:
+    """Have a process go before all others of its processor, as a PLC does; False: not allowed."""
+    try:
+        for task in Path(f"/proc/{pid}/task").iterdir():
+            os.sched_setscheduler(int(task.name), os.SCHED_RR, os.sched_param(1))
+    except PermissionError:
+        return False
+    return True
+
+
 class Ring:
     """Ticks and events as they come, through the service's door as any visitor gets them."""
 
@@ -88,18 +100,22 @@ class Ring:
             self._door = DoorClient(self._path)
             return None
 
-    def ticks(self) -> tuple[list[float], int, int]:
-        """Return when new ticks ended, us after they were due; how many are missing, were idle."""
+    def ticks(self) -> tuple[list[float], int, Counter[str]]:
+        """Return when new ticks ended, us after they were due; how many are missing.
+
+        Of the idle ones, too, how many there were by state and alarm.
+        """
         ring = self.poll()
         records = ring.signals.read_new()
-        names = ("wake_us", "tick_us", "missed_count", "state")
+        names = ("wake_us", "tick_us", "missed_count", "state", "alarm")
         at = {name: ring.columns.index(name) for name in names}
         missed = 0
         if records:
             newest = records[-1][at["missed_count"]]
             missed = int(newest - self._missed) if 0.0 <= self._missed <= newest else 0
             self._missed = newest
-        idle = sum(row[at["state"]] != State.ACTIVE for row in records)
+        states = [(int(row[at["state"]]), int(row[at["alarm"]])) for row in records]
+        idle = Counter(_named(*one) for one in states if one[0] != State.ACTIVE)
         return [row[at["wake_us"]] + row[at["tick_us"]] for row in records], missed, idle
 
     def rights(self) -> str:
@@ -129,12 +145,20 @@ class Ring:
         self._ring = None
 
 
+def _named(state: int, alarm: int) -> str:
+    """Return a state with the alarm that stands."""
+    by = BY_CODE[alarm].name if alarm in BY_CODE else str(alarm)
+    return f"{State(state).name} by {by}" if alarm else State(state).name
+
+
 class Rig:
     """Plant and service; a screen when one is asked for.
 
     Attributes
     ----------
     plant, service : their processes. ``ring`` : what the service does.
+    plc_goes_first : whether the plant, whose PLC would be a machine of its own, waits for no
+        screen and no browser on the processor that they share here.
     """
 
     def __init__(self, out: Path, stack: ExitStack) -> None:
@@ -150,6 +174,7 @@ class Rig:
         (folder / "state").mkdir()
         command = plant_command(self.bench, plan.line, plan.line_speed_m_s, plan.seed)
         self.plant = stack.enter_context(Child("plant", command, folder / "plant.log", "ready"))
+        self.plc_goes_first = goes_first(self.plant.process.pid)
         command = service_command(self.bench)
         command += ["--hand", "operate", "--state-dir", str(folder / "state")]
         self.service = stack.enter_context(Child("runtime", command, folder / "runtime.log"))
@@ -214,7 +239,7 @@ class Rig:
         self.ring.ticks()
         before = [used(pid)[0] for pid in pids]
         ends: list[float] = []
-        missed = idle = 0
+        missed, idle = 0, Counter[str]()
         start_ns = CLOCK.now_ns()
         while CLOCK.now_ns() < start_ns + int(seconds * 1e9):
             pause(LOOK_S)
@@ -227,7 +252,8 @@ class Rig:
         return Block(
             end_us=np.asarray(ends),
             missed=missed,
-            idle=idle,
+            idle=idle.total(),
+            idle_as=as_words(idle),
             supervisor_core=cores[0],
             screen_core=cores[1] if is_there else 0.0,
             screen_MB=ended[1][1] if is_there else 0.0,

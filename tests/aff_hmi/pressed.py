@@ -10,10 +10,11 @@ from types import SimpleNamespace
 from typing import Any
 
 from starlette.types import Message
+from starlette.websockets import WebSocket
 
 from aff_hmi.gate import Gate, Rates
 from aff_hmi.hand import Hand
-from aff_hmi.hub import Hub
+from aff_hmi.hub import Hub, Viewer
 from aff_hmi.pages import Pages
 from aff_hmi.see.kept import Kept
 from aff_hmi.watch import Seen, Watch
@@ -72,6 +73,16 @@ class Reply:
     @property
     def code(self) -> str:
         return str(self.said.get("code", ""))
+
+
+def onlooker(topic: str = "") -> Viewer:
+    """Return somebody who looks at a page in English and has said nothing yet."""
+
+    async def silence(*_: object) -> Message:
+        raise AssertionError("nothing is said to who says nothing")
+
+    asked = scope("/live", [("host", HOST)], "websocket", "GET")
+    return Viewer(WebSocket(asked, silence, silence), "en", "127.0.0.1", str, topic)
 
 
 class Pressed:

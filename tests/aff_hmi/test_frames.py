@@ -27,6 +27,9 @@ class Browser:
         self.to_server: asyncio.Queue[dict[str, object]] = asyncio.Queue()
         self.frames: list[dict[str, object]] = []
         self.closed: int | None = None
+        self.has_room = asyncio.Event()
+        self.has_room.set()
+        self.is_there = True
         socket = WebSocket(
             scope("/live", OWN_SOCKET, "websocket", "GET"), self.to_server.get, self._take
         )
@@ -34,6 +37,9 @@ class Browser:
         self.task = asyncio.create_task(hub.serve(socket, "en"))
 
     async def _take(self, message) -> None:
+        await self.has_room.wait()
+        if not self.is_there:
+            raise OSError
         if message["type"] == "websocket.send":
             self.frames.append(json.loads(message["text"]))
         elif message["type"] == "websocket.close":
@@ -132,6 +138,38 @@ def test_who_does_not_keep_up_gets_the_newest_and_no_queue(tmp_path: Path) -> No
         await turn()
         assert len(browser.frames) == MAX_IN_FLIGHT + 1
         assert browser.frames[-1]["values"]["tension:unwind_tension_N"] == 99.0
+
+    played(tmp_path, play)
+
+
+def test_who_has_no_room_holds_up_nobody_and_gets_the_newest_later(tmp_path: Path) -> None:
+    async def play(hub, clock, visit) -> None:
+        full, other = await visit(), await visit()
+        for browser in (full, other):
+            browser.receipt(0, 1.0)
+        await turn()
+        full.has_room.clear()
+        hub.make_frames(seen(row(unwind_tension_N=1.0)))
+        assert (len(full.frames), len(other.frames)) == (0, 1)
+        assert (hub.counts.sent, hub.counts.skipped) == (1, 1)
+        full.has_room.set()
+        await turn()
+        hub.make_frames(seen(row(unwind_tension_N=2.0)))
+        assert [one["values"]["tension:unwind_tension_N"] for one in full.frames] == [2.0]
+
+    played(tmp_path, play)
+
+
+def test_who_has_gone_is_let_go_with_the_next_frame(tmp_path: Path) -> None:
+    async def play(hub, clock, visit) -> None:
+        gone, other = await visit(), await visit()
+        for browser in (gone, other):
+            browser.receipt(0, 1.0)
+        await turn()
+        gone.is_there = False
+        hub.make_frames(seen())
+        await turn()
+        assert len(hub._viewers) == len(other.frames) == 1
 
     played(tmp_path, play)
 

@@ -11,11 +11,10 @@ import pytest
 
 pytest.importorskip("starlette")
 
-from aff_hmi.hub import Viewer
 from aff_runtime.base.signals import State
 from aff_runtime.core.monitor import Trend
 from tests.aff_hmi.asgi import HOST
-from tests.aff_hmi.pressed import Pressed
+from tests.aff_hmi.pressed import Pressed, onlooker
 from tests.aff_hmi.pseudo import BEGIN, END, LONGER, pseudo, speaks
 
 PAGES = ("/", "/alarms", "/rolls", "/trends", "/scope", "/timing", "/login")
@@ -97,7 +96,7 @@ WORDS = ("word", "why", "to_do", "text", "life_word", "load", "zero", "extremes"
 @pytest.mark.parametrize("topic", ["", "alarms", "rolls", "timing"])
 def test_no_sentence_of_a_frame_is_beside_the_catalogue(speaking: Pressed, topic: str) -> None:
     hub = speaking.hub
-    hub._viewers.add(Viewer("en", "127.0.0.1", lambda: "", topic))
+    hub._viewers.add(onlooker(topic))
     speaking.clock.advance_ns(10**9)
     speaking.show(
         State.ACTIVE,

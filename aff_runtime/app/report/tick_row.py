@@ -223,6 +223,5 @@ class TickRow:
     def orders(self) -> tuple[OrderStatus, ...]:
         """Return every order of every law, in the order of the columns."""
         if not self._orders:
-            numbers = {name: self.number(name) for name in self.values}
-            self._orders.append(order_statuses(numbers))
+            self._orders.append(order_statuses(self.values))
         return self._orders[0]

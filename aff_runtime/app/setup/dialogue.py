@@ -127,8 +127,8 @@ class RowReader:
             return str(named[0])
         if shown in self.words or (shown.isdecimal() and int(shown) in self.rows):
             return shown
-        last = f"1 to {max(self.rows)}" if self.rows else "no row"
-        takes = " or ".join([last, *self.words])
+        rows = [f"1 to {max(self.rows)}"] if self.rows else []
+        takes = " or ".join([*rows, *self.words])
         if not shown and self.unsure:
             raise AnswerError(f"no row is taken unasked: {self.unsure}. Write {takes}.")
         raise AnswerError(f'"{shown[:40]}": write {takes}.')

@@ -72,6 +72,8 @@ def test_a_line_is_commissioned_at_the_screen_alone(
     who.go("card")
     page.click("#begin")
     page.wait_for_selector("#card:not([hidden])")
+    page.goto(f"{line.url}card?lang=en#9")
+    page.wait_for_selector('details[data-step="9"][open]')
     limits = {"unwind": "0.15 m/s", "swrap_follower": "0.04 m/s", "warnings_understood": "2"}
     who.step(3, limits, stand="pass")
     who.step(4, {"reaction": "ramp", "time": "120 ms"}, stand="pass")

@@ -63,6 +63,23 @@ def test_bypass_is_one_key_and_is_done_when_the_line_shows_it(chromium, with_han
     until("bypassed", lambda: with_hand.service.status()["state"] == "BYPASS")
 
 
+def test_the_place_on_a_page_is_kept_by_way_of_language_and_login(
+    chromium, with_hand: Screen
+) -> None:
+    page = Page(chromium, f"{with_hand.url}rolls?lang=en#unwind%20unwind")
+    page.await_live()
+    page.page.click("#language")
+    page.page.wait_for_url("**/rolls?lang=de#unwind%20unwind")
+    page.await_live()
+    page.page.click(".who a.button")
+    page.page.wait_for_url("**/login?lang=de&from=/rolls#unwind%20unwind")
+    page.page.fill("#name", "bert")
+    page.page.fill("#password", PASSWORD)
+    page.page.press("#password", "Enter")
+    page.page.wait_for_url("**/rolls?lang=de#unwind%20unwind")
+    page.close()
+
+
 def held(page: Page, button: str) -> None:
     """Hold a button long enough, again where a busy machine made the page stale."""
     before = page.page.text_content("#hand-said")
@@ -76,6 +93,15 @@ def held(page: Page, button: str) -> None:
         if now not in (before, "") and not any(one in now for one in SWALLOWED):
             return
     raise AssertionError(f"{button} could not be held")
+
+
+def take_the_hand(page: Page) -> None:
+    """Take it, over from whoever has it: a second press does that."""
+    page.page.click("#take")
+    page.page.wait_for_selector("#release:not([hidden]), #take[data-do='take over']")
+    if page.page.is_hidden("#release"):
+        page.page.click("#take")
+    page.page.wait_for_selector("#release:not([hidden])")
 
 
 def said(page: Page, words: str) -> None:
@@ -103,12 +129,13 @@ def test_shadow_begins_and_ends_and_a_roll_is_forgotten_by_holding(
     chromium, with_hand: Screen
 ) -> None:
     page = logged_in(chromium, with_hand, "dora", locale="en")
-    page.page.click("#take")
-    page.page.wait_for_selector("#release:not([hidden])")
+    take_the_hand(page)
     page.page.goto(f"{with_hand.url}timing")
     page.await_live()
+    page.page.wait_for_function(
+        "() => document.getElementById('end-shadow-why').textContent === 'it is not in shadow'"
+    )
     assert page.page.is_disabled("#end-shadow")
-    assert page.page.text_content("#end-shadow-why") == "it is not in shadow"
     held(page, "#shadow")
     page.await_selector("html[data-state='SHADOW']")
     said(page, "done, and seen in the line")
@@ -143,10 +170,22 @@ def test_at_the_panel_bypass_needs_no_login_and_everything_else_does(
 def test_a_bypass_is_confirmed_on_every_page(chromium, with_hand: Screen, path: str) -> None:
     page = Page(chromium, with_hand.url + path, locale="en")
     page.await_live()
-    page.page.keyboard.press("F9")
-    said(page, "BYPASS: done, and seen in the line")
+    bypass_is_seen(page)
     assert page.complaints == []
     page.close()
+
+
+def bypass_is_seen(page: Page) -> None:
+    """Press it, again where a busy machine made the line show it too late."""
+    for _ in range(5):
+        page.page.keyboard.press("F9")
+        page.page.wait_for_function(
+            "() => /seen in the line|NOT CONFIRMED|does not answer/"
+            ".test(document.getElementById('hand-said').textContent)"
+        )
+        if "BYPASS: done, and seen in the line" in str(page.page.text_content("#hand-said")):
+            return
+    raise AssertionError(page.page.text_content("#hand-said"))
 
 
 @pytest.mark.parametrize(("width", "dress"), [(360, ("de", "dark")), (1280, ("en", "light"))])
@@ -197,8 +236,7 @@ def test_the_reason_stands_on_the_button_and_the_hand_changes_hands(
 ) -> None:
     anna = logged_in(chromium, with_hand, "anna")
     bert = logged_in(chromium, with_hand, "bert")
-    anna.page.click("#take")
-    anna.page.wait_for_selector("#release:not([hidden])")
+    take_the_hand(anna)
     wanted = json.dumps("anna has the hand")
     bert.page.wait_for_function(
         f"() => document.getElementById('arm-why').textContent.startsWith({wanted})"

@@ -67,7 +67,7 @@ def test_every_control_is_reached_by_the_tabulator(chromium, screen) -> None:
 
 def test_units_are_the_readers_choice_and_stay(chromium, screen, pictures: Path) -> None:
     page = Page(chromium, screen.url, locale="en", viewport={"width": 1280, "height": 800})
-    slot = '[data-slot="tension:unwind_tension_N"]'
+    slot = '[data-slot="reference:unwind_tension_N"]'  # the tension itself swings meanwhile
     speed = '[data-slot="speed"]'
     newton, per_min = (float(text) for text in page.alive([slot, speed]))
     page.page.keyboard.press("u")

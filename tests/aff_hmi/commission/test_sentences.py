@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import ast
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+from aff_hmi.commission.choices import with_buttons
 from aff_hmi.commission.sentences import LONGEST, PATTERNS, sentence
 from aff_hmi.words import say_in
 from aff_runtime.app.setup import display_steps, flow, look, steps
+from aff_runtime.app.setup.dialogue import RowReader
 from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.interview import (
     bit_questions,
@@ -25,7 +28,7 @@ from aff_runtime.app.setup.interview import (
     word_questions,
 )
 from aff_runtime.app.setup.quantities import angles, quantities
-from aff_runtime.app.setup.questions import Question
+from aff_runtime.app.setup.questions import AnswerError, Question, bit, one_of
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 SECOND = "swrap_follower"
@@ -102,8 +105,88 @@ def test_how_a_quantity_is_moved_is_told_to_its_end(wanted) -> None:
 def test_why_no_row_is_taken_unasked_is_told(why: str, german: str) -> None:
     text = f"no row is taken unasked: {why}. Write 1 to 4 or again or move."
     assert sentence(text, GERMAN) == (
-        f"keine Zeile wird ungefragt genommen: {german}. 1 to 4 or again or move schreiben."
+        f"keine Zeile wird ungefragt genommen: {german}. 1 bis 4 oder „anderer Augenblick“ oder "
+        "„bewegen“ schreiben."
     )
+    assert sentence(text, ENGLISH) == (
+        f"no row is taken unasked: {why}. Write 1 to 4 or “another moment” or “move it”."
+    )
+
+
+def refused(read: Callable[[str], str], text: str) -> str:
+    """Return what a reader of an answer says against it."""
+    with pytest.raises(AnswerError) as told:
+        read(text)
+    return str(told.value)
+
+
+ROWS = RowReader(rows=frozenset({1, 2}), at={}, words=("again", "none"))
+NO_ROWS = RowReader(rows=frozenset(), at={}, words=("again", "move"))
+
+
+@pytest.mark.parametrize(
+    ("read", "text", "english", "german"),
+    [
+        (
+            ROWS,
+            "9",
+            '"9": write 1 to 2 or “another moment” or “none”.',
+            "„9“: 1 bis 2 oder „anderer Augenblick“ oder „keine“ schreiben.",
+        ),
+        (
+            NO_ROWS,
+            "1",
+            '"1": write “another moment” or “move it”.',
+            "„1“: „anderer Augenblick“ oder „bewegen“ schreiben.",
+        ),
+        (
+            one_of("yes", "skip"),
+            "ja",
+            '"ja" is not known. Known here: “yes”, “skip”.',
+            "„ja“ ist nicht bekannt. Hier bekannt: „ja“, „auslassen“.",
+        ),
+        (
+            one_of("yes", "no"),
+            "yess",
+            '"yess" is not known. Did you mean “yes”?',
+            "„yess“ ist nicht bekannt. Gemeint ist „ja“?",
+        ),
+    ],
+)
+def test_a_refusal_names_the_buttons_as_they_are_called(
+    read: Callable[[str], str], text: str, english: str, german: str
+) -> None:
+    said = refused(read, text)
+    assert (sentence(said, ENGLISH), sentence(said, GERMAN)) == (english, german)
+
+
+def test_a_question_names_its_buttons_and_leaves_what_must_be_typed() -> None:
+    asked = "Which one? `again`: type the value at another moment, which decides more surely"
+    said = with_buttons(sentence(asked, GERMAN), ("again",), GERMAN)
+    assert said.startswith("Welches? „anderer Augenblick“: ")
+    assert with_buttons(asked, ("again",), ENGLISH).startswith("Which one? “another moment”: ")
+    assert with_buttons("`find`, or `none`", (), GERMAN) == "`find`, or `none`"
+
+
+@pytest.mark.parametrize(
+    ("text", "german"),
+    [
+        (
+            f"  word {2:5} changed by {3.1:.4g} N, at rest {0.25:.4g}",
+            "Wort 2 um 3.1 N geändert, in Ruhe 0.25",
+        ),
+        (f"  word {9:5} = {1:6}  still", "Wort 9 = 1  unbewegt"),
+        (f"  word {4:5}: u16 8896  i16 8896", "Wort 4: u16 8896 i16 8896"),
+    ],
+)
+def test_the_columns_of_a_terminal_hide_no_sentence(text: str, german: str) -> None:
+    assert sentence(text, GERMAN) == german
+
+
+def test_what_is_refused_of_a_bit_is_told_in_german() -> None:
+    said = refused(bit(lambda word, bit: ""), "7")
+    assert sentence(said, GERMAN).startswith("„7“: Wort und Bit schreiben, etwa 20.7")
+    assert sentence(said, ENGLISH) == said
 
 
 def told() -> list[str]:

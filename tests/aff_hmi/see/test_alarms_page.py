@@ -13,7 +13,6 @@ import pytest
 pytest.importorskip("starlette")
 
 from aff_hmi.gate import HEADERS
-from aff_hmi.hub import Viewer
 from aff_hmi.notices import conditions_of
 from aff_hmi.see.data_routes import harmless
 from aff_hmi.see.events import Kind
@@ -26,7 +25,7 @@ from aff_runtime.core.monitor import Trend
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_hmi.asgi import HOST
 from tests.aff_hmi.moments import facts, row, seen
-from tests.aff_hmi.pressed import Pressed
+from tests.aff_hmi.pressed import Pressed, onlooker
 
 STALE = {"alarm": float(BY_NAME["PLC_STALE"].code)}
 ROSE = {"alarm": float(BY_NAME["RIPPLE_ROSE"].code)}
@@ -127,7 +126,7 @@ def test_an_order_that_rests_leads_to_its_roll_and_a_lost_record_to_the_machine(
 def test_the_overview_has_the_alarms_of_the_book_and_not_what_comes_and_goes(
     keeping: Pressed,
 ) -> None:
-    keeping.hub._viewers.add(Viewer("en", "127.0.0.1", lambda: "", ""))
+    keeping.hub._viewers.add(onlooker())
     resting = {"unwind.unwind_2x.state": float(Trend.CLAMPED)}
 
     def told(**more: float) -> list[str]:

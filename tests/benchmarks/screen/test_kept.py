@@ -12,7 +12,7 @@ from benchmarks.screen.kept import Kept
 from benchmarks.screen.ticks import Block
 
 PLAN: dict[str, object] = {"rounds": 2}
-BLOCK = Block(end_us=np.array([1.0, 2.5]), missed=1, screen_core=0.02, idle=3)
+BLOCK = Block(end_us=np.array([1.0, 2.5]), missed=1, screen_core=0.02, idle=3, idle_as="FADING 3")
 ROW = Row(name="P6", value="14 ms", remark="target 60 ms")
 
 
@@ -29,6 +29,7 @@ def test_what_was_measured_is_not_measured_again(tmp_path: Path) -> None:
     assert found is not None
     assert found.end_us.tolist() == [1.0, 2.5]
     assert (found.missed, found.screen_core, found.idle) == (1, 0.02, 3)
+    assert found.idle_as == "FADING 3"
     assert math.isnan(found.frames_per_s)
     assert again.rows("presses", fails) == [ROW]
     assert again.failed == {}
