@@ -15,9 +15,11 @@ from aff_runtime.core.identified import IdentifiedDrive
 FORMAT = "aff-response-1"
 MAX_PHASE_ERROR_RAD = math.radians(60.0)
 BASE_ERROR_RAD = math.radians(3.0)
-SIGMAS = 3.0 / math.sqrt(2.0)  # half the power of a complex error turns the phase
+# of standard errors, half of whose power turns the phase: an order diverges beyond 90 degrees,
+# which are 3.5 of them then (one order in two thousand)
+SIGMAS = 2.3 / math.sqrt(2.0)
 OUTSIDE_RAD_PER_OCTAVE = math.radians(90.0)
-MIN_COHERENCE = 0.8
+MIN_COHERENCE = 0.73  # 1 / (1 + e^2) at the error e whose phase is known to 60 degrees
 BAND_SLACK = 1.02
 GAIN_RANGE = (1e-9, 1e12)  # signal unit per output unit; far outside what any line does
 COHERENCE_ROUNDING = 1e-6
