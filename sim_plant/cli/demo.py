@@ -64,6 +64,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def run(arguments: argparse.Namespace) -> int:
     """Run the demo; 0 when every target is met, 5 when one is missed."""
     from sim_plant.demo.evaluation import TARGET_RIPPLE, evaluate, ripple_ratio, table_text, window  # noqa: PLC0415 - heavy imports
+    from sim_plant.demo.processes import end_as_by_hand  # noqa: PLC0415
     from sim_plant.demo.report import write_report  # noqa: PLC0415
     from sim_plant.demo.session import Plan, run_session  # noqa: PLC0415
     from sim_plant.demo.wires import FILM_SITES, SITES  # noqa: PLC0415
@@ -93,6 +94,7 @@ def run(arguments: argparse.Namespace) -> int:
     )
     if arguments.limit_m_s is not None:
         plan = replace(plan, limit_m_s=arguments.limit_m_s, learn_s=LEARN_AFTER_LONG_PROBE_S)
+    end_as_by_hand()
     session = run_session(plan, say)
     before = window(session.record, *session.before_s)
     after = window(session.record, *session.after_s)

@@ -27,10 +27,12 @@ def run(arguments: argparse.Namespace) -> int:
     from sim_plant.demo.loop.page import write_page  # noqa: PLC0415 - heavy imports
     from sim_plant.demo.loop.proof import proof_of  # noqa: PLC0415
     from sim_plant.demo.loop.session import Plan, run_story  # noqa: PLC0415
+    from sim_plant.demo.processes import end_as_by_hand  # noqa: PLC0415
 
     plan = Plan(
         out=arguments.out, effect=arguments.effect, seed=arguments.seed, wire=arguments.wire
     )
+    end_as_by_hand()
     story = run_story(plan, say)
     say("judging the models on the later run")
     proof = proof_of(story)

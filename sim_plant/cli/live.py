@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import signal
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
@@ -33,6 +32,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def run(arguments: argparse.Namespace) -> int:
     """Run until interrupted."""
     from sim_plant.demo.live import run_live  # noqa: PLC0415 - heavy imports
+    from sim_plant.demo.processes import end_as_by_hand  # noqa: PLC0415
     from sim_plant.demo.session import Plan  # noqa: PLC0415
 
     if not 30.0 <= arguments.speed_fpm <= 600.0:
@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
         out=arguments.out,
         line_speed_m_s=arguments.speed_fpm * FPM_M_S,
     )
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # both ways end the children
+    end_as_by_hand()
     try:
         hands_off, fresh = arguments.hands_off, arguments.fresh
         run_live(plan, say, listen=arguments.listen, hands_off=hands_off, fresh=fresh)

@@ -48,6 +48,15 @@ class Bench:
         return self.folder / "run"
 
 
+def end_as_by_hand() -> None:
+    """Take being told to end, or a terminal that closes, as ctrl-c: children are ended then.
+
+    A service whose demo is gone would go on correcting, with the rights of real time.
+    """
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.default_int_handler)
+
+
 class Child:
     """A process of ours with its output in a log file; ended by its own handle only."""
 
