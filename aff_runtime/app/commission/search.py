@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.card.evidence import CheckedSite, Evidence, Try
+from aff_runtime.app.card.measure.proof import MEMORIES, SETTLES, TURNS
 from aff_runtime.app.card.measure.search import (
     Candidate,
     candidate,
@@ -27,7 +28,6 @@ from aff_runtime.base.ports import Clock
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
 
-SETTLES, MEMORIES, TURNS = 3.0, 2.0, 20.0
 LEAST_S, WRITTEN_S, LOOK_NS = 10.0, 1.0, 500_000_000
 RIPPLE_ROSE = BY_NAME["RIPPLE_ROSE"].name
 Ask = Callable[..., Any]

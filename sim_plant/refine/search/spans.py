@@ -43,7 +43,8 @@ def ended_again(
         columns = objective.whitened_all(
             [lasting(objective, axis, h, m) for m in moments.tolist()]
         )
-        begin, end, chi2 = _best_of_all(objective, columns, moments, residual)
+        inner = objective.projector.inner(residual, columns)
+        begin, end, chi2 = _best_of_pairs(inner, moments, moments, slice(None), slice(None))
         start = with_span(c, begin - moment_of(c), end - begin)
         found.append(replace(c, chi2_reduction=chi2, start=start))
     return found
@@ -63,7 +64,7 @@ def best_spans(objective: Objective, fit: Fit, c: Candidate, residual: Array) ->
         return []
     record = h.record or 0
     step_s = objective.pool.twins[record].declaration.sample_time_s
-    moment = c.start[h.names.index(h.moment)]
+    moment = moment_of(c)
     last = change[record].shape[1] * step_s - moment
     wide, reach = EVENTS.span_step_s, EVENTS.span_reach_s
     begins = np.arange(max(-reach, -moment), min(reach, last), wide)
@@ -78,21 +79,8 @@ def best_spans(objective: Objective, fit: Fit, c: Candidate, residual: Array) ->
 def with_span(c: Candidate, later_s: float, hold_s: float) -> Start:
     """Return the candidate's numbers, begun so much later and held so long."""
     h = c.hypothesis
-    change = {h.moment: c.start[h.names.index(h.moment)] + later_s, HOLD_S: hold_s}
+    change = {h.moment: moment_of(c) + later_s, HOLD_S: hold_s}
     return tuple(change.get(n, v) for n, v in zip(h.names, c.start, strict=True))
-
-
-def _best_of_all(
-    objective: Objective, columns: Array, moments: Array, residual: Array
-) -> tuple[float, float, float]:
-    """Return the best beginning and end among ``moments``, and the chi-square explained.
-
-    ``columns`` (rows, moments) are what changes from each moment on, whitened.
-    """
-    inner = objective.projector.inner(residual, columns)
-    explained = _explained_by_pairs(inner, moments, moments, slice(None), slice(None))
-    row, column = np.unravel_index(int(np.argmax(explained)), explained.shape)
-    return float(moments[row]), float(moments[column]), float(explained[row, column])
 
 
 def _best_pair(
@@ -103,11 +91,7 @@ def _best_pair(
     begins: Array,
     ends: Array,
 ) -> tuple[float, float]:
-    """Return the beginning and the end, s from the response's own, that explain most.
-
-    Equation: (v_b - v_e)^2 / (G_bb - 2 G_be + G_ee), v = S' P r, G = S' P S over the shifted
-    responses S, P what nuisances cannot explain; an end not before ``span_step_s``.
-    """
+    """Return the beginning and the end, s from the response's own, that explain most."""
     record = h.record or 0
     step_s = objective.pool.twins[record].declaration.sample_time_s
 
@@ -119,22 +103,23 @@ def _best_pair(
     columns = objective.whitened_all([shifted(float(s)) for s in (*begins, *ends)])
     inner = objective.projector.inner(residual, columns)
     at = begins.size
-    explained = _explained_by_pairs(inner, begins, ends, slice(None, at), slice(at, None))
-    row, column = np.unravel_index(int(np.argmax(explained)), explained.shape)
-    return float(begins[row]), float(ends[column])
+    return _best_of_pairs(inner, begins, ends, slice(None, at), slice(at, None))[:2]
 
 
-def _explained_by_pairs(
+def _best_of_pairs(
     inner: Inner, begins: Array, ends: Array, first: slice, last: slice
-) -> Array:
-    """Return the chi-square (begins, ends) of every pair, 0 where an end is no end.
+) -> tuple[float, float, float]:
+    """Return the beginning and the end that explain most, and the chi-square that they explain.
 
     ``first`` and ``last`` are the columns of beginnings and ends in ``inner``.
+    Equation: (v_b - v_e)^2 / (G_bb - 2 G_be + G_ee), v = S' P r, G = S' P S over the shifted
+    responses S, P what nuisances cannot explain; an end not before ``span_step_s``.
     """
     gram, against, size = inner.gram, inner.against, np.diag(inner.gram)
     power = size[first, None] - 2.0 * gram[first, last] + size[None, last]
     gain = (against[first, None] - against[None, last]) ** 2
     apart = ends[None, :] - begins[:, None] > 0.99 * EVENTS.span_step_s
     floor = max(1e-9 * float(size.max()), 1e-300)
-    explained: Array = np.where(apart & (power > floor), gain / np.maximum(power, floor), 0.0)
-    return explained
+    explained = np.where(apart & (power > floor), gain / np.maximum(power, floor), 0.0)
+    row, column = np.unravel_index(int(np.argmax(explained)), explained.shape)
+    return float(begins[row]), float(ends[column]), float(explained[row, column])

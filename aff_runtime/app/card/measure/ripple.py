@@ -10,14 +10,14 @@ import numpy as np
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import Figure, Finding, Sample
 from aff_runtime.app.card.measure.phases import Phase, phases
-from aff_runtime.app.card.measure.proof import corrected, reduction_figure
+from aff_runtime.app.card.measure.proof import SETTLES, SLOWEST_M_S, corrected, reduction_figure
 from aff_runtime.app.report.comparison.comparing import compare
 from aff_runtime.app.report.comparison.turns import order_per_turn
 from aff_runtime.app.report.comparison.window import Window, roll_angle
 from aff_runtime.base.run_table import read_table
 from aff_runtime.config.models import Actuator
 
-SETTLES, TURNS = 3.0, 10.0
+TURNS = 10.0
 RATIO = (0.5, 2.0)
 GAIN = ".gain_of_P"
 KIND, COLUMNS = "course", ("time_s", "amplitude")
@@ -64,7 +64,7 @@ def _wait_s(evidence: Evidence, actuator: Actuator, window: Window) -> float:
     mean = abs(float(np.nanmean(speed))) if speed is not None else evidence.site.speed_max_m_s
     radius = window.readings(roll.radius or "")
     radius_m = roll.largest_radius_m if radius is None else float(np.nanmean(radius))
-    return TURNS * math.tau * radius_m / max(mean, 1e-3)
+    return TURNS * math.tau * radius_m / max(mean, SLOWEST_M_S)
 
 
 def _ratios(on: Phase, window: Window) -> Iterator[Figure]:
