@@ -44,7 +44,7 @@ hmi: setup
 
 # the README's picture, from a demo on a machine without other load
 picture: demo
-	cp out/demo-$(WIRE)/picture.svg docs/img/demo.svg
+	cp out/demo-$(if $(filter film,$(LINE)),film-)$(WIRE)/picture.svg docs/img/demo.svg
 
 # two records with an undeclared effect: name it, write the amended line, error before and after
 demo-refine: setup
@@ -143,7 +143,7 @@ fuzz: setup
 		|| echo "atheris cannot be had: inputs by chance"
 	$(BIN)/python -m tests.fuzz --seconds $(SECONDS) --out out/fuzz
 
-# speed, as ratios measured in one run; about three minutes, writes docs/results/bench.md
+# speed, as ratios measured in one run; about two minutes, writes docs/results/bench.md
 bench: setup
 	$(BIN)/python -m benchmarks.runtime
 

@@ -1,7 +1,7 @@
-"""What a page loads: one script and one style for all of ours, so that it comes in few requests.
+"""What a page loads: one script and one style sheet of our own, so that it needs few requests.
 
-Our scripts are ES modules that take names from one another. They are put into one file when the
-screen begins, each in a function of its own; nothing else is done to them, and nothing is built.
+Our scripts are ES modules that import from one another. When the screen starts, those of a page
+are joined into one file, each inside a function of its own; the text is not changed otherwise.
 """
 
 from __future__ import annotations
@@ -13,14 +13,14 @@ from pathlib import Path
 
 FOLDER = Path(__file__).parent
 STATIC = FOLDER / "static"
-# of others, as they published it, with licences and hashes beside them
+# as published by others; licences and hashes are beside them
 VENDORED = {
     "uPlot.iife.min.js": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.iife.min.js",
     "uPlot.min.css": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.min.css",
 }
 STYLES = ("overview.css", "hand.css", "see.css", "card.css", "refine.css", "uPlot.min.css")
 STYLE = "screen.css"
-# name of a page: its own modules, in this order; what they take names from comes before them
+# name of a page: its own modules, in this order; what they import comes before them
 PAGES = {
     "overview": ("overview.js", "recent.js"),
     "login": ("overview.js", "login.js"),
@@ -36,8 +36,8 @@ PAGES = {
 }
 HAND = "hand.js"
 SCRIPT, CSS = "text/javascript; charset=utf-8", "text/css; charset=utf-8"
-_TAKES = re.compile(r'^import \{([^}]*)\} from "/static/(\w+\.js)";\n', re.MULTILINE)
-_GIVES = re.compile(r"^export (?=(?:async function|function|const) (\w+))", re.MULTILINE)
+_IMPORT = re.compile(r'^import \{([^}]*)\} from "/static/(\w+\.js)";\n', re.MULTILINE)
+_EXPORT = re.compile(r"^export (?=(?:async function|function|const) (\w+))", re.MULTILINE)
 
 
 @cache
@@ -61,7 +61,7 @@ def served(*, has_hand: bool) -> Mapping[str, tuple[bytes, str]]:
 
 
 def joined(modules: Iterable[str]) -> str:
-    """Return modules as one, each after those that it takes names from."""
+    """Return modules as one script, each after those that it imports."""
     done: dict[str, str] = {}
     for name in modules:
         _add(name, done)
@@ -72,16 +72,18 @@ def _add(name: str, done: dict[str, str]) -> None:
     if name in done:
         return
     text = source(name)
-    takes = _TAKES.findall(text)
-    for _, other in takes:
+    imports = _IMPORT.findall(text)
+    for _, other in imports:
         _add(other, done)
-    given = ", ".join(_GIVES.findall(text))
-    taken = [f"const {{{names}}} = {_own(other)};\n" for names, other in takes]
-    body = _GIVES.sub("", _TAKES.sub("", text))
-    assign = f"const {_own(name)} = " if given else ""
-    back = f"return {{ {given} }};\n" if given else ""
-    done[name] = f"{assign}(() => {{\n// {name}\n{''.join(taken)}{body}{back}}})();"
+    exported = ", ".join(_EXPORT.findall(text))
+    head = "".join(f"const {{{names}}} = {_variable(other)};\n" for names, other in imports)
+    body = _EXPORT.sub("", _IMPORT.sub("", text))
+    tail = f"return {{ {exported} }};\n" if exported else ""
+    inside = f"// {name}\n{head}{body}{tail}"
+    call = f"(() => {{\n{inside}}})();"
+    done[name] = f"const {_variable(name)} = {call}" if exported else call
 
 
-def _own(name: str) -> str:
+def _variable(name: str) -> str:
+    """Return the name under which other modules of the script find what a module exports."""
     return f"of_{name.removesuffix('.js')}"

@@ -10,14 +10,14 @@ from collections.abc import Callable, Iterator
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from aff_hmi import frames
+from aff_hmi.admission import admits
 from aff_hmi.commission.link import Commission
 from aff_hmi.counts import Counts
 from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout, layout_of
 from aff_hmi.metrics import Metrics
-from aff_hmi.room import has_room
-from aff_hmi.rooms import Rooms
 from aff_hmi.see.kept import Kept
+from aff_hmi.sources import Sources
 from aff_hmi.view import view_of
 from aff_hmi.watch import Seen, Watch
 from aff_hmi.words import say_in
@@ -101,7 +101,7 @@ class Hub:
     ----------
     boot : changes with every start; a page of an earlier one begins anew.
     counts : what the screen counts of itself.
-    rooms : of the pages beside the overview.
+    sources : of the pages beside the overview.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class Hub:
         if hand is not None and kept is not None:
             hand.desk.told = kept.person
         self.counts = Counts()
-        self.rooms = Rooms(kept, clock, self.counts, hand, self.metrics) if kept else None
+        self.sources = Sources(kept, clock, self.counts, hand, self.metrics) if kept else None
         self._viewers: set[Viewer] = set()
         self._frames: dict[tuple[str, str], str] = {}
         self._metrics = Metrics(clock)
@@ -144,8 +144,8 @@ class Hub:
             period_ns = round(1e9 * (QUIET_S if is_quiet else FRAME_S))
             due_ns = await self._until(max(due_ns + period_ns, self._clock.now_ns()))
             self._watch.poll()
-            if self.rooms is not None:
-                self.rooms.listen(self._watch.news)
+            if self.sources is not None:
+                self.sources.listen(self._watch.news)
             if self.hand is not None:
                 self.hand.desk.poll()
             self.make_frames(self._watch.seen())
@@ -170,8 +170,8 @@ class Hub:
         if self.hand is not None:
             self.hand.look(seen, self._number)
         self.counts.sockets = len(self._viewers)
-        if self.rooms is not None:
-            self.rooms.look(seen, self.layout)
+        if self.sources is not None:
+            self.sources.look(seen, self.layout)
         is_loud = self.kept is not None and self.kept.book.is_loud
         standing = self.kept.book.standing if self.kept is not None else None
         heads = {
@@ -216,8 +216,8 @@ class Hub:
     def _own_samples(self) -> Iterator[Sample | Spread]:
         hand = self.hand
         yield from self.counts.samples(hand.sessions.by_role() if hand is not None else None)
-        if self.rooms is not None:
-            yield from self.rooms.samples()
+        if self.sources is not None:
+            yield from self.sources.samples()
 
     async def serve(
         self,
@@ -228,7 +228,7 @@ class Hub:
     ) -> None:
         """Look after one socket until it ends; ``topic`` : one of those that are kept."""
         address = socket.client.host if socket.client is not None else ""
-        if not has_room(address, (one.address for one in self._viewers), MAX_SOCKETS):
+        if not admits(address, (one.address for one in self._viewers), MAX_SOCKETS):
             await socket.close(TRY_LATER)
             return
         await socket.accept()

@@ -45,7 +45,7 @@ class LesserPresses:
             "/acknowledge": partial(self._answer, self._acknowledge),
             "/shelve": partial(self._answer, self._shelve),
             "/keep": partial(self._answer, self._keep),
-            "/let-go": partial(self._answer, self._let_go),
+            "/let-go": partial(self._answer, self._delete_window),
         }
 
     async def _answer(self, press: Press, asked: Asked) -> Response:
@@ -71,8 +71,8 @@ class LesserPresses:
         against = await self._windows.keep(asked.said, who) if self._windows else NOT_KEPT
         return "window kept", against
 
-    async def _let_go(self, asked: Asked, who: str) -> tuple[str, str]:
-        against = await self._windows.let_go(asked.said, who) if self._windows else NOT_KEPT
+    async def _delete_window(self, asked: Asked, who: str) -> tuple[str, str]:
+        against = await self._windows.delete(asked.said, who) if self._windows else NOT_KEPT
         return "window let go", against
 
     def _who(self, asked: Asked) -> str | Response:

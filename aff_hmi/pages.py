@@ -15,8 +15,8 @@ from aff_hmi.commission.routes import CommissionData
 from aff_hmi.commission.run_routes import RunData
 from aff_hmi.hand_routes import HandRoutes, place_of
 from aff_hmi.hub import Hub
-from aff_hmi.rooms import PAGES as SEEN
 from aff_hmi.see.alarm_desk import AlarmDesk
+from aff_hmi.sources import PAGES as SEEN
 from aff_hmi.words import LANGUAGES, NAMES, Say, language_of, say_in
 from aff_runtime import __version__
 from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE
@@ -51,7 +51,7 @@ class Pages:
                 is_tls=is_tls,
                 say_of=self._say_of,
                 alarms=AlarmDesk(hub.kept) if hub.kept is not None else None,
-                windows=hub.rooms.windows if hub.rooms is not None else None,
+                windows=hub.sources.windows if hub.sources is not None else None,
                 commission=hub.commission,
             )
         self._files = served(has_hand=hub.hand is not None)
@@ -71,9 +71,9 @@ class Pages:
             Route("/metrics", self.metrics),
             WebSocketRoute("/live", self.live),
         ]
-        if self._hub.rooms is not None:
+        if self._hub.sources is not None:
             routes += [Route(path, self.seen) for path in SEEN]
-            routes += self._hub.rooms.routes(self._say_of)
+            routes += self._hub.sources.routes(self._say_of)
         if self.presses is not None:
             routes += [Route("/login", self.login), *self.presses.routes()]
         if self.presses is not None and self._hub.commission is not None:
@@ -106,7 +106,7 @@ class Pages:
     def _back(self, request: Request) -> str:
         """Return the page of ours from which one has come to log in; else the overview."""
         wanted, hub = request.query_params.get("from", "/"), self._hub
-        there = [*(SEEN if hub.rooms else ()), *(COMMISSIONED if hub.commission else ())]
+        there = [*(SEEN if hub.sources else ()), *(COMMISSIONED if hub.commission else ())]
         return wanted if wanted in there else "/"
 
     def _page(self, name: str, request: Request, *, path: str = "/", topic: str = "") -> Response:
@@ -119,7 +119,7 @@ class Pages:
             topic=topic,
             kept=self._hub.kept,
             commissions=self._hub.commission is not None,
-            rooms=self._hub.rooms,
+            sources=self._hub.sources,
             script=name.removesuffix(".html"),
             others=[(one, NAMES[one]) for one in LANGUAGES if one != language],
             layout=self._hub.layout,

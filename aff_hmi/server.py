@@ -11,6 +11,7 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
+from aff_hmi.admission import admits
 from aff_hmi.commission.link import Commission
 from aff_hmi.counted import Counted
 from aff_hmi.gate import Gate, Rates
@@ -18,7 +19,6 @@ from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.listening import Listening
 from aff_hmi.pages import Pages
-from aff_hmi.room import has_room
 from aff_hmi.see.kept import Kept
 from aff_hmi.watch import Watch
 from aff_runtime.base.clock import MonotonicClock
@@ -40,7 +40,7 @@ class PatientOnce(H11Protocol):
         """Begin to wait; who has no room goes, but who finds every place taken is told."""
         there = [_address(one) for one in self.connections]
         super().connection_made(transport)
-        if len(there) < MAX_CONNECTIONS and not has_room(_address(self), there, MAX_CONNECTIONS):
+        if len(there) < MAX_CONNECTIONS and not admits(_address(self), there, MAX_CONNECTIONS):
             transport.close()
             return
         self.loop.call_later(HEADER_PATIENCE_S, self._is_late, transport)

@@ -1,3 +1,3 @@
 """Every tick of the last ten minutes: signals, triggers, turns of a roll, orders."""
 
-__all__ = ["picture", "room", "shot", "signals", "ticks", "trigger"]
+__all__ = ["picture", "scope", "shot", "signals", "ticks", "trigger"]

@@ -1,4 +1,4 @@
-"""Events of a line as they are kept: words in English with their values, to be told in any."""
+"""Events of a line as they are kept: words in English with their values, told in any language."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _COLUMNS = "id, utc_s, tick, kind, roll, name, said, said_values, who"
 
 
 class Kind(StrEnum):
-    """What an event is of."""
+    """Category of an event."""
 
     ALARM = "alarm"
     STATE = "state"
@@ -41,7 +41,7 @@ class Entry:
     utc_s : wall time. ``tick`` : of the control cycle; None for what no tick has seen.
     roll : that it is of, empty for none.
     text : in English, with ``{name}`` for each of ``values``. ``who`` : account, empty for none.
-    once : the same event has the same; empty for what cannot come twice.
+    unique_key : a second event with the same key is not kept; empty: never a duplicate.
     number : of the row; 0 before it is kept.
     """
 
@@ -53,7 +53,7 @@ class Entry:
     roll: str = ""
     values: Mapping[str, str] = field(default_factory=dict)
     who: str = ""
-    once: str = ""
+    unique_key: str = ""
     number: int = 0
 
 
@@ -76,7 +76,7 @@ def insert(connection: sqlite3.Connection, entries: Sequence[Entry]) -> None:
         [
             (
                 *(one.utc_s, one.tick, one.kind, one.roll, one.name, one.text),
-                *(json.dumps(dict(one.values)), one.who, one.once or None),
+                *(json.dumps(dict(one.values)), one.who, one.unique_key or None),
             )
             for one in entries
         ],
@@ -84,10 +84,10 @@ def insert(connection: sqlite3.Connection, entries: Sequence[Entry]) -> None:
 
 
 def prune(connection: sqlite3.Connection, now_s: float, *, is_full: bool) -> None:
-    """Let go of what is older than a year, of too many, and of a tenth where there is no room."""
+    """Delete what is older than a year, the oldest above the most, a tenth on a full disk."""
+    connection.execute("DELETE FROM events WHERE utc_s < ?", (now_s - YEAR_S,))
     (count,) = connection.execute("SELECT count(*) FROM events").fetchone()
     too_many = max(count - MOST_EVENTS, count // 10 if is_full else 0)
-    connection.execute("DELETE FROM events WHERE utc_s < ?", (now_s - YEAR_S,))
     connection.execute(
         "DELETE FROM events WHERE id IN (SELECT id FROM events ORDER BY id LIMIT ?)", (too_many,)
     )
@@ -116,7 +116,7 @@ def between(
 
     Parameters
     ----------
-    from_s, to_s : wall time, both inside.
+    from_s, to_s : wall time, inclusive.
 
     Returns
     -------

@@ -104,7 +104,7 @@ class Journal:
                 name=printable(name, 120),
                 text=text,
                 values={"others": printable(with_it, LONGEST)} if with_it else {},
-                once=f"{ring} {alarm.tick} first" if alarm.tick is not None else "",
+                unique_key=f"{ring} {alarm.tick} first" if alarm.tick is not None else "",
             )
         )
 
@@ -286,5 +286,5 @@ def _of_ring(ring: str, tick: int, utc_s: float, code: int) -> Entry:
         kind=Kind.ROLL if name in ROLL_EVENTS else kind,
         name=name,
         text=event.text if event is not None else "",
-        once=f"{ring} {tick} {code}",
+        unique_key=f"{ring} {tick} {code}",
     )

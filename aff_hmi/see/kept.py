@@ -57,14 +57,14 @@ PEOPLE = {
     "alarm put aside": N_("put an alarm aside"),
     "alarm taken back": N_("took an alarm back"),
     "window kept": N_("kept a window of ticks"),
-    "window let go": N_("let go of a window of ticks"),
+    "window let go": N_("deleted a window of ticks"),
     "bypass: done": N_("bypass"),
     "bypass: refused": N_("a bypass was refused"),
     "arm: done": N_("armed"),
     "arm: refused": N_("arming was refused"),
 }
 
-Part: TypeAlias = Any  # a dataclass; every room has its own
+Part: TypeAlias = Any  # a dataclass; every source has its own
 
 
 class Kept:
@@ -108,7 +108,7 @@ class Kept:
         }
 
     def join(self, topic: str, part: Callable[[Say], Part]) -> None:
-        """Have frames of a topic carry what another room says."""
+        """Have frames of a topic carry what another source says."""
         self._parts[topic] = part
 
     @property

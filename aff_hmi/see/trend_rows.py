@@ -77,7 +77,7 @@ def get_bins(
 
 
 def prune_trend(connection: sqlite3.Connection, now_s: float, *, is_full: bool) -> None:
-    """Let go of what is too old, and of the oldest tenth of the minutes where there is no room."""
+    """Delete what is too old, and the oldest tenth of the minutes when the disk is full."""
     for tier, kept_s in KEPT_S.items():
         connection.execute("DELETE FROM trend WHERE tier = ? AND t < ?", (tier, now_s - kept_s))
     if is_full:

@@ -17,7 +17,7 @@ from typing import Any
 from aff_hmi.metrics import answer_of
 from aff_hmi.see.alarm_part import AlarmPart, EventLine
 from aff_hmi.see.data_routes import harmless
-from aff_hmi.timing.room import TimingPart
+from aff_hmi.timing.timing import TimingPart
 from aff_hmi.watch import Seen
 from aff_hmi.words import N_
 from aff_runtime import __version__

@@ -17,7 +17,7 @@ from aff_hmi.see import events
 from aff_hmi.see.alarm_part import event_line
 from aff_hmi.see.kept import Kept
 from aff_hmi.support.bundle import MOST_EVENTS, files_of, zipped
-from aff_hmi.timing.room import Timing
+from aff_hmi.timing.timing import Timing
 from aff_hmi.watch import Seen
 from aff_hmi.words import say_in
 from aff_runtime.base.ports import Clock

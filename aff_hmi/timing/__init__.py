@@ -1,3 +1,3 @@
 """How the ticks go, which rights the machine grants, who may do what, and how old each link is."""
 
-__all__ = ["room", "tallies", "who"]
+__all__ = ["tallies", "timing", "who"]

@@ -1,4 +1,4 @@
-"""What a person does with windows: keeps one with a name and a note, lets go of one."""
+"""What a person does with windows: keeps one with a name and a note, deletes one."""
 
 from __future__ import annotations
 
@@ -7,31 +7,34 @@ from collections.abc import Mapping
 from pathlib import PurePath
 
 from aff_hmi.layout import Layout
-from aff_hmi.scope.room import Scope
+from aff_hmi.scope.scope import Scope
 from aff_hmi.scope.ticks import Cut
 from aff_hmi.see.events import Kind
 from aff_hmi.see.journal import Journal
 from aff_hmi.see.store import Store
 from aff_hmi.watch import Seen
-from aff_hmi.windows.rows import SHARE, FullError, Window, begin, keep, let_go, listed, ticks_of
+from aff_hmi.windows.rows import SHARE, FullError, Window, begin, delete, keep, listed, ticks_of
 from aff_hmi.words import N_
 from aff_runtime.app.door.messages import Facts
 from aff_runtime.base.printable import printable
 
 MOST_S = 60.0
 MOST_TICKS = 20_000
+LOST_SHARE = 0.1
+"""Of the longest window: how much of its beginning may be gone while a person types its name."""
 LEAST_NAME, LONGEST_NAME, LONGEST_NOTE = 2, 60, 500
 NO_NAME = N_("give it a name of two characters or more")
-NO_TICKS = N_("these ticks are not kept any more, or are more than a minute")
-FULL = N_("there is no room for another window: let go of one first")
+NO_TICKS = N_("these ticks are not kept any more, or are more than a minute or 20 000 ticks")
+FULL = N_("no space is left for another window: delete one first")
 NOT_THERE = N_("this window is not there any more")
 NOT_KEPT = N_("it could not be kept; try again")
+NOT_DELETED = N_("it could not be deleted; try again")
 KEPT = N_("the window {window} was kept")
-LET_GO = N_("the window {window} was let go of")
+DELETED = N_("the window {window} was deleted")
 
 
 class WindowDesk:
-    """Keeps windows of the scope; every press returns why not, in English, empty when it is done.
+    """Keeps windows of the scope; a press returns why it is refused, in English, or an empty text.
 
     Parameters
     ----------
@@ -62,8 +65,8 @@ class WindowDesk:
         note = printable(str(said["note"]).strip(), LONGEST_NOTE)
         if len(name) < LEAST_NAME:
             return NO_NAME
-        is_of_it = said["ring"] == self._scope.ticks.ident
-        cut = self._cut(int(said["first"]), int(said["last"])) if is_of_it else None
+        is_same_ring = said["ring"] == self._scope.ticks.ident
+        cut = self._cut(int(said["first"]), int(said["last"])) if is_same_ring else None
         if cut is None:
             return NO_TICKS
         window = Window(
@@ -88,16 +91,16 @@ class WindowDesk:
         self._tell(KEPT, name, who)
         return ""
 
-    async def let_go(self, said: Mapping[str, str | int | bool], who: str) -> str:
-        """Forget a window."""
+    async def delete(self, said: Mapping[str, str | int | bool], who: str) -> str:
+        """Delete a window."""
         number = int(said["number"])
         try:
-            name = await self._store.change(lambda c: let_go(c, number))
+            name = await self._store.change(lambda c: delete(c, number))
         except (sqlite3.Error, BlockingIOError):
-            return NOT_KEPT
+            return NOT_DELETED
         if not name:
             return NOT_THERE
-        self._tell(LET_GO, name, who)
+        self._tell(DELETED, name, who)
         return ""
 
     async def windows(self) -> list[Window]:
@@ -115,7 +118,7 @@ class WindowDesk:
         return await self._store.ask(lambda c: ticks_of(c, number))
 
     def _cut(self, first: int, last: int) -> Cut | None:
-        """Return ticks that are all still there; None for none, or too many."""
+        """Return the ticks of a span; None for none, too many, or a beginning that is gone."""
         cycle_s = self._scope.ticks.cycle_s
         if not 0 <= first <= last or cycle_s <= 0.0:
             return None
@@ -124,7 +127,7 @@ class WindowDesk:
             return None
         cut = self._scope.ticks.cut(first, last - first + 1)
         inside = cut.part(0, int((cut.ticks <= last).sum()))
-        is_whole = len(inside) > 1 and inside.ticks[0] - first < most // 10 + 2
+        is_whole = len(inside) > 1 and inside.ticks[0] - first < LOST_SHARE * most + 2
         return inside if is_whole else None
 
     def _tell(self, text: str, name: str, who: str) -> None:

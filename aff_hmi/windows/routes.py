@@ -14,7 +14,7 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route
 
 from aff_hmi.scope.picture import encode, table, waiting
-from aff_hmi.scope.room import Scope
+from aff_hmi.scope.scope import Scope
 from aff_hmi.scope.shot import Asked, Shot, asked_of
 from aff_hmi.see.data_routes import NO_SENSE, NOT_NOW, harmless, refused
 from aff_hmi.windows.desk import NOT_THERE, WindowDesk

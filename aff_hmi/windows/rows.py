@@ -46,7 +46,7 @@ class Window:
 
 
 class FullError(Exception):
-    """There is no room: somebody has to let go of a window first."""
+    """No space is left: somebody has to delete a window first."""
 
 
 def begin(connection: sqlite3.Connection) -> None:
@@ -60,7 +60,7 @@ def keep(connection: sqlite3.Connection, said: Window, cut: Cut, most_bytes: int
     Raises
     ------
     FullError
-        When the share is full; nothing is let go of by itself.
+        When the share is full; nothing is deleted by itself.
     """
     head, data = packed(cut)
     (count, size) = connection.execute(
@@ -87,8 +87,8 @@ def ticks_of(connection: sqlite3.Connection, number: int) -> Cut | None:
     return None if row is None else unpacked(*row)
 
 
-def let_go(connection: sqlite3.Connection, number: int) -> str:
-    """Forget a window; return its name, empty when there was none."""
+def delete(connection: sqlite3.Connection, number: int) -> str:
+    """Delete a window; return its name, empty when there was none."""
     row = connection.execute("SELECT said FROM kept WHERE id = ?", (number,)).fetchone()
     connection.execute("DELETE FROM kept WHERE id = ?", (number,))
     return "" if row is None else str(json.loads(row[0])["name"])

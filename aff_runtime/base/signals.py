@@ -113,14 +113,14 @@ class Permission:
     ``adapt`` False freezes every weight. ``applied_ratio`` is, per actuator, the share of the
     law's last output that really went out (envelope times limit scaling, 0..1); the law projects
     its weights by ``limit_ratio`` (limit scaling alone) so that a limit never winds up.
-    ``rooms`` is, per actuator, the largest ``peak_bound`` and ``slew_bound`` that go out
+    ``headroom`` is, per actuator, the largest ``peak_bound`` and ``slew_bound`` that go out
     unscaled; empty when nobody says.
     """
 
     adapt: bool
     applied_ratio: tuple[float, ...]
     limit_ratio: tuple[float, ...]
-    rooms: tuple[tuple[float, float], ...] = ()
+    headroom: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -108,8 +108,8 @@ class Controller:
             inputs.reference = values[reference] if reference >= 0 else math.nan
             inputs.limit_ratio = permission.limit_ratio[i]
             inputs.applied_ratio = permission.applied_ratio[i]
-            if permission.rooms:
-                inputs.limit, inputs.slew_limit = permission.rooms[i]
+            if permission.headroom:
+                inputs.limit, inputs.slew_limit = permission.headroom[i]
             steps.append(law.step(inputs))
         return tuple(steps)
 

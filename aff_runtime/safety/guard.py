@@ -201,7 +201,7 @@ class Guard:
                 for envelope, limiter in zip(self._envelopes, self._limiters, strict=True)
             ),
             limit_ratio=tuple(limiter.wanted_scale for limiter in self._limiters),
-            rooms=tuple(limiter.room for limiter in self._limiters),
+            headroom=tuple(limiter.headroom for limiter in self._limiters),
         )
 
     def limit(

@@ -51,7 +51,7 @@ class Limiter:
         return min(self.scale, self.wanted_scale) < _SATURATED_BELOW
 
     @property
-    def room(self) -> tuple[float, float]:
+    def headroom(self) -> tuple[float, float]:
         """Largest ``peak_bound`` and ``slew_bound`` of a wish that goes out unscaled."""
         return self.limit, SLEW_SHARE * self.bounds.slew_limit
 

@@ -10,7 +10,7 @@ import pytest
 
 pytest.importorskip("starlette")
 
-from aff_hmi import room, server
+from aff_hmi import admission, server
 from aff_hmi.hub import Hub
 from aff_hmi.server import MAX_CONNECTIONS
 from aff_hmi.watch import Watch
@@ -104,7 +104,7 @@ def test_one_stranger_of_the_network_takes_half_of_the_places(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(server, "HEADER_PATIENCE_S", 60.0)
-    monkeypatch.setattr(room, "is_near", lambda address: False)
+    monkeypatch.setattr(admission, "is_near", lambda address: False)
 
     async def play() -> None:
         watch = Watch(tmp_path / "door.sock", MonotonicClock())
@@ -113,7 +113,7 @@ def test_one_stranger_of_the_network_takes_half_of_the_places(
             await frames(hub, 2)
             sent_away = [reader.at_eof() for reader, _ in flood]
             assert sent_away == [False] * (MAX_CONNECTIONS // 2) + [True] * (MAX_CONNECTIONS // 2)
-            monkeypatch.setattr(room, "is_near", lambda address: True)
+            monkeypatch.setattr(admission, "is_near", lambda address: True)
             status, _, _ = await asked(port, "/metrics")
             assert status == "HTTP/1.1 200 OK"
             for _, writer in flood:

@@ -9,8 +9,8 @@ import numpy as np
 
 from aff_runtime.app.commission.answers import Answer, Done, MaintenanceShown
 from aff_runtime.app.commission.maintenance_views import (
+    FitRow,
     LifeRow,
-    LineRow,
     MaintenanceView,
     RankingRow,
     ReachedRow,
@@ -141,7 +141,7 @@ def _trend(one: Finding) -> TrendRow:
         per_1000_km=None if one.per_km is None else _slope(one.per_km, factor),
         line=None
         if line is None
-        else LineRow(
+        else FitRow(
             from_size=factor * line.at(float(days[0])), to_size=factor * line.at(float(days[-1]))
         ),
         reached=None if one.weeks is None else _reached(one.weeks, last_s),

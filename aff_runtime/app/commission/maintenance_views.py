@@ -42,8 +42,8 @@ class SlopeRow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LineRow:
-    """A straight line through readings, from its first to its last one."""
+class FitRow:
+    """A straight fit through readings, at the first and at the last of them."""
 
     from_size: float
     to_size: float
@@ -64,9 +64,10 @@ class TrendRow:
 
     Attributes
     ----------
-    quantity : its word. ``limit`` : None where nobody gave one. ``speed_m_s`` : the like one.
-    left_out : hours at another speed. ``stands_out`` : beyond 4 sigma, by web and by day.
-    line : through the readings by day. ``jump_s`` : when it jumped, None where it did not.
+    quantity : its word. ``limit`` : None where nobody gave one.
+    speed_m_s : at which the hours are comparable. ``left_out`` : hours at another speed.
+    stands_out : the slope differs from 0 by 4 sigma, over web and over days.
+    line : straight fit over days. ``jump_s`` : when it jumped, None where it did not.
     """
 
     roll: str
@@ -82,7 +83,7 @@ class TrendRow:
     limit: float | None
     stands_out: bool
     per_1000_km: SlopeRow | None
-    line: LineRow | None
+    line: FitRow | None
     reached: ReachedRow | None
     jump_s: float | None
     readings: tuple[Reading, ...]
@@ -90,7 +91,7 @@ class TrendRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WorstRow:
-    """The largest order of a roll of web, with its standard error."""
+    """The order with the largest amplitude of a roll of web, with its standard error."""
 
     order: int
     size: float
@@ -100,7 +101,7 @@ class WorstRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WoundRow:
-    """One roll of web; what was never read is None."""
+    """One roll of web; what was never read is None. ``left`` : ripple while corrected."""
 
     roll_id: int
     first_s: float
@@ -114,7 +115,7 @@ class WoundRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RankingRow:
-    """Rolls of one place, the farthest from round first; ``by`` : word of what tells."""
+    """Rolls of one place, the farthest from round first; ``by`` : quantity they are ranked by."""
 
     roll: str
     by: str
@@ -127,8 +128,9 @@ class MaintenanceView:
 
     Attributes
     ----------
-    store : its folder. ``nothing`` : why there is none, or nothing in it; empty.
-    hours : that it holds, from ``from_s`` to ``to_s``, with so much web.
+    store : its folder. ``nothing`` : why there is none, or nothing in it; else empty.
+    line : name of the production line.
+    hours : of record in the store, from ``from_s`` to ``to_s``; ``web_km`` passed in them.
     notes : what to know first, a sentence each.
     """
 

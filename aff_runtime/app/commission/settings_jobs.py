@@ -20,7 +20,7 @@ from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError, WireError
 
-_PROPOSED = re.compile(r"([A-Za-z_][\w.]*): ([-+0-9.eE]+)(?:\s+#.*)?")
+_PROPOSED = re.compile(r"([A-Za-z_][\w.]*): ([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:\s+#.*)?")
 Path = tuple[str | int, ...]
 
 
@@ -36,7 +36,7 @@ def proposed(sentences: Sequence[str]) -> Mapping[Path, float]:
     for text in sentences:
         match = _PROPOSED.fullmatch(text)
         if match is None:
-            raise RefusedError(f"{text}: is tried by hand: `aff-runtime settings try`")
+            raise RefusedError(f"{text}: cannot be tried here; use `aff-runtime settings try`")
         place = tuple(int(key) if key.isdecimal() else key for key in match[1].split("."))
         settings[place] = float(match[2])
     if not settings:
@@ -68,7 +68,7 @@ def keep(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 
 def undo(where: Paths, asked: Request, talk: Talk) -> Answer:
-    """End a try."""
+    """End a try; without one, take back what was kept last, in the site file too."""
     return _end(where, asked, "undo")
 
 

@@ -15,7 +15,7 @@ from aff_runtime.core.shape.fitting import WaveFit
 from aff_runtime.core.shape.wish import Wish
 
 Floats = npt.NDArray[np.float64]
-MARGIN = 0.98  # of the room, so that the guard need not scale what is on its way
+MARGIN = 0.98  # of the headroom, so that the guard need not scale what is on its way
 FOLLOW_S = 0.1
 FIT_S = 0.005  # from one step of the fit to the next; a shorter cycle has no time for more
 DAMPED = 0.1
@@ -25,7 +25,7 @@ TINY = 1e-12
 
 
 @dataclass(frozen=True, slots=True)
-class Room:
+class Headroom:
     """What the guard lets out unscaled: value and slew, output units and per second."""
 
     limit: float
@@ -33,10 +33,10 @@ class Room:
 
 
 class OutputAllocation:
-    """A complex factor per column; together they leave the least ripple that fits in the room.
+    """A complex factor per column; together they leave the least ripple that fits in the headroom.
 
     The own roll's waveform is fitted by ``WaveFit``. A column of another roll, whose angle goes
-    its own way, takes its amplitude off the room and pays the same price: it is shortened by
+    its own way, takes its amplitude off the headroom and pays the same price: it is shortened by
     price / (2 q |c|), never below zero. The weights keep the shape: what the limit took is not
     learned away, nothing winds up; whole orders are scaled and turned, so no harmonics arise.
 
@@ -91,30 +91,32 @@ class OutputAllocation:
         self.limited = False
         self.peak = self.slew = self.moved_1_s = 0.0
 
-    def binds(self, room: Room) -> bool:
+    def binds(self, headroom: Headroom) -> bool:
         """Whether there is work: a limit takes something, or the last output is at one."""
         return (
-            self.limited or self.peak > MARGIN * room.limit or self.slew > MARGIN * room.slew_limit
+            self.limited
+            or self.peak > MARGIN * headroom.limit
+            or self.slew > MARGIN * headroom.slew_limit
         )
 
-    def step(self, room: Room, wish: Wish, dt_s: float) -> None:
+    def step(self, headroom: Headroom, wish: Wish, dt_s: float) -> None:
         """Move the factors towards what fits."""
         self.limited = True
         size = np.abs(wish.parts)
         self._waited_s += dt_s
         if self._waited_s > 0.9 * FIT_S:
             self._waited_s = 0.0
-            self._find(room, wish, size)
+            self._find(headroom, wish, size)
         self._follow(size, dt_s)
 
-    def _find(self, room: Room, wish: Wish, size: Floats) -> None:
+    def _find(self, headroom: Headroom, wish: Wish, size: Floats) -> None:
         own, others, fitted = self._mine, self._others, self._fitted
         omega = max(abs(float(wish.omega_rad_s[own[0]])), TINY) if own.size else TINY
         turning = np.abs(self._order * wish.omega_rad_s)[others]
         taken = np.abs(fitted[others]) * size[others]
-        slew_room = MARGIN * room.slew_limit - wish.learning_1_s
-        slew = max(slew_room, LEAST_SLEW * room.slew_limit) - float(taken @ turning)
-        limit = max(MARGIN * room.limit - float(taken.sum()), 0.0) / self._slack
+        slew_headroom = MARGIN * headroom.slew_limit - wish.learning_1_s
+        slew = max(slew_headroom, LEAST_SLEW * headroom.slew_limit) - float(taken @ turning)
+        limit = max(MARGIN * headroom.limit - float(taken.sum()), 0.0) / self._slack
         slope = max(slew, 0.0) / (self._slack * omega)
         if own.size:
             self._fit_own(wish, limit, slope)

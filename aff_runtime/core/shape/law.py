@@ -20,7 +20,7 @@ from aff_runtime.core.order_status import STATE, Column, column_names, column_va
 from aff_runtime.core.params import ActuatorParams, DriveParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.response import Response
-from aff_runtime.core.shape.allocation import OutputAllocation, Room
+from aff_runtime.core.shape.allocation import Headroom, OutputAllocation
 from aff_runtime.core.shape.availability import RollAvailability
 from aff_runtime.core.shape.basis import ShapeBasis
 from aff_runtime.core.shape.bounds import PeakBound
@@ -56,7 +56,7 @@ class ShapeLaw:
     W_n <- W_n - rate m_n / (1 + d_n), so an error of the gain correction slows but leaves nothing
     behind. The weights stay when the speed changes. What goes out of a column is its weight times
     shares: of the speed gate, of the roll's presence (its angle is known, it was not changed), of
-    the monitor's trust, and times the factor that the limit's room leaves; the filter is told
+    the monitor's trust, and times the factor that the limit's headroom leaves; the filter is told
     what went out, so none of these is mistaken for the roll.
     """
 
@@ -127,8 +127,8 @@ class ShapeLaw:
             return SILENT
         self._ticks += 1
         ratio = inputs.applied_ratio if 0.0 <= inputs.applied_ratio <= 1.0 else 0.0
-        room = Room(inputs.limit, inputs.slew_limit)
-        self._binds = self.allocation.binds(room)
+        headroom = Headroom(inputs.limit, inputs.slew_limit)
+        self._binds = self.allocation.binds(headroom)
         self._loop.follow_radius(self._own.radius_m)
         self._loop.push(self.basis.b, self._sent, ratio, round(dt_s / self._cycle_s))
         self._settle_availability(dt_s)
@@ -140,7 +140,7 @@ class ShapeLaw:
             self._tension_N = inputs.reference
         self.basis.step(speed_m_s, self._tension_N, dt_s)
         if self._binds:
-            self._allocate(room, dt_s)
+            self._allocate(headroom, dt_s)
         return self._send(gate)
 
     def _speed_m_s(self, line_speed_m_s: float) -> float:
@@ -220,10 +220,10 @@ class ShapeLaw:
         np.abs(move, out=self._step_1_s)
         self._step_1_s *= 1.0 / dt_s
 
-    def _allocate(self, room: Room, dt_s: float) -> None:
+    def _allocate(self, headroom: Headroom, dt_s: float) -> None:
         moving = self.weight, self._step_1_s, self._others()
         wish = wish_of(self.basis, *moving, self._signal_per_m)
-        self.allocation.step(room, wish, dt_s)
+        self.allocation.step(headroom, wish, dt_s)
 
     def _send(self, gate: float) -> ActuatorStep:
         moving = self._gate.moving or self.availability.moving or self.confidence.moving

@@ -53,18 +53,20 @@ def stand_in_speed(
             "the site file and record again"
         )
     speed = columns[speeds[0]]
-    turned = _turned_m(line, columns)
-    source = speeds[0] if turned is None else f"{speeds[0]}, with the turns of {turned[0]},"
-    travel = np.cumsum(speed) * step_s if turned is None else turned[1]
+    rolled = _roller_travel(line, columns)
+    source = speeds[0] if rolled is None else f"{speeds[0]}, with the turns of {rolled[0]},"
+    travel = np.cumsum(speed) * step_s if rolled is None else rolled[1]
     straight, bent = _straight_parts(speed, travel, step_s)
     said = [f"no speed reference is recorded: the measured {source} stands in"]
     if bent:
-        said.append(f"{bent} changes of speed are no straight ramps: smoothed there")
+        said.append(
+            f"{bent} change{'s' * (bent != 1)} of speed: no straight ramp fits, smoothed there"
+        )
     return straight, said
 
 
 def _straight_parts(speed: Array, travel_m: Array, step_s: float) -> tuple[Array, int]:
-    """Return levels joined by straight ramps (samples,), and how many changes are none."""
+    """Return levels joined by straight ramps (samples,), m/s, and how many had to be smoothed."""
     straight = box_mean(speed, max(1, round(SMOOTHED_S / step_s)))
     changing = box_mean(ramps(speed, step_s).astype(np.float64), round(MARGIN_S / step_s)) > 0.0
     edges = [0, *(np.flatnonzero(np.diff(changing.astype(np.int8))) + 1), speed.size]
@@ -90,7 +92,10 @@ def _straight_parts(speed: Array, travel_m: Array, step_s: float) -> tuple[Array
 def _ramp(
     speed: Array, travel_m: float, levels: tuple[float, float], step_s: float
 ) -> Array | None:
-    """Return the straight ramp between two levels, None where none is near the speed (samples,).
+    """Return the straight ramp between two levels (samples,), m/s.
+
+    None where the levels differ by less than ``STRAIGHT_SHARE``, or no straight ramp is that near
+    to the measured speed.
 
     Equation: travel = v1 t_m + v2 (T - t_m) gives the middle t_m of a ramp symmetric about it.
     """
@@ -112,8 +117,11 @@ def _ramp(
     return best if error < STRAIGHT_SHARE * max(abs(before), abs(after)) else None
 
 
-def _turned_m(line: Declaration, columns: Mapping[str, Array]) -> tuple[str, Array] | None:
-    """Return name and surface travel, m, of a driven roller of fixed radius; None without one."""
+def _roller_travel(line: Declaration, columns: Mapping[str, Array]) -> tuple[str, Array] | None:
+    """Return channel and surface travel, m, of a driven roller of fixed radius; None without one.
+
+    One whose reference is a draw is left out: it does not run at the line's speed.
+    """
     drawn = {d.roller for d in line.control.drives if "draw" in d.speed_reference}
     fixed = {r.name: r.radius_m for r in line.rollers if r.kind == "driven"}
     for sensor in line.sensors:

@@ -1,7 +1,7 @@
 """What a line may begin a record with otherwise than at rest: integrals of drives, web in zones.
 
 Two drives that grip the web close to each other, as those of an S-wrap, hold torque against each
-other: the stiff web between them lets either change its speed but slowly, whatever its loop asks.
+other: the stiff web between them lets either change its speed only slowly, whatever its loop asks.
 What a probe, a ramp or a step left there is seen in the tension behind them for half a minute.
 """
 
@@ -16,7 +16,7 @@ from sim_plant.line.simulation import LineSimulation
 from sim_plant.line.start import add_torque
 
 SHARE = 0.02
-"""Of the tension: a size whose response is simulated. What is in proportion to it is used."""
+"""Size of the simulated offset, as a share of tension; its response is scaled to other sizes."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -26,7 +26,7 @@ class StartOffset:
     Attributes
     ----------
     roller : a driven one.
-    of : ``drive``: its drive's integral holds the torque of that tension at its radius more;
+    of : ``drive``: the integral of its drive starts higher by ``tension_N`` times its radius;
         ``zone``: the web from it to the next driven one is longer by what that tension strains.
     tension_N : how much.
     """

@@ -30,7 +30,7 @@ def even_grid(
     Raises
     ------
     PlantError
-        When stamps go back, rows are missing or too few, or the record has gaps.
+        When stamps go back or are repeated, rows are too few, or the record has gaps.
     """
     if time_s.size < RECORDS.fewest_rows:
         raise PlantError(
@@ -48,6 +48,12 @@ def even_grid(
     odd = (steps > RECORDS.longest_gap_samples * step) | (steps == 0.0)
     off = _one_stamp_off(steps, step)
     gap, misplaced = np.flatnonzero(odd & ~off), _stamps_beside(odd & off)
+    twice = gap[steps[gap] == 0.0]
+    if twice.size:
+        raise PlantError(
+            f"{shown(path)}: {twice.size} rows have the time_s of the row before, the first is "
+            f"{row_words(path, int(twice[0]) + 1)}; give each moment one row"
+        )
     if gap.size:
         at = int(gap[0])
         raise PlantError(
@@ -76,7 +82,8 @@ def row_words(path: Path, row: int) -> str:
 def unwrapped(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str]]:
     """Return columns with angles that start over (each turn, or each few) unwrapped, and remarks.
 
-    A step of more than half a turn against the way the roll turns is taken for a start over.
+    A step of more than half a turn against the way the roll turns is taken for a start over. In a
+    column with one, every step beyond half a turn is folded, as stamps are far closer than that.
     """
     continuous, remarks = dict(columns), []
     for name, values in columns.items():
@@ -160,7 +167,7 @@ def counts_seen(columns: Mapping[str, Array], words: Mapping[str, float]) -> dic
 
 
 def _smallest_step(levels: Array) -> float:
-    """Return the smallest step between sorted levels; a last digit of theirs is none, 0 then."""
+    """Return the smallest step between sorted levels; 0 without one, rounding is none."""
     steps = np.diff(levels)
     steps = steps[steps > SAME_LEVEL_SHARE * float(np.max(np.abs(levels)))]
     return float(np.min(steps)) if steps.size else 0.0
@@ -171,10 +178,13 @@ def count_spikes(values: Array, count: float = 0.0) -> int:
 
     One ``count`` of a coarse word to or fro is no spike.
     """
-    off = (values - median_filter(values, 7))[3:-3]  # at its ends a ramp looks like a spike
-    spread = max(1.4826 * float(np.median(np.abs(off - np.median(off)))), 0.5 * float(np.std(off)))
+    deviation = (values - median_filter(values, 7))[3:-3]  # at its ends a ramp looks like a spike
+    spread = max(
+        1.4826 * float(np.median(np.abs(deviation - np.median(deviation)))),
+        0.5 * float(np.std(deviation)),
+    )
     return (
         0
         if spread == 0.0
-        else int(np.sum(np.abs(off) > max(RECORDS.spike_sigma * spread, 1.5 * count)))
+        else int(np.sum(np.abs(deviation) > max(RECORDS.spike_sigma * spread, 1.5 * count)))
     )

@@ -22,18 +22,18 @@ def distinct(seen: Sequence[Candidate], least_score: float) -> list[Candidate]:
     None of them so weak that it could not be accepted with the score that is needed.
     """
     kept: list[Candidate] = []
-    floor = max(EVENTS.floor, EVENTS.least_share * least_score)
+    floor = max(EVENTS.least_chi2, EVENTS.least_share * least_score)
     for c in seen:
-        if c.score < max(floor, EVENTS.filter_share * seen[0].score):
+        if c.score < max(floor, EVENTS.best_share * seen[0].score):
             break
         same = [k for k in kept if k.hypothesis.key == c.hypothesis.key]
         if any(HOLD_S in k.hypothesis.names and _near(k, c) for k in same):
             continue
         effect = [k for k in kept if k.hypothesis.effect is c.hypothesis.effect]
-        if len(same) < EVENTS.moments and len(effect) < EVENTS.places:
+        if len(same) < EVENTS.most_moments and len(effect) < EVENTS.most_places:
             kept.append(c)
-    return kept[: EVENTS.looked_at]
+    return kept[: EVENTS.most_candidates]
 
 
 def _near(one: Candidate, other: Candidate) -> bool:
-    return abs(moment_of(one) - moment_of(other)) < EVENTS.span_reach_s
+    return abs(moment_of(one) - moment_of(other)) < EVENTS.episode_reach_s

@@ -20,6 +20,7 @@ from sim_plant.refine.fit.projection import AT_ONCE
 from sim_plant.refine.model.hypotheses import Hypothesis, onset_library
 from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
 from sim_plant.refine.search.distinct_events import distinct, moment_of
+from sim_plant.refine.search.episodes import best_episodes, ended_again
 from sim_plant.refine.search.screening import (
     every_third_idler,
     neighbours,
@@ -27,7 +28,6 @@ from sim_plant.refine.search.screening import (
     sure_look,
 )
 from sim_plant.refine.search.shifted_responses import beginning, begun, with_number
-from sim_plant.refine.search.spans import best_spans, ended_again
 from sim_plant.refine.spectra.onset_filter import (
     Axis,
     best_moments,
@@ -109,7 +109,7 @@ def placed_anew(objective: Objective, fit: Fit) -> Fit:
                 continue
             moved = fit.with_effect_at(k, h, there.start)
             new = gauss_newton_fit(objective, moved.hypotheses, moved.values, fit.shifts)
-            fit = new if new.cost < here.cost - EVENTS.floor else fit
+            fit = new if new.cost < here.cost - EVENTS.least_chi2 else fit
     return fit
 
 
@@ -190,7 +190,7 @@ def _weighed_at_their_moments(
         if onset is None or onset.unit != "s":
             candidates += mine
             continue
-        axis, shown = axes[onset.unit], mine[: EVENTS.places]
+        axis, shown = axes[onset.unit], mine[: EVENTS.most_places]
         best = _over_the_record(objective, axis, shown, residual)
         looks = [(c.hypothesis, moment_of(c)) for c in shown]
         looks += [
@@ -253,8 +253,8 @@ def _placed(
             if ends:
                 # where it is decides when: each way is tried with moments of its own
                 ways = _ways(best, at)
-                spans = [s for way in ways for s in best_spans(objective, fit, way, residual)]
-                best = _best_of_starts(objective, fit, best, residual, [best.start, *spans])
+                starts = [s for way in ways for s in best_episodes(objective, fit, way, residual)]
+                best = _best_of_starts(objective, fit, best, residual, [best.start, *starts])
             else:
                 best = _best_moment(objective, fit, best, residual, EVENTS.coarse_grid)
             shapes = () if onset is None else onset.grid[1:] if ends else onset.grid
@@ -263,7 +263,7 @@ def _placed(
                     best = _best_of_shapes(objective, fit, best, residual, name, values)
         if not ends:
             best = _best_moment(objective, fit, best, residual, EVENTS.fine_grid)
-        if best.score > EVENTS.floor:
+        if best.score > EVENTS.least_chi2:
             placed.append(_without_end(objective, best))
     return sorted(placed, key=lambda c: -c.score)
 

@@ -207,7 +207,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
 
 def classified(objective: Objective, selection: Selection) -> Selection:
     """Return the selection with the class of what is left, slow changes of effects apart."""
-    apart = set_apart(objective, selection, lines=False)
+    apart = set_apart(objective, selection, at_spectral_lines=False)
     weigh, seen = (objective, selection) if apart is None else (apart.objective, apart.selection)
     fit = seen.fit
     unknown = what_is_left(weigh, selection.nominal, fit, selection.travels, seen.after)
@@ -245,10 +245,10 @@ def next_extensions(
     complete: list[Extension] = []
     partial: list[Extension] = []
     wander = wander_of(objective, selection)
-    apart = set_apart(objective, selection, lines=False, wander=wander)
+    apart = set_apart(objective, selection, at_spectral_lines=False, wander=wander)
     for group in (plain, resonant, others):
         if group is others:
-            apart = set_apart(objective, selection, lines=True, wander=wander)
+            apart = set_apart(objective, selection, at_spectral_lines=True, wander=wander)
             weigh = objective if apart is None else apart.objective
             needed = ACCEPTANCE.later_score if selection.accepted else ACCEPTANCE.score
             least = least_beside(selection if apart is None else apart.selection, needed)
@@ -334,7 +334,7 @@ def best_of(
     fitted = [*rivals, *fit_candidates(objective, base, tried, progress)]
     candidates = without_failed(candidates, tried, fitted)
     if apart is not None:
-        fitted = [apart.judged(c) for c in fitted]
+        fitted = [apart.reweighted_candidate(c) for c in fitted]
     if selection.accepted:
         fitted = [replace(c, told=told_by_record(weigh, c.fit)) for c in fitted]
         fitted = settling_conflict(weigh, base, fitted)
@@ -372,7 +372,7 @@ def chi2_without_last(objective: Objective, fit: Fit, apart: Apart | None = None
         objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=2, quick=False
     )
     if apart is not None:
-        without, there = (apart.weighed(f, quick=False) for f in (without, there))
+        without, there = (apart.reweighted_fit(f, quick=False) for f in (without, there))
     return sure_fall(objective if apart is None else apart.objective, without, there)
 
 

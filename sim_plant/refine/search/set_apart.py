@@ -1,10 +1,10 @@
-"""Beside strong effects: what another one explains apart from what the models of those leave.
+"""Judge a weak effect beside strong ones, after removing the model error of the strong ones.
 
-No model is exact: it leaves some per mille of what a strong effect does. But it leaves them where
-that effect shows. So an effect without a spectral line is judged on what remains when the lines of
-those found are free in size and phase in every channel, and change with speed and slowly with
-time. And beside an effect whose size is not quite constant any other is judged on what remains
-when that size may change slowly.
+No model is exact: some per mille of what a strong effect does remain in the residual. That error
+lies at the strong effect's own spectral lines. So an effect without a spectral line is judged on
+the residual that remains when the lines of the effects already found are free terms: free in size
+and phase in every channel, changing with speed and slowly with time. And where the size of an
+effect is not quite constant, any other effect is judged after that size was allowed to wander.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ ACCEPTANCE = CRITERIA.search.acceptance
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Apart:
-    """A selection as it is judged apart from what the models of its effects leave.
+    """A selection, judged apart from the model error of its effects.
 
     Attributes
     ----------
@@ -40,13 +40,16 @@ class Apart:
     objective: Objective
     selection: Selection
 
-    def weighed(self, fit: Fit, quick: bool = True) -> Fit:
-        """Return the fit with what it leaves apart from all that; no number is moved."""
+    def reweighted_fit(self, fit: Fit, quick: bool = True) -> Fit:
+        """Return the fit with cost and residual apart from all that; parameters are not refitted.
+
+        ``quick``: simulated with the longer drive tick, for differences between fits.
+        """
         return _weighed(self.objective, fit, quick)
 
-    def judged(self, candidate: FittedCandidate) -> FittedCandidate:
+    def reweighted_candidate(self, candidate: FittedCandidate) -> FittedCandidate:
         """Return a candidate by what it explains apart from all that."""
-        left = self.weighed(candidate.fit)
+        left = self.reweighted_fit(candidate.fit)
         fall = sure_fall(self.objective, self.selection.fit, left)
         return replace(candidate, chi2_reduction=fall)
 
@@ -54,7 +57,7 @@ class Apart:
         """Return whether ``fit`` explains a fair share of what is left apart from the lines."""
         base = self.selection
         return explains_own_spectral_lines(
-            self.objective, base.fit, base.after, base.travels, self.weighed(fit)
+            self.objective, base.fit, base.after, base.travels, self.reweighted_fit(fit)
         )
 
 
@@ -62,16 +65,16 @@ def set_apart(
     objective: Objective,
     selection: Selection,
     *,
-    lines: bool,
+    at_spectral_lines: bool,
     wander: Sequence[Changes] | None = None,
 ) -> Apart | None:
-    """Return the selection as judged apart from what its effects leave by nature.
+    """Return the selection, judged apart from the model error of its effects.
 
-    ``lines``: from their spectral lines as well. ``wander``: what ``wander_of`` gives of them;
-    simulated here where it is not given. None where that decides nothing: what their models
-    leave is too little to hide another effect.
+    ``at_spectral_lines``: their spectral lines are free terms as well. ``wander``: the result of
+    ``wander_of``; simulated here where it is not given. None where that decides nothing: their
+    model error is too small to hide another effect.
     """
-    apart = apart_from_spectral_lines(objective, selection) if lines else None
+    apart = apart_from_spectral_lines(objective, selection) if at_spectral_lines else None
     weigh = objective if apart is None else apart
     if wander is None:
         wander = wander_of(objective, selection)
@@ -80,14 +83,14 @@ def set_apart(
     if weigh is objective:
         return None
     fit = _weighed(weigh, selection.fit, quick=False)
-    there = replace(
+    reweighted = replace(
         selection,
         nominal=_weighed(weigh, selection.nominal, quick=False),
         fit=fit,
         after=remaining_spectra(weigh, fit, selection.travels),
         wander_is_free=bool(wander),
     )
-    return Apart(objective=weigh, selection=there)
+    return Apart(objective=weigh, selection=reweighted)
 
 
 def wander_of(objective: Objective, selection: Selection) -> list[Changes]:
@@ -135,7 +138,7 @@ def _line(kind: str, coordinate: dict[str, float | str]) -> Unknown:
 
 
 def _weighed(objective: Objective, fit: Fit, quick: bool) -> Fit:
-    there = gauss_newton_fit(
+    again = gauss_newton_fit(
         objective, fit.hypotheses, fit.values, fit.shifts, rounds=0, quick=quick
     )
-    return replace(fit, cost=there.cost, residual=there.residual)
+    return replace(fit, cost=again.cost, residual=again.residual)

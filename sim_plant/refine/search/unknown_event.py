@@ -47,19 +47,19 @@ def beginning(power: Array, step_s: float) -> int | None:
 
     None where it is not, or was all along.
     """
-    size = max(1, round(EVENTS.block_s / step_s))
+    size = max(1, round(EVENTS.bin_s / step_s))
     blocks = power[:, : power.shape[1] // size * size]
     level = blocks.reshape(blocks.shape[0], -1, size).mean(axis=(0, 2))
     spread = np.sqrt(2.0 / (size * power.shape[0]))
-    loud = level > np.median(level[: max(1, level.size // 10)]) + EVENTS.block_sd * spread
+    loud = level > np.median(level[: max(1, level.size // 10)]) + EVENTS.bin_sd * spread
     runs = [k for k in range(level.size - 1) if loud[k] and loud[k + 1]]
     if not runs:
         return None
     first = runs[0]
     quiet = level[:first]
-    if first * EVENTS.block_s < EVENTS.quiet_s or quiet.mean() > 1.0 + EVENTS.contrast:
+    if first * EVENTS.bin_s < EVENTS.quiet_s or quiet.mean() > 1.0 + EVENTS.contrast:
         return None
-    rise = level[first : first + round(EVENTS.quiet_s / EVENTS.block_s)].mean() - quiet.mean()
+    rise = level[first : first + round(EVENTS.quiet_s / EVENTS.bin_s)].mean() - quiet.mean()
     if rise < EVENTS.contrast:
         return None
     near = slice(max(0, (first - 2) * size), (first + 2) * size)

@@ -56,7 +56,7 @@ class Part:
 
 def parts_of(axis: Axis) -> list[Part]:
     """Return the parts of a record for which a response is simulated."""
-    ends = np.linspace(axis.grid[0], axis.grid[-1], EVENTS.references + 1)
+    ends = np.linspace(axis.grid[0], axis.grid[-1], EVENTS.response_moments + 1)
     return [
         Part(low=low, middle=0.5 * (high + low), high=high)
         for low, high in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)
@@ -77,7 +77,7 @@ def best_moments(
         round(EVENTS.window[unit] / axis.step),
     )
     scores[(axis.grid < part.low) | (axis.grid >= part.high)] = 0.0
-    at = peaks(scores, round(EVENTS.apart / axis.step), EVENTS.peaks)
+    at = peaks(scores, round(EVENTS.apart / axis.step), EVENTS.most_peaks)
     return [(float(scores[k]), float(axis.grid[k])) for k in at]
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from aff_hmi.see import events
 from aff_hmi.see.events import SCHEMA, Entry, Kind, Wanted, insert, newest, prune, select
 from aff_hmi.see.store import FILE, Store
 from aff_runtime.base.errors import ConfigError
@@ -33,7 +34,7 @@ def test_what_was_kept_is_there_after_a_restart(tmp_path: Path) -> None:
 def test_an_event_of_the_ring_is_kept_once_however_often_it_is_read(tmp_path: Path) -> None:
     store = Store(None, SCHEMA)
     for _ in range(3):
-        store.put(lambda c: insert(c, [entry(once="ring 1 15"), entry("B"), entry("B")]))
+        store.put(lambda c: insert(c, [entry(unique_key="ring 1 15"), entry("B"), entry("B")]))
     found = store.now(lambda c: select(c, Wanted()))
     store.close()
     assert [one.name for one in found].count("A") == 1
@@ -66,6 +67,18 @@ def test_the_oldest_go_when_there_is_no_room_and_the_file_has_a_bound(tmp_path: 
     assert (tmp_path / FILE).stat().st_size <= bound
     assert store.lost_count == 0
     store.close()
+
+
+def test_what_a_year_ends_does_not_count_against_the_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(events, "MOST_EVENTS", 10)
+    store = Store(None, SCHEMA)
+    old = [entry(f"old {n}", utc_s=0.0) for n in range(6)]
+    new = [entry(f"new {n}", utc_s=2.0 * events.YEAR_S) for n in range(10)]
+    store.put(lambda c: insert(c, [*old, *new]))
+    store.put(lambda c: prune(c, 2.0 * events.YEAR_S, is_full=False))
+    kept = store.now(lambda c: select(c, Wanted()))
+    store.close()
+    assert [one.name for one in kept] == [f"new {n}" for n in range(9, -1, -1)]
 
 
 def test_a_full_disk_costs_history_and_is_told_until_it_is_over(tmp_path: Path) -> None:

@@ -24,7 +24,7 @@ HOSTILE = '=cmd|"/c calc"!A1\u202e<script>../../etc\n'
 
 def archive(at: Pressed) -> dict[str, bytes]:
     """Return the files of the archive as a browser gets them."""
-    assert at.hub.rooms is not None
+    assert at.hub.sources is not None
     found = {}
     with zipfile.ZipFile(io.BytesIO(raw(at))) as whole:
         for info in whole.infolist():
@@ -104,15 +104,15 @@ def test_a_flood_gets_the_same_archive_for_ten_seconds(keeping: Pressed) -> None
 
 
 def test_every_file_has_a_bound(keeping: Pressed) -> None:
-    assert keeping.hub.rooms is not None
+    assert keeping.hub.sources is not None
     keeping.show(State.READY)
-    rooms = keeping.hub.rooms
-    part = rooms.kept.alarms(str)
+    sources = keeping.hub.sources
+    part = sources.kept.alarms(str)
     files = files_of(
-        rooms.support._seen,
+        sources.support._seen,
         alarms=part,
         events=[],
-        timing=rooms.timing.part(str),
+        timing=sources.timing.part(str),
         metrics="x" * (2 * MOST_BYTES),
         utc="2026-01-01T00:00:00+00:00",
     )

@@ -17,7 +17,7 @@ from aff_hmi.layout import Layout
 from aff_hmi.see.store import Store
 from aff_hmi.timing.own import own
 from aff_hmi.timing.rights import KNOWN, right_lines
-from aff_hmi.timing.room import Timing
+from aff_hmi.timing.timing import Timing
 from aff_hmi.timing.who import PLACE_WORDS, ROLE_WORDS, who_lines
 from aff_hmi.watch import Seen
 from aff_hmi.words import say_in
@@ -41,11 +41,11 @@ def timing(clock: VirtualClock | None = None) -> Timing:
 
 
 def test_every_tick_is_counted_and_what_is_longer_than_the_cycle_is_told() -> None:
-    room = timing()
-    room.look(seen(row(missed_count=3.0)), Layout())
-    room.listen(news(range(100)))
-    room.listen(news([100, 101], tick_us=5001.0))
-    part = room.part(EN)
+    page = timing()
+    page.look(seen(row(missed_count=3.0)), Layout())
+    page.listen(news(range(100)))
+    page.listen(news([100, 101], tick_us=5001.0))
+    part = page.part(EN)
     assert (part.ticks, part.late, part.missed, part.cycle_ms) == (102, 2, 3, 5.0)
     named = {one.name: one for one in part.times}
     whole = named["whole tick"]
@@ -56,11 +56,11 @@ def test_every_tick_is_counted_and_what_is_longer_than_the_cycle_is_told() -> No
 
 
 def test_a_monitoring_system_is_told_the_same_ticks_up_to_every_edge() -> None:
-    room = timing()
-    room.look(seen(), Layout())
+    page = timing()
+    page.look(seen(), Layout())
     for count, tick_us in ((3, 90.0), (2, 150.0), (1, 60_000.0)):
-        room.listen(news(range(count), tick_us=tick_us))
-    spreads = {one.metric: one for one in room.spreads()}
+        page.listen(news(range(count), tick_us=tick_us))
+    spreads = {one.metric: one for one in page.spreads()}
     assert {BY_NAME[name].kind for name in spreads} == {HISTOGRAM}
     whole = spreads["aff_tick_duration_seconds"]
     below = dict(whole.buckets)
@@ -148,12 +148,12 @@ def test_the_screen_tells_what_it_uses_itself() -> None:
 
 
 def test_a_hostile_kernel_and_history_print(tmp_path: Path) -> None:
-    room = timing()
+    page = timing()
     hostile = "x\u202e<script>\n" * 50
     moment: Seen = replace(seen(), meta=RunMeta(machine=hostile), facts=facts())
-    room.look(moment, Layout())
-    room._store = SimpleNamespace(trouble=hostile)  # type: ignore[assignment]
-    part = room.part(EN)
+    page.look(moment, Layout())
+    page._store = SimpleNamespace(trouble=hostile)  # type: ignore[assignment]
+    part = page.part(EN)
     for text in (part.kernel, part.history):
         assert text.isprintable()
         assert len(text) <= 120

@@ -17,8 +17,8 @@ from aff_hmi.windows.rows import (
     FullError,
     Window,
     begin,
+    delete,
     keep,
-    let_go,
     listed,
     packed,
     ticks_of,
@@ -70,7 +70,7 @@ def test_a_full_share_refuses_and_lets_go_of_nothing(table: sqlite3.Connection) 
     with pytest.raises(FullError):
         keep(table, SAID, cut, 2 * size)
     assert len(listed(table)) == 2
-    assert let_go(table, 1) == "a splice"
+    assert delete(table, 1) == "a splice"
     assert keep(table, SAID, cut, 2 * size) == 3  # a number is never used again
 
 
@@ -84,7 +84,7 @@ def test_there_are_at_most_so_many(table: sqlite3.Connection) -> None:
 
 def test_what_is_not_there_is_said(table: sqlite3.Connection) -> None:
     assert ticks_of(table, 7) is None
-    assert let_go(table, 7) == ""
+    assert delete(table, 7) == ""
 
 
 def test_a_window_outlives_a_year_a_full_store_and_a_restart(tmp_path: Path) -> None:

@@ -28,10 +28,10 @@ DATA = ("/data/scope", "/data/scope.csv", "/data/windows", "/data/support.zip")
 
 def play(at: Pressed, count: int = 1000, **more: float) -> None:
     """Have ticks 0 ... count - 1 arrive."""
-    assert at.hub.rooms is not None
-    at.hub.rooms.listen(news([]))
+    assert at.hub.sources is not None
+    at.hub.sources.listen(news([]))
     at.show(State.ACTIVE)
-    at.hub.rooms.listen(news(range(count), **more))
+    at.hub.sources.listen(news(range(count), **more))
 
 
 def raw(at: Pressed, path: str) -> tuple[int, dict[str, str], bytes]:
@@ -51,8 +51,8 @@ def raw(at: Pressed, path: str) -> tuple[int, dict[str, str], bytes]:
 
 
 def ident(at: Pressed) -> str:
-    assert at.hub.rooms is not None
-    return at.hub.rooms.scope.ticks.ident
+    assert at.hub.sources is not None
+    return at.hub.sources.scope.ticks.ident
 
 
 def keep(browser: Browser, **more: Any) -> Any:
@@ -121,8 +121,8 @@ def test_a_window_that_is_not_there_is_told(keeping: Pressed) -> None:
 
 def test_the_largest_picture_has_a_bound(keeping: Pressed) -> None:
     play(keeping, 6000)
-    assert keeping.hub.rooms is not None
-    names = ",".join(one.name for one in keeping.hub.rooms.scope.signals[:8])
+    assert keeping.hub.sources is not None
+    names = ",".join(one.name for one in keeping.hub.sources.scope.signals[:8])
     body = raw(keeping, f"/data/scope?signals={names}&seconds={max(SECONDS)}&roll=unwind")[2]
     ticks = round(max(SECONDS) / CYCLE_S)
     assert ticks * (8 + 4 * 7) < len(body) < ticks * (8 + 4 * 9) + 8000
@@ -226,12 +226,12 @@ def test_hostile_names_are_text_of_one_line_and_bounded(keeping: Pressed) -> Non
 def test_a_column_with_a_hostile_name_is_text_on_the_page_and_in_the_file(
     keeping: Pressed,
 ) -> None:
-    assert keeping.hub.rooms is not None
+    assert keeping.hub.sources is not None
     name = "=1+1<img src=x onerror=alert(1)>{{7*7}}\u202e\n_tension_N"
     columns = ("time_s", "tick", "state", name)
     records = [(n * CYCLE_S, float(n), 3.0, float(n)) for n in range(10)]
     for brought in ([], records):
-        keeping.hub.rooms.listen(News(ring="one", columns=columns, records=brought))
+        keeping.hub.sources.listen(News(ring="one", columns=columns, records=brought))
         keeping.show(State.ACTIVE)
     page = keeping.browser().get("/scope").said["text"]
     assert "<img" not in page

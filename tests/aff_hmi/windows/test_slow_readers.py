@@ -30,11 +30,11 @@ def test_who_asks_for_pictures_and_reads_none_costs_few_of_them_and_holds_up_nob
     async def play() -> None:
         watch, kept = Watch(tmp_path / "door.sock", MonotonicClock()), Kept(None, MonotonicClock())
         async with served(watch, kept) as (port, hub):
-            assert hub.rooms is not None
-            hub.rooms.listen(news([]))
-            hub.rooms.look(seen(), Layout())
-            hub.rooms.listen(news(range(6000)))
-            names = ",".join(one.name for one in hub.rooms.scope.signals[:8])
+            assert hub.sources is not None
+            hub.sources.listen(news([]))
+            hub.sources.look(seen(), Layout())
+            hub.sources.listen(news(range(6000)))
+            names = ",".join(one.name for one in hub.sources.scope.signals[:8])
             path = f"/data/scope?signals={names}&seconds={max(SECONDS)}"
             head = f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode()
             before_MB = own().memory_MB or 0.0

@@ -20,11 +20,11 @@ AT_LEAST = " (at least: in the noise when on)"
 TYPED = ("promised", "settle")
 DEFAULT_PROMISE_dB = 0.0
 TURNS, BROKEN_TURNS = 20, 2
-"""Whole turns of the slowest corrected roll that each off and on needs; those at its ends are
-broken."""
+"""Turns of the slowest corrected roll that each off and on needs: whole ones, and what may be
+broken at its two ends."""
 NOTHING_PROVEN = (
     "nothing is proven: no corrected order stands out of the noise in both pairs; make each off, "
-    "and each on behind its settling, longer than 20 turns of the largest roll"
+    f"and each on behind its settling, {TURNS + BROKEN_TURNS} turns of the largest roll long"
 )
 PARTS = ("first off", "first on", "second off", "second on")
 SPEED_PERCENT, SLOWEST_M_S = 2.0, 1e-3
@@ -40,13 +40,13 @@ def measure(evidence: Evidence) -> Finding:
     if not math.isfinite(settle_s):
         settle_s = settling_s(evidence.site, mean_speed_m_s(window))
     promised = evidence.typed.number("promised", "dB")
-    chosen = abab(phases(window), settle_s)
+    chosen = last_off_on_off_on(phases(window), settle_s)
     if not chosen:
         return Finding(
             figures=(),
             missing=(
                 "off, on, off, on is not in the window, each long enough "
-                f"(on: {settle_s:.0f} s to settle, and {TURNS} turns)",
+                f"(on: {settle_s:.0f} s to settle, and {TURNS + BROKEN_TURNS} turns)",
             ),
         )
     pairs = tuple(compare(chosen[k].of(window), chosen[k + 1].of(window)) for k in (0, 2))
@@ -99,7 +99,7 @@ def mean_speed_m_s(window: Window) -> float:
     return max(abs(float(np.nanmean(speed))), SLOWEST_M_S)
 
 
-def abab(found: Sequence[Phase], settle_s: float) -> list[Phase]:
+def last_off_on_off_on(found: Sequence[Phase], settle_s: float) -> list[Phase]:
     """Return the last off, on, off, on, the settling taken from each on; empty without."""
     usable = [
         phase.later(settle_s) if phase.on else phase
@@ -116,7 +116,8 @@ def abab(found: Sequence[Phase], settle_s: float) -> list[Phase]:
 def reduction(changes: Sequence[Change]) -> Change:
     """Return two changes as one reduction, dB, positive where ripple fell.
 
-    The interval is that of the mean, and never narrower than half of what the two differ by.
+    Its sign is turned: a change of ``at_most`` a value is a reduction of ``at_least`` it. The
+    interval is that of the mean, and never narrower than half of what the two differ by.
     """
     bounds = {change.bound for change in changes}
     values = [-change.value_dB for change in changes if math.isfinite(change.value_dB)]

@@ -18,37 +18,42 @@ from aff_runtime.base.run_table import RunTable
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import StateBits, Status
 
-BLOCK_S = 1.0
+BIN_S = 1.0
 SHORTEST_S, LONGEST_S = 20.0, 120.0
 SAME_SPEED = 0.01
-"""Of a stretch, its speed block by block; the window of a comparison may have twice as much."""
+"""Share of its speed by which a second of a stretch may differ from the first one.
+
+The window of a comparison may have twice as much.
+"""
 SLOWEST_M_S = 0.02
 WHOLLY = 0.98
-"""Share of a block's rows that carry a correction, or none."""
+"""Share of the rows of a second that carry a correction, or none."""
 
 
 def steady(table: RunTable, speed_name: str) -> Window | None:
     """Return the longest stretch at one speed, corrected all along or not at all; None without.
 
-    Left out are splices, the probe's excitation and what ran into a limit.
+    Of a longer one its first ``LONGEST_S``. Left out are splices, the probe's excitation and what
+    ran into a limit.
     """
     speed = table.columns.get(speed_name)
     if speed is None or speed.size < 2:
         return None
     time_s = table.columns["time_s"]
-    block = np.floor((time_s - time_s[0]) / BLOCK_S).astype(np.int64)
-    starts = np.flatnonzero(np.diff(block, prepend=block[0] - 1))
+    second = np.floor((time_s - time_s[0]) / BIN_S).astype(np.int64)
+    starts = np.flatnonzero(np.diff(second, prepend=second[0] - 1))
     mean = _means(np.nan_to_num(speed), starts)
-    going = _means((sum_of_corrections(table.columns) > 0.0).astype(np.float64), starts)
+    corrected = _means((sum_of_corrections(table.columns) > 0.0).astype(np.float64), starts)
     good = (_means(_disturbed(table), starts) == 0.0) & (np.abs(mean) > SLOWEST_M_S)
-    good &= (going >= WHOLLY) | (going <= 1.0 - WHOLLY)
-    good[1:] &= np.diff(time_s[starts]) < 2.0 * BLOCK_S
-    first, last = _longest(good, mean, going > 0.5)
-    if (last - first) * BLOCK_S < SHORTEST_S:
+    good &= (corrected >= WHOLLY) | (corrected <= 1.0 - WHOLLY)
+    good[1:] &= np.diff(time_s[starts]) < 2.0 * BIN_S
+    first, last = _longest(good, mean, corrected > 0.5)
+    if (last - first) * BIN_S < SHORTEST_S:
         return None
     from_s = float(time_s[starts[first]])
     end = starts[last] if last < starts.size else time_s.size
-    to_s = min(float(time_s[end - 1]) + 1e-6, from_s + LONGEST_S)
+    past_last_s = float(time_s[end - 1]) + 1e-6  # less than a tick
+    to_s = min(past_last_s, from_s + LONGEST_S)
     return window_of(_cut(table, from_s, to_s))
 
 
@@ -75,22 +80,18 @@ def _disturbed(table: RunTable) -> Array:
     return disturbed.astype(np.float64)
 
 
-def _longest(good: Flags, speed: Array, going: Flags) -> tuple[int, int]:
-    """Return the longest run of good blocks, alike in speed and correction, as [first, last)."""
+def _longest(good: Flags, speed: Array, corrected: Flags) -> tuple[int, int]:
+    """Return the longest run of good seconds, alike in speed and correction, as [first, last)."""
+
+    def alike(one: int, other: int) -> bool:
+        allowed = SAME_SPEED * abs(speed[other])
+        return bool(
+            corrected[one] == corrected[other] and abs(speed[one] - speed[other]) <= allowed
+        )
+
     best, first = (0, 0), 0
     for k in range(good.size + 1):
-        goes_on = (
-            k < good.size
-            and good[k]
-            and (
-                k == first
-                or (
-                    going[k] == going[first]
-                    and abs(speed[k] - speed[first]) <= SAME_SPEED * abs(speed[first])
-                )
-            )
-        )
-        if goes_on:
+        if k < good.size and good[k] and (k == first or alike(k, first)):
             continue
         if k - first > best[1] - best[0]:
             best = (first, k)

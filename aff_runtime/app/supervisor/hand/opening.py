@@ -1,4 +1,4 @@
-"""Opens the hand over the service's own processes, where the command line asks for one."""
+"""The service as a screen reaches it, and the hand opened over it where a command line asks."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.ports import Clock
 from aff_runtime.config.revision import SHORT
 
-ARM_PATIENCE_S = 2.0
+ANSWER_PATIENCE_S = 2.0
 FRESH_S = 0.7
 LOG = logging.getLogger("aff_runtime")
 
 
 class ServiceEnd:
-    """What a screen reaches of the service: bypass, arm, probe, and how it stands.
+    """What a screen reaches of the service: its state, and the questions that the hand may ask.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ class ServiceEnd:
             answer(reply)
             return as_answer(reply)
 
-        ident = self._pending.expect(None, said, ARM_PATIENCE_S)
+        ident = self._pending.expect(None, said, ANSWER_PATIENCE_S)
         control = self._processes.control
         if control is None or not control.link.send(question(ident)):
             text = "the control process is not running; see `aff-runtime status`"

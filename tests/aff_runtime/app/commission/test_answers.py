@@ -215,7 +215,7 @@ MAINTENANCE = of_weeks.MaintenanceView(
             limit=60.0,
             stands_out=True,
             per_1000_km=of_weeks.SlopeRow(value=7.0, low=6.0, high=8.0),
-            line=of_weeks.LineRow(from_size=40.0, to_size=47.0),
+            line=of_weeks.FitRow(from_size=40.0, to_size=47.0),
             reached=of_weeks.ReachedRow(at_s=9.0, early_s=8.0, late_s=None),
             jump_s=None,
             readings=(of_weeks.Reading(at_s=1.0, size=40.0, error=0.5),),

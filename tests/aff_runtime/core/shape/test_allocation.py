@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from aff_runtime.core.shape.allocation import OutputAllocation, Room
+from aff_runtime.core.shape.allocation import Headroom, OutputAllocation
 from aff_runtime.core.shape.bounds import PeakBound
 from aff_runtime.core.shape.columns import ColumnState
 from aff_runtime.core.shape.fitting import WaveFit
@@ -101,7 +101,9 @@ class Lines:
         order = np.concatenate([ORDERS, np.ones(len(other))])
         rolls = ["own"] * 5 + ["other"] * len(other)
         self.bounds = PeakBound(order, rolls, "own")
-        self.room = OutputAllocation(ColumnState(order.size), order, rolls, "own", self.bounds)
+        self.allocation = OutputAllocation(
+            ColumnState(order.size), order, rolls, "own", self.bounds
+        )
         self.carrier = np.ones(order.size, dtype=np.complex128)
         self.omega = np.full(order.size, 5.0)
         self.wish = Wish(
@@ -116,13 +118,13 @@ class Lines:
         """Return every change of the factors, (ticks, columns)."""
         moves = []
         for _ in range(round(seconds / CYCLE_S)):
-            before = self.room.factor.copy()
-            if self.room.binds(Room(limit, math.inf)):
-                self.room.step(Room(limit, math.inf), self.wish, CYCLE_S)
-            moves.append(self.room.factor - before)
-            sent = self.room.factor * self.wish.parts
+            before = self.allocation.factor.copy()
+            if self.allocation.binds(Headroom(limit, math.inf)):
+                self.allocation.step(Headroom(limit, math.inf), self.wish, CYCLE_S)
+            moves.append(self.allocation.factor - before)
+            sent = self.allocation.factor * self.wish.parts
             peak, slew = self.bounds.of(sent, self.carrier, self.omega)
-            self.room.peak, self.room.slew = peak, slew
+            self.allocation.peak, self.allocation.slew = peak, slew
         return np.array(moves)
 
 
@@ -130,9 +132,9 @@ def test_the_output_fits_within_a_second_and_then_stands_still():
     lines = Lines()
     limit = 0.6 * lines.bounds.of(WISH, lines.carrier, lines.omega)[0]
     lines.run(1.0, math.inf)
-    assert not lines.room.limited
+    assert not lines.allocation.limited
     first = lines.run(1.0, limit)
-    assert 0.95 * limit < lines.room.peak <= limit
+    assert 0.95 * limit < lines.allocation.peak <= limit
     assert np.abs(first).max() < 0.05  # no bump: a twentieth of an order at most per tick
     assert np.abs(lines.run(3.0, limit)[-100:]).max() < 1e-5  # no chatter
 
@@ -141,55 +143,55 @@ def test_what_was_taken_comes_back_whole_when_the_limit_is_gone():
     lines = Lines()
     limit = 0.4 * lines.bounds.of(WISH, lines.carrier, lines.omega)[0]
     lines.run(4.0, limit)
-    assert lines.room.share.min() < 0.5
+    assert lines.allocation.share.min() < 0.5
     lines.run(1.0, math.inf)
-    assert (lines.room.factor == 1.0).all()
-    assert not lines.room.limited
+    assert (lines.allocation.factor == 1.0).all()
+    assert not lines.allocation.limited
 
 
 def test_room_comes_back_from_a_limit_that_took_everything():
     lines = Lines()
-    lines.room.peak = 1.0
+    lines.allocation.peak = 1.0
     lines.run(3.0, 0.0)
-    assert lines.room.share.max() < 0.01
+    assert lines.allocation.share.max() < 0.01
     limit = 0.6 * lines.bounds.of(WISH, lines.carrier, lines.omega)[0]
     lines.run(2.0, limit)
-    assert 0.95 * limit < lines.room.peak <= limit
+    assert 0.95 * limit < lines.allocation.peak <= limit
 
 
 def test_a_column_of_another_roll_pays_the_same_price():
-    """At the least of q |c - x|^2 + price x of either: what a little more room is worth."""
+    """At the least of q |c - x|^2 + price x of either: what a little more headroom is worth."""
     other = 9e-3
     lines = Lines(other=(other,))
     limit = 0.5 * lines.bounds.of(lines.wish.parts, lines.carrier, lines.omega)[0]
     lines.run(8.0, limit)
-    assert 0.95 * limit < lines.room.peak <= limit
+    assert 0.95 * limit < lines.allocation.peak <= limit
 
-    def left(room: float) -> float:
+    def left(headroom: float) -> float:
         return min(
-            cost(fitted(max(room - x, 0.0), steps=600)) + (120.0 * (other - x)) ** 2
+            cost(fitted(max(headroom - x, 0.0), steps=600)) + (120.0 * (other - x)) ** 2
             for x in np.linspace(0.7 * other, other, 7)
         )
 
-    sent = np.abs(lines.room.factor[:5] * WISH - WISH)
+    sent = np.abs(lines.allocation.factor[:5] * WISH - WISH)
     mine = float((GAIN**2 * sent**2).sum())
-    mine += (120.0 * other * abs(1.0 - lines.room.factor[5])) ** 2
+    mine += (120.0 * other * abs(1.0 - lines.allocation.factor[5])) ** 2
     slack = lines.bounds.slack
     assert mine == pytest.approx(left(0.98 * limit / slack + other * (1 - 1 / slack)), rel=0.1)
 
 
 def test_learning_takes_from_the_slew_that_is_left_but_never_all():
     lines = Lines()
-    room = Room(math.inf, 0.5 * lines.bounds.of(WISH, lines.carrier, lines.omega)[1])
+    headroom = Headroom(math.inf, 0.5 * lines.bounds.of(WISH, lines.carrier, lines.omega)[1])
     busy = Wish(
         parts=lines.wish.parts,
         carrier=lines.carrier,
         worth=lines.wish.worth,
         omega_rad_s=lines.omega,
-        learning_1_s=10.0 * room.slew_limit,
+        learning_1_s=10.0 * headroom.slew_limit,
     )
     for _ in range(800):
-        lines.room.step(room, busy, CYCLE_S)
-    sent = lines.room.factor * WISH
+        lines.allocation.step(headroom, busy, CYCLE_S)
+    sent = lines.allocation.factor * WISH
     slew = lines.bounds.of(sent, lines.carrier, lines.omega)[1]
-    assert 0.15 * room.slew_limit < slew <= 0.21 * room.slew_limit
+    assert 0.15 * headroom.slew_limit < slew <= 0.21 * headroom.slew_limit

@@ -193,7 +193,8 @@ def test_a_change_of_speed_that_is_no_straight_ramp_is_followed_and_said():
     wave = 1.0 + 0.1 * np.sin(2.0 * np.pi * np.clip(TIME_S - 10.0, 0.0, 8.0) / 8.0)
     record = run_on_line(LINE, run({"v_m_s": wave, "follower_rad": None}))
     assert record.columns["line_speed_ref_m_s"] == pytest.approx(wave, abs=0.012)
-    assert any("1 changes of speed are no straight ramps" in text for text in record.findings)
+    said = "1 change of speed: no straight ramp fits, smoothed there"
+    assert any(said in text for text in record.findings)
 
 
 def test_without_a_tension_reference_the_loops_own_mean_stands_in():

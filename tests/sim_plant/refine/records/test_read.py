@@ -62,6 +62,10 @@ def ragged(k, row):
     return row[:2] if k == 30 else row
 
 
+def twice(k, row):
+    return ["0.3", *row[1:]] if k in (31, 32, 33) else row
+
+
 def backwards(k, row):
     return ["0.0", *row[1:]] if k == 30 else row
 
@@ -78,6 +82,7 @@ def backwards(k, row):
         (word_behind_a_blank, "line 32: column unwind_tension_N: read 'open'"),
         (ragged, "line 32: 2 values under 3 columns"),
         (backwards, "time_s goes back; sort the rows"),
+        (twice, "3 rows have the time_s of the row before, the first is line 33; give"),
     ],
 )
 def test_what_cannot_be_judged_is_refused_with_its_place(tmp_path, change, said):

@@ -69,7 +69,7 @@ def found_first(drag):
 def claimed(h, drag, apart=True):
     """Return what is accepted of a group of one, and the effect apart from the line."""
     objective, selection = found_first(drag)
-    there = set_apart(objective, selection, lines=True) if apart else None
+    there = set_apart(objective, selection, at_spectral_lines=True) if apart else None
     return best_of(objective, selection, [h], quiet, apart=there)
 
 
@@ -97,9 +97,9 @@ def test_what_only_mends_the_line_explains_nothing_apart_from_it():
 def test_nothing_is_set_apart_where_it_decides_nothing():
     objective, selection = found_first(0.0)
     nothing = replace(selection, nominal=selection.fit)
-    assert set_apart(objective, nothing, lines=True) is None  # explains nothing
+    assert set_apart(objective, nothing, at_spectral_lines=True) is None  # explains nothing
     slow = np.ones((JUDGED, 1)) / np.sqrt(JUDGED)
-    assert set_apart(conditioned_on(objective, [slow]), selection, lines=True) is None
+    assert set_apart(conditioned_on(objective, [slow]), selection, at_spectral_lines=True) is None
 
 
 @pytest.mark.parametrize("apart", [True, False])
@@ -116,7 +116,7 @@ def test_beside_a_strong_line_first_looks_keep_declared_numbers_where_they_are(a
         there,
         [DRAG],
         quiet,
-        apart=set_apart(objective, there, lines=True) if apart else None,
+        apart=set_apart(objective, there, at_spectral_lines=True) if apart else None,
     )
     looked = next(
         case for case in simulated if any(e.effect == "bearing_drag" for e in case.effects)

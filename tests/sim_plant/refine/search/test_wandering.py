@@ -68,7 +68,7 @@ def found_first(drag, wander):
 
 def claimed(drag, wander, apart):
     objective, selection = found_first(drag, wander)
-    there = set_apart(objective, selection, lines=False) if apart else None
+    there = set_apart(objective, selection, at_spectral_lines=False) if apart else None
     return best_of(objective, selection, [DRAG], quiet, apart=there)
 
 
@@ -88,7 +88,7 @@ def test_the_wander_itself_is_no_other_effect():
     left = selection.fit.cost - objective.expected_cost
     assert left > 5.0 * CRITERIA.search.acceptance.later_score
     assert claimed(0.0, 0.05, apart=True) is None
-    there = set_apart(objective, selection, lines=False)
+    there = set_apart(objective, selection, at_spectral_lines=False)
     rest = there.selection.fit.cost - there.objective.expected_cost
     assert rest < 2.0 * 0.046 * left
 
@@ -129,7 +129,7 @@ def test_what_is_too_weak_to_wander_visibly_is_not_set_apart():
     objective, selection = found_first(0.0, 0.0)
     weak = dataclasses.replace(selection.accepted[0], score=1000.0)  # 2 % of it is 20
     there = dataclasses.replace(selection, accepted=(weak,))
-    assert set_apart(objective, there, lines=False) is None
+    assert set_apart(objective, there, at_spectral_lines=False) is None
 
 
 def test_what_a_wander_leaves_is_nothing_unknown_and_what_stands_beside_it_is():

@@ -28,7 +28,7 @@ def true_size(truth, phase):
 def test_the_reduction_is_that_of_the_plants_true_tension_within_a_decibel(abab_run):
     whole = window(abab_run[0], from_s=5.0)
     found = proof.measure(evidence(whole, given=[f"settle={SETTLE_S} s"]))
-    four = proof.abab(phases(whole), SETTLE_S)
+    four = proof.last_off_on_off_on(phases(whole), SETTLE_S)
     assert [phase.on for phase in four] == [False, True, False, True]
     sizes = [true_size(abab_run[1], phase) for phase in four]
     true_dB = 10.0 * math.log10(sizes[0] * sizes[2] / sizes[1] / sizes[3])
@@ -45,7 +45,9 @@ def test_the_reduction_is_that_of_the_plants_true_tension_within_a_decibel(abab_
 def test_the_turns_of_each_off_and_on_are_counted_and_shown(abab_run):
     whole = window(abab_run[0], from_s=5.0)
     found = proof.measure(evidence(whole, given=[f"settle={SETTLE_S} s"]))
-    for part, phase in zip(proof.PARTS, proof.abab(phases(whole), SETTLE_S), strict=True):
+    for part, phase in zip(
+        proof.PARTS, proof.last_off_on_off_on(phases(whole), SETTLE_S), strict=True
+    ):
         time_s, _, angle_rad = abab_run[1].T
         passed_rad = np.ptp(angle_rad[(time_s >= phase.from_s) & (time_s < phase.to_s)])
         turns = figure(found, f"{part}: whole turns of swrap_follower")  # it is the larger one
@@ -100,15 +102,15 @@ def parts(pattern):
 
 
 def test_the_last_four_count_and_each_on_settles_first():
-    four = proof.abab(parts([False, True, False, True, False, True]), 30.0)
+    four = proof.last_off_on_off_on(parts([False, True, False, True, False, True]), 30.0)
     assert [(p.from_s, p.to_s) for p in four] == [
         (200.0, 290.0),
         (330.0, 390.0),
         (400.0, 490.0),
         (530.0, 590.0),
     ]
-    assert proof.abab(parts([False, True, False]), 30.0) == []
-    assert proof.abab(parts([False, True, False, True]), 95.0) == []
+    assert proof.last_off_on_off_on(parts([False, True, False]), 30.0) == []
+    assert proof.last_off_on_off_on(parts([False, True, False, True]), 95.0) == []
 
 
 def test_two_changes_are_one_reduction_with_both_their_spreads():

@@ -6,7 +6,7 @@ from collections import Counter
 
 import pytest
 
-from aff_hmi.room import has_room
+from aff_hmi.admission import admits
 
 MOST = 64
 
@@ -14,7 +14,7 @@ MOST = 64
 def let_in(come: list[str]) -> Counter[str]:
     inside: list[str] = []
     for address in come:
-        if has_room(address, inside, MOST):
+        if admits(address, inside, MOST):
             inside.append(address)
     return Counter(inside)
 

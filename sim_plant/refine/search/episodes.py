@@ -1,7 +1,8 @@
-"""When something begins and when it ends: both at once, over all pairs of moments.
+"""Find an episode: the beginning and the end of an effect at once, over all pairs of moments.
 
-What begins and ends answers as what lasts, less the same so much later: one simulation tells
-every pair. Ends are as sharp as beginnings; a fit does not find either from seconds away.
+The response to an episode is the response to an effect that lasts, less the same response shifted
+to the end: one simulation serves every pair. Ends are as sharp as beginnings; a fit finds neither
+from seconds away.
 """
 
 from __future__ import annotations
@@ -29,10 +30,10 @@ EVENTS = CRITERIA.search.events
 def ended_again(
     objective: Objective, axis: Axis, shown: Sequence[Candidate], residual: Array
 ) -> list[Candidate]:
-    """Return what begins and ends at its best moments of the record, for each place in ``shown``.
+    """Return the best episode of the record for each place in ``shown``.
 
-    The filter takes one length, 6 s: it sees a fifth of what 20 s explain. Here every pair of
-    moments is weighed.
+    The matched filter has one length, 6 s: it sees a fifth of what an episode of 20 s explains.
+    Here every pair of moments is weighed.
     """
     found: list[Candidate] = []
     step = EVENTS.ends_step_s
@@ -45,18 +46,18 @@ def ended_again(
         )
         inner = objective.projector.inner(residual, columns)
         begin, end, chi2 = _best_of_pairs(inner, moments, moments, slice(None), slice(None))
-        start = with_span(c, begin - moment_of(c), end - begin)
+        start = with_episode(c, begin - moment_of(c), end - begin)
         found.append(replace(c, chi2_reduction=chi2, start=start))
     return found
 
 
-def best_spans(objective: Objective, fit: Fit, c: Candidate, residual: Array) -> list[Start]:
+def best_episodes(objective: Objective, fit: Fit, c: Candidate, residual: Array) -> list[Start]:
     """Return numbers to start from with the best beginning and end, and with no end.
 
     The response is that at the candidate's own moment, shifted.
     """
     h = c.hypothesis
-    lasting = replace(h, start=(*h.start[: h.strengths], *with_span(c, 0.0, FOREVER_S)[1:]))
+    lasting = replace(h, start=(*h.start[: h.strengths], *with_episode(c, 0.0, FOREVER_S)[1:]))
     case = replace(fit.case, effects=(*fit.case.effects, lasting.probes()[0]))
     base, run = objective.pool.run([fit.case, case], keep=False)
     change = [y - b for y, b in zip(run, base, strict=True)]
@@ -66,18 +67,18 @@ def best_spans(objective: Objective, fit: Fit, c: Candidate, residual: Array) ->
     step_s = objective.pool.twins[record].declaration.sample_time_s
     moment = moment_of(c)
     last = change[record].shape[1] * step_s - moment
-    wide, reach = EVENTS.span_step_s, EVENTS.span_reach_s
+    wide, reach = EVENTS.episode_step_s, EVENTS.episode_reach_s
     begins = np.arange(max(-reach, -moment), min(reach, last), wide)
     ends = np.arange(begins[0] + wide, last, wide)
     begin, end = _best_pair(objective, h, change, residual, begins, ends)
     close = wide * np.linspace(-0.8, 0.8, 9)
     near, beyond = begin + close[begin + close >= -moment], end + close
     begin, end = _best_pair(objective, h, change, residual, near, beyond[beyond < last])
-    return [with_span(c, begin, end - begin), with_span(c, begin, FOREVER_S)]
+    return [with_episode(c, begin, end - begin), with_episode(c, begin, FOREVER_S)]
 
 
-def with_span(c: Candidate, later_s: float, hold_s: float) -> Start:
-    """Return the candidate's numbers, begun so much later and held so long."""
+def with_episode(c: Candidate, later_s: float, hold_s: float) -> Start:
+    """Return the candidate's numbers with its moment ``later_s`` later and held for ``hold_s``."""
     h = c.hypothesis
     change = {h.moment: moment_of(c) + later_s, HOLD_S: hold_s}
     return tuple(change.get(n, v) for n, v in zip(h.names, c.start, strict=True))
@@ -113,12 +114,12 @@ def _best_of_pairs(
 
     ``first`` and ``last`` are the columns of beginnings and ends in ``inner``.
     Equation: (v_b - v_e)^2 / (G_bb - 2 G_be + G_ee), v = S' P r, G = S' P S over the shifted
-    responses S, P what nuisances cannot explain; an end not before ``span_step_s``.
+    responses S, P what nuisances cannot explain; an end not before ``episode_step_s``.
     """
     gram, against, size = inner.gram, inner.against, np.diag(inner.gram)
     power = size[first, None] - 2.0 * gram[first, last] + size[None, last]
     gain = (against[first, None] - against[None, last]) ** 2
-    apart = ends[None, :] - begins[:, None] > 0.99 * EVENTS.span_step_s
+    apart = ends[None, :] - begins[:, None] > 0.99 * EVENTS.episode_step_s
     floor = max(1e-9 * float(size.max()), 1e-300)
     explained = np.where(apart & (power > floor), gain / np.maximum(power, floor), 0.0)
     row, column = np.unravel_index(int(np.argmax(explained)), explained.shape)

@@ -8,7 +8,7 @@ from collections.abc import Iterable
 FAR_SHARE, ADDRESS_SHARE = 0.75, 0.5
 
 
-def has_room(address: str, there: Iterable[str], most: int) -> bool:
+def admits(address: str, there: Iterable[str], most: int) -> bool:
     """Return whether one more may come in.
 
     Loopback may take every place, the network three quarters, one address of it the half.

@@ -1,4 +1,4 @@
-"""The room of the scope: takes every tick that arrives, and answers what a page asks."""
+"""Behind the page of the scope: takes every tick that arrives, and answers what a page asks."""
 
 from __future__ import annotations
 

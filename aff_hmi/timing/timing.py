@@ -1,4 +1,4 @@
-"""The room of timing and rights: counts every tick, and says how machine and screen stand."""
+"""Behind the page of timing and rights: every tick counted, how machine and screen stand."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All rooms of the screen beside the overview, made once: what they hear, show and answer."""
+"""What the pages beside the overview take their answers from: each made once, fed every tick."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from starlette.routing import BaseRoute
 from aff_hmi.counts import Counts
 from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout
-from aff_hmi.scope.room import Scope
+from aff_hmi.scope.scope import Scope
 from aff_hmi.scope.shot import PRE_PERCENT, SECONDS
 from aff_hmi.scope.trigger import WORDS as TRIGGER_WORDS
 from aff_hmi.see.data_routes import data_routes
 from aff_hmi.see.kept import Kept
 from aff_hmi.support.bundle import FILES
 from aff_hmi.support.desk import SupportDesk
-from aff_hmi.timing.room import Timing
 from aff_hmi.timing.tallies import Tallies
+from aff_hmi.timing.timing import Timing
 from aff_hmi.waiting import Waiting
 from aff_hmi.watch import News, Seen
 from aff_hmi.windows.desk import WindowDesk
@@ -38,7 +38,7 @@ PAGES = {
 }
 
 
-class Rooms:
+class Sources:
     """What the hub hands ticks and moments to, and the pages take their answers from.
 
     Parameters
@@ -48,7 +48,7 @@ class Rooms:
 
     Attributes
     ----------
-    scope, windows, timing, support : one room each. ``tallies`` : sums over every tick.
+    scope, windows, timing, support : one source each. ``tallies`` : sums over every tick.
     """
 
     def __init__(
@@ -85,9 +85,9 @@ class Rooms:
         if self.kept.is_due:
             for news in self._waiting.take():
                 self.kept.listen(news)
-        rooms = (self.kept, self.scope, self.windows, self.timing, self.tallies, self.support)
-        for room in rooms:
-            room.look(seen, layout)
+        sources = (self.kept, self.scope, self.windows, self.timing, self.tallies, self.support)
+        for source in sources:
+            source.look(seen, layout)
 
     def samples(self) -> Iterator[Sample | Spread]:
         """Yield what a monitoring system is told of every tick that was seen."""

@@ -1,4 +1,4 @@
-"""Every tick reaches every room once: the scope at once, the others when they are looked at."""
+"""Every tick reaches every source once: the scope at once, the others when they are looked at."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import pytest
 pytest.importorskip("starlette")
 
 from aff_hmi.layout import layout_of
-from aff_hmi.rooms import Rooms
 from aff_hmi.see.kept import LOOK_NS
+from aff_hmi.sources import Sources
 from aff_hmi.waiting import MUCH, Waiting
 from aff_runtime.app.report.metrics.readings import Sample
 from aff_runtime.base.events import BY_NAME
@@ -24,39 +24,39 @@ SITE_OF = layout_of(facts(), ("unwind_tension_N",))
 
 
 @pytest.fixture
-def rooms(keeping: Pressed) -> Rooms:
-    """All rooms of a screen that keeps a history, of which the site is known."""
-    assert keeping.hub.rooms is not None
-    keeping.hub.rooms.listen(news([]))
+def sources(keeping: Pressed) -> Sources:
+    """All sources of a screen that keeps a history, of which the site is known."""
+    assert keeping.hub.sources is not None
+    keeping.hub.sources.listen(news([]))
     keeping.show(State.ACTIVE)
-    return keeping.hub.rooms
+    return keeping.hub.sources
 
 
-def told(rooms: Rooms, metric: str) -> float:
+def told(sources: Sources, metric: str) -> float:
     """Return the sum of a metric over its labels."""
-    samples = [one for one in rooms.samples() if isinstance(one, Sample)]
+    samples = [one for one in sources.samples() if isinstance(one, Sample)]
     return sum(one.value for one in samples if one.metric == metric)
 
 
-def test_what_adds_up_has_every_tick_once_when_it_is_asked(rooms: Rooms) -> None:
+def test_what_adds_up_has_every_tick_once_when_it_is_asked(sources: Sources) -> None:
     for begin in range(0, 100, 20):
-        rooms.listen(news(range(begin, begin + 20), state=float(State.ACTIVE)))
+        sources.listen(news(range(begin, begin + 20), state=float(State.ACTIVE)))
     for _ in range(2):
-        assert told(rooms, "aff_active_seconds_total") == pytest.approx(100 * CYCLE_S)
+        assert told(sources, "aff_active_seconds_total") == pytest.approx(100 * CYCLE_S)
 
 
 def test_the_scope_has_a_tick_at_once_and_the_history_with_its_next_look(
-    keeping: Pressed, rooms: Rooms
+    keeping: Pressed, sources: Sources
 ) -> None:
     heard: list[int] = []
-    rooms.kept.listen = lambda said: heard.append(len(said.records))  # type: ignore[method-assign]
-    rooms.listen(news(range(20)))
-    assert rooms.scope.ticks.newest() == 19
-    rooms.look(seen(), SITE_OF)
+    sources.kept.listen = lambda said: heard.append(len(said.records))  # type: ignore[method-assign]
+    sources.listen(news(range(20)))
+    assert sources.scope.ticks.newest() == 19
+    sources.look(seen(), SITE_OF)
     assert heard == []
-    rooms.listen(news(range(20, 40)))
+    sources.listen(news(range(20, 40)))
     keeping.clock.advance_ns(LOOK_NS)
-    rooms.look(seen(), SITE_OF)
+    sources.look(seen(), SITE_OF)
     assert heard == [40]
 
 
