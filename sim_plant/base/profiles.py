@@ -39,8 +39,8 @@ class Profiles:
         a state of the body, found anew on every record.
     age_tries : values of it to begin a fit with.
     orders_choice : options (name, value) of a mix of orders, as traced.
-    nearest : (mean radius of the body, m; cos and sin of its orders, m (n, 2)) -> the profile
-        that is most like them.
+    nearest : (mean radius of the body, m; cos and sin of its orders, m (n, 2)) -> of each name
+        the profile that is most like them, the best first.
     orders : (mean radius of the body, m; options and numbers of a profile; n) -> cos and sin of
         its first n orders, m (n, 2).
     """
@@ -50,5 +50,5 @@ class Profiles:
     age: str
     age_tries: tuple[float, ...]
     orders_choice: tuple[tuple[str, float | str], ...]
-    nearest: Callable[[float, Array], Profile]
+    nearest: Callable[[float, Array], list[Profile]]
     orders: Callable[[float, Mapping[str, float | str], int], Array]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import cmath
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 
@@ -39,6 +40,8 @@ HIGHEST_ORDER = 12
 TRACED_ORDER = 6
 """Orders that a roll has as numbers of its own, and those that it is looked for by."""
 TRIED_SIZES_M = (0.001, 0.002, 0.004, 0.006, 0.009, 0.012, 0.016)
+TRIED_WIDTHS = (2.5, 4.0, 6.5, 11.0)
+"""Widths of the flat of a bulge, over its size."""
 TRIED_FLANKS_RAD = np.radians((15.0, 30.0, 45.0, 60.0))
 FLANK_TRIED_AT_M = 0.004
 NARROWEST_FLANK_RAD = 0.05
@@ -225,14 +228,15 @@ def profile_starts(
     return [_start(kind, numbers) for gain, kind, numbers in found[:keep] if gain > 0.0]
 
 
-def nearest_profile(radius_m: float, orders_m: Array) -> Profile:
-    """Return the named profile most like ``orders_m`` (n, 2), cos and sin.
+def nearest_profiles(radius_m: float, orders_m: Array) -> list[Profile]:
+    """Return of each name the profile most like ``orders_m`` (n, 2), cos and sin; best first.
 
     Least squares over the orders given, each at its size; the size is free, the others tried.
     """
     wanted = orders_m[:, 0] - 1j * orders_m[:, 1]
-    best: tuple[float, str, dict[str, float]] = (np.inf, "", {})
+    found: list[tuple[float, str, dict[str, float]]] = []
     for kind in TRACED_KINDS:
+        best: tuple[float, str, dict[str, float]] = (np.inf, kind, {})
         for shape, numbers in _tried(kind, radius_m):
             turned = _turned(shape, wanted.size)
             power = np.sum(np.abs(turned[0]) ** 2)
@@ -244,7 +248,9 @@ def nearest_profile(radius_m: float, orders_m: Array) -> Profile:
                 size = {"size_m": float(share[at]) * numbers["size_m"]}
                 angle = {"angle_rad": float(TRIED_ANGLES_RAD[at])}
                 best = (float(left[at]), kind, {**numbers, **size, **angle})
-    return _start(best[1], best[2])
+        found.append(best)
+    found.sort(key=lambda row: row[0])
+    return [_start(kind, numbers) for left, kind, numbers in found if np.isfinite(left)]
 
 
 def _turned(shape: NDArray[np.complex128], count: int) -> NDArray[np.complex128]:
@@ -269,6 +275,12 @@ def _tried(
 
     Those of flanks of each width are of one size, the others follow from it: a start is enough.
     """
+    if kind == FLATTENED:
+        for size_m, width in itertools.product(TRIED_SIZES_M, TRIED_WIDTHS):
+            width_m = width * size_m
+            deviation_m = named(kind, size_m, radius_m, 0.0, width_m).deviation_m
+            yield deviation_m, {"size_m": size_m, "flat_width_m": width_m}
+        return
     if kind != ASYMMETRIC:
         for size_m in TRIED_SIZES_M:
             yield named(kind, size_m, radius_m, 0.0).deviation_m, {"size_m": size_m}
@@ -293,8 +305,6 @@ def _start(kind: str, numbers: Mapping[str, float]) -> Profile:
     start = dict(numbers)
     if kind != "ellipse":
         start["smoothing_rad"] = 0.02
-    if kind == FLATTENED:
-        start["flat_width_m"] = 6.0 * start["size_m"]
     return Profile(
         choice=(("shape", kind), ("finest_order", TRACED_FINEST_ORDER)),
         names=tuple(start),
@@ -373,7 +383,7 @@ EFFECT = Effect(
         age="unwound_m",
         age_tries=(0.006, 0.012, -0.006, -0.012),
         orders_choice=(("shape", "orders"), ("finest_order", TRACED_FINEST_ORDER)),
-        nearest=nearest_profile,
+        nearest=nearest_profiles,
         orders=profile_orders,
     ),
     cancel_orders=(1, 2, 3, 4),

@@ -203,6 +203,12 @@ class ProfileCriteria:
         "cost explained up to which responses to declared numbers are not taken anew",
         "the second order of effects and tolerances is less than noise",
     )
+    most_names: int = criterion(
+        2,
+        "1",
+        "names of profiles, the nearest first, that a strong one is fitted under",
+        "an outline has flanks or a flat; an ellipse or a flat spot near by is behind both",
+    )
     age_room: float = criterion(
         3.0,
         "of what is possible",

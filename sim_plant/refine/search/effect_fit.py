@@ -9,6 +9,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.profiles import Profile
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.roll_synchronisation import synchronising_shifts
@@ -23,7 +24,10 @@ from sim_plant.refine.search.candidate import (
     fitted_candidate,
 )
 from sim_plant.refine.search.completeness import sure_excess
-from sim_plant.refine.search.profile_detail import stages_of_orders, with_numbers
+from sim_plant.refine.search.profile_age import with_numbers
+from sim_plant.refine.search.profile_detail import stages_of_orders
+
+PROFILE = CRITERIA.search.profile
 
 
 def fit_candidates(
@@ -93,8 +97,8 @@ def as_profile(objective: Objective, free: Fit, named: Fit | None) -> Fit:
     """Return a fit of free orders told as a profile, with what that lacks as details.
 
     A profile says what its orders are on a roll of another radius, a mix of orders does not. Tried
-    are the profile of ``named``, a fit of its own, and the one most like the orders. The fit is as
-    it was where neither is as good.
+    are the profile of ``named``, a fit of its own, and of the nearest names the one most like the
+    orders. The fit is as it was where none is as good.
     """
     h = free.hypotheses[-1]
     profiles, sizes = h.effect.profiles, dict(zip(h.names, free.values[-1], strict=True))
@@ -105,7 +109,7 @@ def as_profile(objective: Objective, free: Fit, named: Fit | None) -> Fit:
     orders = np.array([[sizes.get(p.cos, 0.0), sizes.get(p.sin, 0.0)] for p in pairs])
     line = objective.pool.twins[0].declaration
     radius_m = line.rollers[line.body(h.location)].radius_m
-    tried = [profiles.nearest(radius_m, orders)]
+    tried = profiles.nearest(radius_m, orders)[: PROFILE.most_names]
     if named is not None and profiles.size in named.hypotheses[-1].names:
         own = named.hypotheses[-1]
         tried.append(Profile(choice=own.fixed, names=own.names, start=named.values[-1]))

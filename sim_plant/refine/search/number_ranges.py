@@ -18,7 +18,7 @@ from sim_plant.refine.fit.real_covariance import MANY, moved_by_declared, real_c
 from sim_plant.refine.fit.spread import SPREAD, model_errors
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.likely_range import LikelyRange, likely_range, values_of
-from sim_plant.refine.search.profile_detail import with_numbers
+from sim_plant.refine.search.profile_age import with_numbers
 from sim_plant.refine.search.selection import Ranges, Selection
 from sim_plant.refine.search.wandering import with_wander_known
 

@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.effects import Effect
-from sim_plant.base.profiles import Profiles
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit, jacobian
+from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, jacobian
 from sim_plant.refine.fit.objective import Objective, relinearised_at, with_free_shapes
-from sim_plant.refine.fit.roll_synchronisation import synchronising_shifts
-from sim_plant.refine.fit.spread import SPREAD
-from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.candidate import bic_penalty
-from sim_plant.refine.search.completeness import sure_excess
+from sim_plant.refine.search.profile_age import chi2_without_effects, with_numbers
+from sim_plant.refine.search.profile_name import with_best_name, without_unpaid_orders
 
 PROFILE = CRITERIA.search.profile
 
@@ -63,12 +59,6 @@ def _keeps_responses(objective: Objective, fit: Fit) -> bool:
     return locked and chi2_without_effects(objective, fit) < PROFILE.weak
 
 
-def chi2_without_effects(objective: Objective, fit: Fit) -> float:
-    """Return by how much the cost is higher without any effect."""
-    bare = objective.pool.one(case_of((), (), fit.shifts))
-    return objective.projector.cost(objective.residual(bare, fit.shifts)) - fit.cost
-
-
 def named_profiles(fit: Fit) -> list[int]:
     """Return which of the effects of a fit are named profiles."""
     return [
@@ -107,44 +97,10 @@ def with_profile_details(objective: Objective, fit: Fit) -> Fit:
     """
     for at in named_profiles(fit):
         fit = without_unpaid_orders(objective, fit, at)
-        fit = with_formation_radius(objective, fit, at)
+        fit = with_best_name(objective, fit, at)
         for some in stages_of_orders(fit.hypotheses[at].effect):
             fit = with_paying_numbers(objective, fit, at, some)
     return fit
-
-
-def without_unpaid_orders(objective: Objective, fit: Fit, at: int) -> Fit:
-    """Return the fit with the profile alone, where the orders beside it do not pay their price.
-
-    They may stand for what a profile is itself (an ellipse is its second order): no record then
-    tells how much is the profile's, how much the order's.
-    """
-    old = fit.hypotheses[at]
-    orders = {name for pair in old.effect.quadratures for name in (pair.cos, pair.sin)}
-    profiles = old.effect.profiles
-    if profiles is None or orders.isdisjoint(old.names):
-        return fit
-    line = objective.pool.twins[0].declaration
-    radius_m = line.rollers[line.body(old.location)].radius_m
-    numbers = dict(zip(old.names, fit.values[at], strict=True))
-    whole = profiles.orders(radius_m, {**dict(old.fixed), **numbers}, len(old.effect.quadratures))
-    nearest = profiles.nearest(radius_m, whole)
-    plain = [name for name in old.names if name not in orders]
-    started = [
-        (old.fixed, {name: numbers[name] for name in plain}),
-        (nearest.choice, dict(zip(nearest.names, nearest.start, strict=True))),
-    ]
-    best = fit
-    for choice, start in started:
-        h = hypothesis(old.effect, old.location, choice, tuple(start), line)
-        there = fit.with_effect_at(at, h, [start[name] for name in h.names])
-        shifts = synchronising_shifts(objective, fit.shifts, there.hypotheses, there.values)
-        alone = gauss_newton_fit(
-            objective, there.hypotheses, there.values, shifts, rounds=6, quick=False
-        )
-        price = bic_penalty(objective, len(old.names) - len(h.names)) if best is fit else 0.0
-        best = alone if alone.cost < best.cost + price else best
-    return best
 
 
 def stages_of_orders(effect: Effect) -> list[tuple[str, ...]]:
@@ -160,79 +116,6 @@ def stages_of_orders(effect: Effect) -> list[tuple[str, ...]]:
         tuple(name for pair in pairs[first:last] for name in (pair.cos, pair.sin))
         for first, last in zip([0, *ends[:-1]], ends, strict=True)
     ]
-
-
-def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
-    """Return the fit with the profile formed at another radius, where the record says so.
-
-    Only a strong profile tells: its corners stand closer together on a larger roll. Declared
-    numbers that change the length of a turn may have imitated this down to the noise: they start
-    anew.
-    """
-    profiles = fit.hypotheses[at].effect.profiles
-    if profiles is None or profiles.age in fit.hypotheses[at].names:
-        return fit
-    if chi2_without_effects(objective, fit) < PROFILE.strong:
-        return fit
-    aged = []
-    starts = formation_starts(objective, fit, at, profiles)
-    for there in starts if any(may_show_age(objective, s, at) for s in starts) else []:
-        shifts = synchronising_shifts(objective, {}, there.hypotheses, there.values)
-        aged.append(
-            gauss_newton_fit(
-                objective, there.hypotheses, there.values, shifts, rounds=8, quick=False
-            )
-        )
-    best = likeliest_age(fit, aged, sure_excess(objective))
-    return best if best is fit or knows(best, at, profiles.age) else fit
-
-
-def may_show_age(objective: Objective, start: Fit, at: int) -> bool:
-    """Return whether the age of profile ``at`` can come out as known, by the slopes at ``start``.
-
-    A profile without corners, an ellipse, hardly shows it: then no fit is made.
-    """
-    profiles = start.hypotheses[at].effect.profiles
-    columns = jacobian(objective, start.hypotheses, start.values, start.shifts)
-    if profiles is None or not np.isfinite(columns).all():
-        return True
-    nothing = np.zeros(columns.shape[0])  # what is left says nothing of how well it is known
-    covariance = objective.projector.linear_fit(nothing, columns).covariance
-    seen = replace(start, covariance=covariance)
-    return knows(seen, at, profiles.age, room=PROFILE.age_room)
-
-
-def knows(fit: Fit, at: int, name: str, room: float = 1.0) -> bool:
-    """Return whether a fit knows a number of effect ``at`` better than that it is within bounds.
-
-    Its interval is narrower than ``room`` times them.
-    """
-    h = fit.hypotheses[at]
-    number = h.names.index(name)
-    row = sum(len(v) for v in fit.values[:at]) + number
-    variance = float(fit.covariance[row, row]) if fit.covariance.size else np.inf
-    width = 2.0 * SPREAD * math.sqrt(max(variance, 0.0))
-    return width < room * (h.high[number] - h.low[number])
-
-
-def formation_starts(objective: Objective, fit: Fit, at: int, profiles: Profiles) -> list[Fit]:
-    """Return the fit with profile ``at`` formed at other radii that this roll can have had."""
-    wider = [
-        with_numbers(objective, fit, at, (profiles.age,), {profiles.age: start})
-        for start in profiles.age_tries
-    ]
-    return [there for there in wider if there.hypotheses[at].within(there.values[at])]
-
-
-def likeliest_age(fit: Fit, aged: Sequence[Fit], sure_excess: float) -> Fit:
-    """Return the best of ``aged`` unless ``fit`` is better by more than noise is known to.
-
-    A profile's age is the length of web that was unwound since it was formed, 0 in ``fit``. That
-    is no better known than any other age, so another one need not pay a price: it is kept with
-    its interval, and fitted anew where the effects are judged.
-    """
-    best = min(aged, key=lambda there: there.cost, default=fit)
-    return best if best.cost < fit.cost + sure_excess else fit
 
 
 def with_paying_numbers(objective: Objective, fit: Fit, at: int, names: tuple[str, ...]) -> Fit:
@@ -252,24 +135,6 @@ def with_paying_numbers(objective: Objective, fit: Fit, at: int, names: tuple[st
         objective, wider.hypotheses, wider.values, fit.shifts, rounds=4, quick=False
     )
     return better if better.cost < fit.cost - bic_penalty(objective, len(names)) else fit
-
-
-def with_numbers(
-    objective: Objective,
-    fit: Fit,
-    at: int,
-    names: tuple[str, ...],
-    start: Mapping[str, float] | None = None,
-) -> Fit:
-    """Return the fit with more numbers of effect ``at``, at ``start`` or absent, not fitted."""
-    old = fit.hypotheses[at]
-    line = objective.pool.twins[0].declaration
-    more = tuple(name for name in names if name not in old.names)
-    new = hypothesis(old.effect, old.location, old.fixed, (*old.names, *more), line)
-    new = replace(new, record=old.record)
-    known = {**(start or {}), **dict(zip(old.names, fit.values[at], strict=True))}
-    values = [known.get(n, a) for n, a in zip(new.names, new.absent, strict=True)]
-    return fit.with_effect_at(at, new, values)
 
 
 def improves_cross_validation(

@@ -4,7 +4,13 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.effects.out_of_round_roll import EFFECT, profile, profile_starts
+from sim_plant.effects.out_of_round_roll import (
+    EFFECT,
+    nearest_profiles,
+    profile,
+    profile_orders,
+    profile_starts,
+)
 from tests.sim_plant.effects.running import effect, euclid, run
 
 OVAL = {**EFFECT.parameters, "shape": "ellipse", "size_m": 0.002}
@@ -86,6 +92,24 @@ def test_a_bump_of_any_flanks_is_looked_for_at_its_own_place(flanks) -> None:
     assert (found["rise_rad"], found["fall_rad"]) == pytest.approx((rise, fall))
     assert found["size_m"] == 0.004
     assert found["angle_rad"] == pytest.approx(1.0, abs=0.018)
+
+
+@pytest.mark.parametrize("width", [2.5, 11.0])
+def test_a_bulge_pressed_flat_is_looked_for_at_its_own_width(width) -> None:
+    flat = {**EFFECT.parameters, "shape": "flattened_bulge", "size_m": 0.004, "angle_rad": 1.0}
+    true = profile(0.2, {**flat, "flat_width_m": width * 0.004}).deviation_m[:6]
+    against = np.stack([true.real, -true.imag], axis=1).ravel() / 1e-3
+    best = profile_starts(0.2, np.eye(12), against, (1e-3,) * 12)[0]
+    found = dict(zip(best.names, best.start, strict=True))
+    assert dict(best.choice)["shape"] == "flattened_bulge"
+    assert (found["size_m"], found["flat_width_m"]) == pytest.approx((0.004, width * 0.004))
+
+
+def test_of_every_name_the_profile_most_like_an_outline_is_given_the_best_first() -> None:
+    flat = {"shape": "flattened_bulge", "size_m": 0.004, "flat_width_m": 0.026}
+    near = nearest_profiles(0.2, profile_orders(0.2, flat, 12))
+    assert dict(near[0].choice)["shape"] == "flattened_bulge"
+    assert len({dict(one.choice)["shape"] for one in near}) == len(near) > 2
 
 
 def test_flanks_of_their_own_width_are_those_of_the_plain_profile() -> None:

@@ -10,35 +10,21 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.added_effect import certain_size
 from sim_plant.refine.search.candidate import Candidate
 from sim_plant.refine.search.effect_fit import fit_candidate, profile_reinitialised
-from sim_plant.refine.search.profile_detail import without_unpaid_orders
-from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, objective_of, white
+from tests.sim_plant.refine.search.roll_formula import (
+    DEFAULTS,
+    ORDERS,
+    RADIUS_M,
+    ROLL,
+    SAMPLES,
+    SPEED_RAD_S,
+    tension,
+)
+from tests.sim_plant.refine.small import fit_of, formula_twin, objective_of, white
 
-ROLL = BY_NAME["out_of_round_roll"]
 NAMES = ("size_m", "angle_rad", "smoothing_rad")
 FLAT = hypothesis(ROLL, "unwind", (("shape", "flat"), ("finest_order", 64.0)), NAMES)
 DELAY = hypothesis(BY_NAME["loop_delay"], "unwind")
-SAMPLES, ORDERS = 2000, 12
-RADIUS_M = LINE.rollers[0].radius_m
-SPEED_RAD_S = np.linspace(4.0, 8.0, SAMPLES)
-"""At one speed alone a delay is an angle."""
-TURN_RAD = 0.01 * np.cumsum(SPEED_RAD_S)
 TRUE_RAD, DELAY_S = 3.0, 0.05
-DEFAULTS = {name: row.default for name, row in ROLL.accepts.items()}
-
-
-def tension(case):
-    """Return what a roll's orders do to a tension, turned back by the delay of its loop."""
-    found, delay_s = np.zeros(SAMPLES), 0.0
-    for effect in case.effects:
-        delay_s += float(dict(effect.parameters).get("delay_s", 0.0))
-    for effect in case.effects:
-        if effect.effect != "out_of_round_roll":
-            continue
-        shape = profile(RADIUS_M, DEFAULTS | dict(effect.parameters)).deviation_m
-        for n, size_m in enumerate(shape[:ORDERS], start=1):
-            turn = n * (TURN_RAD - SPEED_RAD_S * delay_s)
-            found += 5e4 * np.real(size_m * np.exp(1j * turn))
-    return found[None, :]
 
 
 def fit_at(objective, angle_rad):
@@ -125,42 +111,3 @@ def test_an_outline_that_no_name_has_is_the_nearest_profile_with_what_it_lacks_b
     told = profile(RADIUS_M, DEFAULTS | values).deviation_m[:ORDERS]
     assert told == pytest.approx(wanted, abs=4e-6)
     assert fit.cost < objective.expected_cost + 5.0 * objective.cost_standard_deviation
-
-
-ORDER_2 = ("cos2_m", "sin2_m")
-
-
-def ellipse_with_order_2(beside):
-    """Return the objective of an ellipse with ``beside`` (cos, sin) as its truth."""
-    names = ("size_m", *ORDER_2, "angle_rad")
-    h = hypothesis(ROLL, "unwind", (("shape", "ellipse"), ("finest_order", 64.0)), names)
-    true = h.added([{"size_m": 0.0014, "angle_rad": 1.7}.get(n, 0.0) for n in h.names])
-    spoilt = hypothesis(ROLL, "unwind", (("shape", "orders"), ("finest_order", 64.0)), beside)
-    effects = (true, spoilt.added(tuple(beside.values()))) if beside else (true,)
-    made = tension(replace(fit_of().case, effects=effects))
-    twin = formula_twin(tension, ["unwind_tension_N"], SAMPLES)
-    return h, objective_of(twin, made + white((1, SAMPLES)))
-
-
-def test_a_profile_that_shares_its_size_with_an_order_has_it_back():
-    h, objective = ellipse_with_order_2({})
-    true = profile(RADIUS_M, DEFAULTS | {"shape": "ellipse", "size_m": 0.0014, "angle_rad": 1.7})
-    half = profile(RADIUS_M, DEFAULTS | {"shape": "ellipse", "size_m": 0.0007, "angle_rad": 1.0})
-    rest = (true.deviation_m - half.deviation_m)[1]
-    start = {"size_m": 0.0007, "angle_rad": 1.0, "cos2_m": rest.real, "sin2_m": -rest.imag}
-    values = (tuple(start[name] for name in h.names),)
-    shared = gauss_newton_fit(objective, (h,), values, {}, rounds=0)
-    assert shared.cost < objective.expected_cost + 5.0 * objective.cost_standard_deviation
-    fit = without_unpaid_orders(objective, shared, 0)
-    found = dict(zip(fit.hypotheses[0].names, fit.values[0], strict=True))
-    assert set(found) == {"size_m", "angle_rad"}
-    assert found["size_m"] == pytest.approx(0.0014, rel=0.01)
-
-
-def test_orders_that_no_profile_has_stay():
-    _, objective = ellipse_with_order_2({"cos3_m": 0.0004, "sin3_m": 0.0002})
-    names = ("size_m", "cos3_m", "sin3_m", "angle_rad")
-    h = hypothesis(ROLL, "unwind", (("shape", "ellipse"), ("finest_order", 64.0)), names)
-    true = {"size_m": 0.0014, "angle_rad": 1.7, "cos3_m": 0.0004, "sin3_m": 0.0002}
-    fit = gauss_newton_fit(objective, (h,), (tuple(true[n] for n in h.names),), {})
-    assert without_unpaid_orders(objective, fit, 0) is fit

@@ -14,7 +14,7 @@ from sim_plant.refine.fit.spread import SPREAD
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.twin import Case
 from sim_plant.refine.search.number_ranges import hidden, with_number_ranges
-from sim_plant.refine.search.profile_detail import with_numbers
+from sim_plant.refine.search.profile_age import with_numbers
 from sim_plant.refine.search.selection import (
     AcceptedEffect,
     Selection,

@@ -1,0 +1,30 @@
+"""A line of one roll: what its orders do to a tension, by a formula."""
+
+import numpy as np
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.effects.out_of_round_roll import profile
+from tests.sim_plant.refine.small import LINE
+
+ROLL = BY_NAME["out_of_round_roll"]
+SAMPLES, ORDERS = 2000, 12
+RADIUS_M = LINE.rollers[0].radius_m
+SPEED_RAD_S = np.linspace(4.0, 8.0, SAMPLES)
+"""At one speed alone a delay is an angle."""
+TURN_RAD = 0.01 * np.cumsum(SPEED_RAD_S)
+DEFAULTS = {name: row.default for name, row in ROLL.accepts.items()}
+
+
+def tension(case):
+    """Return what a roll's orders do to a tension, turned back by the delay of its loop."""
+    found, delay_s = np.zeros(SAMPLES), 0.0
+    for effect in case.effects:
+        delay_s += float(dict(effect.parameters).get("delay_s", 0.0))
+    for effect in case.effects:
+        if effect.effect != "out_of_round_roll":
+            continue
+        shape = profile(RADIUS_M, DEFAULTS | dict(effect.parameters)).deviation_m
+        for n, size_m in enumerate(shape[:ORDERS], start=1):
+            turn = n * (TURN_RAD - SPEED_RAD_S * delay_s)
+            found += 5e4 * np.real(size_m * np.exp(1j * turn))
+    return found[None, :]
