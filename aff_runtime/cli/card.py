@@ -33,7 +33,28 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     new.set_defaults(command=_new)
     show = acts.add_parser("show", parents=[service], help="how every step stands")
     show.set_defaults(command=_show)
-    step = acts.add_parser("step", parents=[service], help="measure a step")
+    step = _add_step(acts, service)
+    sign = acts.add_parser("sign", parents=[service], help="sign what a step has measured")
+    sign.add_argument("number", type=int, metavar="N")
+    sign.add_argument("--as", required=True, dest="name", metavar="NAME", help="who signs")
+    sign.add_argument("--reason", required=True, metavar="TEXT", help=REASON)
+    sign.set_defaults(command=_sign)
+    page = acts.add_parser("page", parents=[service], help=f"write {PAGE}, to be printed")
+    page.add_argument("--out", type=Path, metavar="FILE", help=f"default {PAGE} of the card")
+    page.add_argument("--paper", choices=("a4", "letter"), default="a4")
+    page.set_defaults(command=_page)
+    _add_verify(acts)
+    for act in (show, step, sign, page):
+        _add_places(act)
+    for act in (new, show, step, sign, page):
+        add_state_dir(act)
+
+
+def _add_step(acts: Any, service: argparse.ArgumentParser) -> argparse.ArgumentParser:
+    """Add the act that measures; return its parser."""
+    step: argparse.ArgumentParser = acts.add_parser(
+        "step", parents=[service], help="measure a step"
+    )
     step.add_argument("number", type=int, metavar="N", help="0 to 12")
     step.add_argument(
         "--run",
@@ -62,15 +83,10 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         help=f"the step is not for this line, and why, {REASON}",
     )
     step.set_defaults(command=_step)
-    sign = acts.add_parser("sign", parents=[service], help="sign what a step has measured")
-    sign.add_argument("number", type=int, metavar="N")
-    sign.add_argument("--as", required=True, dest="name", metavar="NAME", help="who signs")
-    sign.add_argument("--reason", required=True, metavar="TEXT", help=REASON)
-    sign.set_defaults(command=_sign)
-    page = acts.add_parser("page", parents=[service], help=f"write {PAGE}, to be printed")
-    page.add_argument("--out", type=Path, metavar="FILE", help=f"default {PAGE} of the card")
-    page.add_argument("--paper", choices=("a4", "letter"), default="a4")
-    page.set_defaults(command=_page)
+    return step
+
+
+def _add_verify(acts: Any) -> None:
     verify = acts.add_parser("verify", help="is the card what was written? 5 when it is not")
     verify.add_argument("file", type=Path, metavar="FILE", help="card.jsonl, or its folder")
     verify.add_argument("--newest", default="", metavar="HASH", help="as it stands on the page")
@@ -80,22 +96,23 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         help="also whether the records still are what was measured",
     )
     verify.set_defaults(command=_verify)
-    for act in (show, step, sign, page):
-        act.add_argument(
-            "--card",
-            type=Path,
-            default=Path(),
-            metavar="CARD_DIR",
-            help="folder of the card (default: here)",
-        )
-        act.add_argument(
-            "--site",
-            type=Path,
-            metavar="SITE.yaml",
-            help="where it lies now (default: as when the card was begun)",
-        )
-    for act in (new, show, step, sign, page):
-        add_state_dir(act)
+
+
+def _add_places(act: argparse.ArgumentParser) -> None:
+    """Add where card and site file lie."""
+    act.add_argument(
+        "--card",
+        type=Path,
+        default=Path(),
+        metavar="CARD_DIR",
+        help="folder of the card (default: here)",
+    )
+    act.add_argument(
+        "--site",
+        type=Path,
+        metavar="SITE.yaml",
+        help="where it lies now (default: as when the card was begun)",
+    )
 
 
 def _new(options: argparse.Namespace) -> int:
