@@ -95,7 +95,7 @@ class FreshLine:
         return f"{json.loads(self.tell('value', 'unwind_radius_m'))['value'] * 1e3:.1f} mm"
 
     def close(self) -> None:
-        self.process.send_signal(signal.SIGINT)
+        self.process.send_signal(signal.SIGTERM)
         self.process.wait(60.0)
 
 
