@@ -18,6 +18,7 @@ pytest.importorskip("pyarrow")
 
 from aff_hmi import doorkeeper
 from aff_runtime.app.commission import views
+from aff_runtime.app.hand.may import Role
 from tests.aff_hmi.browser.axe import grave_findings
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_hmi.browser.staged import PASSWORD, Stage
@@ -155,8 +156,10 @@ def test_what_runs_is_there_again_after_a_reload_and_can_be_stopped(
 
 
 def test_what_is_proposed_is_tried_with_the_hand_and_kept_with_a_reason(
-    chromium, stage: Stage, told: Told, pictures: Path
+    chromium, stage: Stage, told: Told, pictures: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    settings = replace(stage.desk.rules, ceiling=Role.COMMISSION)
+    monkeypatch.setattr(stage.desk, "rules", settings)
     carl = Carl(chromium, stage, locale="en", viewport={"width": 1280, "height": 800})
     page = carl.page
     carl.go("refine")
@@ -164,19 +167,23 @@ def test_what_is_proposed_is_tried_with_the_hand_and_kept_with_a_reason(
     page.click('#refined button[aria-label$=": 8"]')
     page.wait_for_selector("#try-refined")
     page.fill('#try-refined [name="reason"]', "the idler is named")
-    page.click("#try-refined button[type=submit]")
-    page.wait_for_function(
-        "() => document.getElementById('work-said').textContent === 'take the hand first'"
-    )
+    press = "#try-refined button[type=submit]"
+    page.wait_for_selector(f'{press}[disabled][title="take the hand first"]')
     page.click("#take")
     page.wait_for_selector("#release:not([hidden])")
-    page.click("#try-refined button[type=submit]")
+    page.wait_for_selector(f"{press}:not([disabled])")
+    page.click(press)
     page.wait_for_function("() => document.getElementById('work-said').textContent === 'done'")
     tried = told.said[-1]
     assert (tried.do, tried.number, tried.measured) == ("try_refined", 8, PROPOSAL.sha256)
     assert (tried.seconds, tried.reason) == (120, "the idler is named")
     told.trying = "settings 3f3f3f3f3f3f by carl: 87 s left, then the former return"
+    calm = stage.watch.moment
+    assert calm.facts is not None
+    status = replace(calm.facts.status, trying=told.trying)
+    stage.show(replace(calm, facts=replace(calm.facts, status=status)))
     page.wait_for_selector("#trying:not([hidden])")
+    page.wait_for_selector('#trying button[value="keep"]:not([disabled])')
     carl.screen.picture(pictures / "refine-trying.png")
     page.fill("#tried-why", "ripple fell by 30 dB")
     page.click('#trying button[value="keep"]')
@@ -184,6 +191,7 @@ def test_what_is_proposed_is_tried_with_the_hand_and_kept_with_a_reason(
     assert (told.said[-1].do, told.said[-1].reason) == ("keep", "ripple fell by 30 dB")
     page.click("#release")
     carl.screen.close()
+    stage.calm()
 
 
 def test_what_is_missing_is_said_with_the_command_for_another_machine(
