@@ -14,6 +14,7 @@ from sim_plant.base.yaml_edit import value_at, with_values
 from sim_plant.line.yaml_file import parse_yaml
 
 SITES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_canopen.yaml"}
+PLC_ROW = ("write", "corrections", "unwind")
 FILM_SITES = {"modbus": "film.yaml", "can": "film_can.yaml"}
 _PROTOCOL = {"can": "dbc", "canopen": "canopen"}
 _GATEWAY = {"can": "can_dbc", "canopen": "canopen_402"}
@@ -47,7 +48,8 @@ def wire_up(wire: str, site: Path, folder: Path, limit_m_s: float | None = None)
     """Copy the site file into ``folder`` with a port, or a serial line, of our own.
 
     ``limit_m_s`` becomes the limit of the unwind's correction, on both sides: in the copy of the
-    site file, slew limit and probe in proportion, and in a copy of the PLC's map.
+    site file, slew limit and probe in proportion, and in a copy of the PLC's map. Without it a
+    site file that allows more than the shipped map does gets a PLC that allows as much.
 
     Raises
     ------
@@ -72,13 +74,28 @@ def wire_up(wire: str, site: Path, folder: Path, limit_m_s: float | None = None)
     data, _ = parse_yaml(text, str(site))
     if limit_m_s is not None:
         values |= _limited(data, limit_m_s, site)
-        arguments += ("--plc", str(_plc_with_limit(limit_m_s, folder)))
+    allowed_m_s = _wider_limit(data) if limit_m_s is None else limit_m_s
+    if allowed_m_s is not None:
+        arguments += ("--plc", str(_plc_with_limit(allowed_m_s, folder)))
     copy = folder / site.name
     try:
         copy.write_text(with_values(text, values), encoding="utf-8")
     except KeyError as error:
         raise PlantError(f"{site}: expected {error} with keys below it, for {wire}") from None
     return Wired(site=copy, plant_arguments=arguments)
+
+
+def _wider_limit(site: Any) -> float | None:
+    """Return the limit of a site's first actuator, where the shipped PLC's is smaller."""
+    actuators = value_at(site, ("actuators",))
+    first = next(iter(actuators.values()), None) if isinstance(actuators, dict) else None
+    own = first.get("limit_m_s") if isinstance(first, dict) else None
+    shipped_map = shipped("plc/gateway_block.yaml")
+    rows = parse_yaml(shipped_map.read_text(encoding="utf-8"), str(shipped_map))[0]
+    plc_m_s = _number(rows, (*PLC_ROW, "limit_m_s"), shipped_map)
+    if isinstance(own, bool) or not isinstance(own, int | float) or own <= plc_m_s:
+        return None
+    return float(own)
 
 
 def _limited(site: Any, limit_m_s: float, path: Path) -> dict[tuple[str, ...], str | float]:
@@ -109,14 +126,14 @@ def _plc_with_limit(limit_m_s: float, folder: Path) -> Path:
     """Copy the PLC's map into ``folder`` with another limit of the unwind's correction."""
     shipped_map = shipped("plc/gateway_block.yaml")
     text = shipped_map.read_text(encoding="utf-8")
-    row = ("write", "corrections", "unwind")
-    most = _number(parse_yaml(text, str(shipped_map))[0], (*row, "scale"), shipped_map) * WORD
+    rows = parse_yaml(text, str(shipped_map))[0]
+    most = _number(rows, (*PLC_ROW, "scale"), shipped_map) * WORD
     if not 0.0 < limit_m_s <= most:
         raise PlantError(
             f"limit {limit_m_s:g} m/s: give above 0 to {most:.3g} m/s, what the word "
             f"of the correction can carry ({shipped_map.name})"
         )
     copy = folder / shipped_map.name
-    limited = with_values(text, {(*row, "limit_m_s"): limit_m_s})
+    limited = with_values(text, {(*PLC_ROW, "limit_m_s"): limit_m_s})
     copy.write_text(limited, encoding="utf-8")
     return copy

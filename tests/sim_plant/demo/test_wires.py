@@ -9,7 +9,7 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from aff_runtime.config.loader import load_site
 from sim_plant.base.shipped import shipped
-from sim_plant.demo.wires import SITES, wire_up
+from sim_plant.demo.wires import FILM_SITES, SITES, wire_up
 from sim_plant.servers.map_file import load_plc_map
 
 
@@ -38,6 +38,16 @@ def test_another_limit_stands_on_both_sides_and_nothing_else_changes(wire, limit
 
 def test_without_a_limit_the_plant_keeps_its_own_map(tmp_path):
     assert "--plc" not in wire_up("modbus", shipped(SITES["modbus"]), tmp_path).plant_arguments
+
+
+@pytest.mark.parametrize("wire", ["modbus", "can"])
+def test_a_site_file_that_allows_more_gets_a_plc_that_does_too(wire, tmp_path):
+    """The film line's corrections pass 0.15 m/s; a PLC that refuses them takes AFF to zero."""
+    site = shipped(FILM_SITES[wire])
+    wired = wire_up(wire, site, tmp_path)
+    found = load_plc_map(Path(wired.plant_arguments[wired.plant_arguments.index("--plc") + 1]))
+    (unwind,) = (row.limit_m_s for row in found.corrections if row.item.name == "unwind")
+    assert unwind == load_site(wired.site).actuators["unwind"].limit_m_s > 0.15
 
 
 @pytest.mark.parametrize("limit_m_s", [0.4, 0.0, -0.1])
