@@ -14,8 +14,9 @@ from sim_plant.base.yaml_edit import value_at, with_values
 from sim_plant.line.yaml_file import parse_yaml
 
 SITES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_canopen.yaml"}
-PLC_ROW = ("write", "corrections", "unwind")
 FILM_SITES = {"modbus": "film.yaml", "can": "film_can.yaml"}
+_PLC_MAP = "plc/gateway_block.yaml"
+_PLC_ROW = ("write", "corrections", "unwind")
 _PROTOCOL = {"can": "dbc", "canopen": "canopen"}
 _GATEWAY = {"can": "can_dbc", "canopen": "canopen_402"}
 _DESCRIPTIONS = ("*.dbc", "*.eds")
@@ -74,7 +75,7 @@ def wire_up(wire: str, site: Path, folder: Path, limit_m_s: float | None = None)
     data, _ = parse_yaml(text, str(site))
     if limit_m_s is not None:
         values |= _limited(data, limit_m_s, site)
-    allowed_m_s = _wider_limit(data) if limit_m_s is None else limit_m_s
+    allowed_m_s = limit_m_s if limit_m_s is not None else _wider_limit(data)
     if allowed_m_s is not None:
         arguments += ("--plc", str(_plc_with_limit(allowed_m_s, folder)))
     copy = folder / site.name
@@ -87,15 +88,24 @@ def wire_up(wire: str, site: Path, folder: Path, limit_m_s: float | None = None)
 
 def _wider_limit(site: Any) -> float | None:
     """Return the limit of a site's first actuator, where the shipped PLC's is smaller."""
-    actuators = value_at(site, ("actuators",))
-    first = next(iter(actuators.values()), None) if isinstance(actuators, dict) else None
-    own = first.get("limit_m_s") if isinstance(first, dict) else None
-    shipped_map = shipped("plc/gateway_block.yaml")
-    rows = parse_yaml(shipped_map.read_text(encoding="utf-8"), str(shipped_map))[0]
-    plc_m_s = _number(rows, (*PLC_ROW, "limit_m_s"), shipped_map)
-    if isinstance(own, bool) or not isinstance(own, int | float) or own <= plc_m_s:
+    own = value_at(site, (*_first_actuator(site), "limit_m_s"))
+    if isinstance(own, bool) or not isinstance(own, int | float):
         return None
-    return float(own)
+    return float(own) if own > _of_plc("limit_m_s") else None
+
+
+def _first_actuator(site: Any) -> tuple[str, ...]:
+    """Return the place of a site's first actuator; of none where it has none."""
+    actuators = value_at(site, ("actuators",))
+    first = next(iter(actuators), "") if isinstance(actuators, dict) else ""
+    return ("actuators", str(first))
+
+
+def _of_plc(key: str) -> float:
+    """Return a number of the unwind's correction in the shipped PLC's map."""
+    shipped_map = shipped(_PLC_MAP)
+    rows = parse_yaml(shipped_map.read_text(encoding="utf-8"), str(shipped_map))[0]
+    return _number(rows, (*_PLC_ROW, key), shipped_map)
 
 
 def _limited(site: Any, limit_m_s: float, path: Path) -> dict[tuple[str, ...], str | float]:
@@ -104,9 +114,7 @@ def _limited(site: Any, limit_m_s: float, path: Path) -> dict[tuple[str, ...], s
     The slew limit follows in proportion. So does the probe, in amplitude and in time: what more
     room is for are orders of high frequency and little response, and those need a surer one.
     """
-    actuators = value_at(site, ("actuators",))
-    first = next(iter(actuators), "") if isinstance(actuators, dict) else ""
-    actuator = ("actuators", str(first))
+    actuator = _first_actuator(site)
     places: list[tuple[str, ...]] = [(*actuator, key) for key in ("limit_m_s", "slew_m_s2")]
     places += [("probe", key) for key in PROBE_KEYS]
     numbers = {place: _number(site, place, path) for place in places}
@@ -124,16 +132,15 @@ def _number(site: Any, place: tuple[str, ...], path: Path) -> float:
 
 def _plc_with_limit(limit_m_s: float, folder: Path) -> Path:
     """Copy the PLC's map into ``folder`` with another limit of the unwind's correction."""
-    shipped_map = shipped("plc/gateway_block.yaml")
-    text = shipped_map.read_text(encoding="utf-8")
-    rows = parse_yaml(text, str(shipped_map))[0]
-    most = _number(rows, (*PLC_ROW, "scale"), shipped_map) * WORD
+    shipped_map = shipped(_PLC_MAP)
+    most = _of_plc("scale") * WORD
     if not 0.0 < limit_m_s <= most:
         raise PlantError(
             f"limit {limit_m_s:g} m/s: give above 0 to {most:.3g} m/s, what the word "
             f"of the correction can carry ({shipped_map.name})"
         )
     copy = folder / shipped_map.name
-    limited = with_values(text, {(*PLC_ROW, "limit_m_s"): limit_m_s})
+    text = shipped_map.read_text(encoding="utf-8")
+    limited = with_values(text, {(*_PLC_ROW, "limit_m_s"): limit_m_s})
     copy.write_text(limited, encoding="utf-8")
     return copy

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.criterion import DEVELOPMENT, NOT_RECORDED, criterion
 from sim_plant.refine.criteria.events import EventCriteria
-
-PAIRS_AND_CAMPAIGN = "ADR 0015, on the pairs of data/lines"
+from sim_plant.refine.criteria.profiles import ProfileCriteria
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -184,38 +183,6 @@ class CompletenessCriteria:
         "standard deviations of a chi-square cost",
         "by which what is left surely exceeds noise",
         NOT_RECORDED,
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProfileCriteria:
-    """Which details of an out-of-round roll are fitted."""
-
-    strong: float = criterion(
-        1e5,
-        "chi2",
-        "cost explained from which a profile is looked at for where it was formed",
-        PAIRS_AND_CAMPAIGN,
-    )
-    weak: float = criterion(
-        1e4,
-        "chi2",
-        "cost explained up to which responses to declared numbers are not taken anew",
-        "the second order of effects and tolerances is less than noise",
-    )
-    most_names: int = criterion(
-        2,
-        "1",
-        "names of profiles, the nearest first, that a strong one is fitted under",
-        "an outline has flanks or a flat; an ellipse or a flat spot near by is behind both",
-    )
-    age_room: float = criterion(
-        3.0,
-        "of what is possible",
-        "width of an age's interval, by the slopes where its fit would begin, from which none is "
-        "made",
-        "a fit keeps an age at 1 at the most; three times that is left to slopes that are others "
-        "where it ends than where it begins",
     )
 
 

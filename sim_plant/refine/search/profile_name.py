@@ -54,7 +54,8 @@ def _named(objective: Objective, fit: Fit, at: int, profile: Profile) -> Fit:
     h = fit.hypotheses[at]
     line = objective.pool.twins[0].declaration
     named = hypothesis(h.effect, h.location, profile.choice, profile.names, line)
-    there = fit.with_effect_at(at, named, profile.start)
+    start = dict(zip(profile.names, profile.start, strict=True))
+    there = fit.with_effect_at(at, named, [start[name] for name in named.names])
     shifts = synchronising_shifts(objective, fit.shifts, there.hypotheses, there.values)
     return gauss_newton_fit(
         objective, there.hypotheses, there.values, shifts, rounds=6, quick=False
