@@ -83,6 +83,9 @@ class _Output:
                     self.level = shown
                 self.shown, self.since_ns = shown, None
                 return False
+            if self.since_ns is None and self._is_cut(shown, within):
+                self.shown = shown
+                return False
             # ours passes by something that does not go with it
             if not min(self.least, 0.0) - within <= shown <= max(self.most, 0.0) + within:
                 self.level = 0.0  # larger than what was taken: nothing is cut
@@ -101,6 +104,11 @@ class _Output:
         if self.since_ns is None:
             self.since_ns = now_ns
         return now_ns - self.since_ns > between_ns
+
+    def _is_cut(self, shown: float, within: float) -> bool:
+        """Return whether it stands at the PLC's limit, and what was taken lies beyond."""
+        beyond = self.taken >= shown if shown > 0.0 else self.taken <= shown
+        return beyond and abs(shown - self.level) <= within
 
 
 class AppliedCheck:

@@ -77,7 +77,7 @@ def commissioned(plant: UnusualPlant, folder: Path) -> Commissioned:
     bench.outside.advise = lambda _: Advice()  # type: ignore[method-assign]
     for said in (Swap(law=probe), Arm()):
         bench.say(said)
-    bench.run(site.probe.duration_s + 7.0)
+    bench.run(probe.expected_s + 3.0)
     assert probe.stage is Stage.DONE, (probe.reason, bench.outside.blocked_by)
     about = {
         name: Provenance(actuator=name, signal=row.error.signal, cycle_s=site.cycle_s)

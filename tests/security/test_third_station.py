@@ -221,6 +221,18 @@ def test_the_healthy_lines_of_this_page_really_apply_something(line: Line) -> No
     assert sum(map(bool, line.applied)) > 0.2 * len(line.applied)
 
 
+def test_a_plc_that_gets_and_cuts_one_side_of_a_fast_sine_is_not_accused() -> None:
+    """Delays repeat every 60 ms, the sine every 60.9 ms: the PLC takes its positive half."""
+    line = Line(
+        plc=Plc(scan_ms=1, fade_ms=0, limit=200, cuts=True, rounds=False, tells=False),
+        outs=(1, 0, 0, 31, 26, 21, 16, 11, 6, 1, 0, 6),
+        backs=(5,),
+        wish=lambda t: 0.047 * math.cos(2.0 * math.pi * 16.42 * t + 1.42),
+    ).run(RUN_MS)
+    assert not line.accused, line.accused_ms[:3]
+    assert State.ACTIVE in line.states
+
+
 @settings(deadline=None, max_examples=20)
 @given(
     counts=st.integers(3, 5000) | st.integers(-5000, -3),

@@ -47,7 +47,7 @@ class ProbeRun:
         self._settings = settings
         self.probe = Probe(site_params(site), settings)
         self.was_armed = was_armed
-        self.duration_s = settings.listen_s + settings.duration_s + START_PATIENCE_S
+        self.duration_s = self.probe.expected_s + START_PATIENCE_S
         self._first_tick: int | None = None
         self._failure = ""
 

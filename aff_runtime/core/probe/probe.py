@@ -18,7 +18,7 @@ from aff_runtime.core.params import ActuatorParams, ProbeParams, RollParams, Sit
 from aff_runtime.core.phase import Quality
 from aff_runtime.core.probe.drive_record import DriveRecord
 from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones, measured_sign
-from aff_runtime.core.probe.excitation import Waveform, log_grid, spread, step_Hz
+from aff_runtime.core.probe.excitation import ROUNDS, Waveform, log_grid, spread, step_Hz
 from aff_runtime.core.probe.strange_ripple import RippleLine
 from aff_runtime.core.response import Provenance, Response
 
@@ -152,6 +152,12 @@ class Probe:
                 slew_bound=wave.slew(self._p.amplitude),
             )
         return tuple(steps)
+
+    @property
+    def expected_s(self) -> float:
+        """How long it takes where nothing disturbs it: silent, a wave a round each tick, tones."""
+        preparing_s = len(self._waves) * (ROUNDS + 1) * self._site.cycle_s
+        return self._p.listen_s + preparing_s + self._p.duration_s
 
     def _plan_tones_Hz(self) -> list[list[float]]:
         """Return tones per actuator, clear of all ripple and of each other.

@@ -178,6 +178,21 @@ def test_lost_permission_aborts_to_zero():
         probe.result(ORIGIN)
 
 
+@pytest.mark.parametrize("cycle_s", [CYCLE_S, 4.0 * CYCLE_S])
+def test_it_takes_as_long_as_it_says_whatever_the_cycle(cycle_s):
+    params = replace(PARAMS, duration_s=15.0, grid_points=3)
+    line, here = Line(LagDelay(-400.0), {}), replace(site(with_blocks(BLOCKS)), cycle_s=cycle_s)
+    probe = Probe(here, params)
+    taken_s = 0.0
+    while probe.stage is not Stage.DONE:
+        probe.step(snapshot(line.tick, *line.read()), cycle_s, FREE)
+        for _ in range(round(cycle_s / CYCLE_S)):
+            line.advance(0.0)
+        taken_s += cycle_s
+        assert taken_s < 60.0
+    assert taken_s == pytest.approx(probe.expected_s, abs=0.3)
+
+
 def test_record_full_of_holes_is_refused():
     line, probe = Line(LagDelay(-400.0), {}), Probe(site(with_blocks(BLOCKS)), PARAMS)
     line.run(probe, 6.0)
