@@ -13,6 +13,7 @@ from aff_hmi.layout import Layout, label_of
 from aff_hmi.watch import Rows
 from aff_runtime.app.report.line_facts import LineFacts
 from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.base.order_columns import order_columns
 from aff_runtime.base.signals import State
 
 MOST = 96
@@ -151,15 +152,11 @@ def _of_samples(layout: Layout) -> Iterator[tuple[str, Series]]:
 
 def _of_orders(columns: Sequence[str], site: LineFacts) -> Iterator[tuple[str, Series]]:
     """Yield change in dB and size of every order, actuator by actuator."""
-    names = [name for name in columns if name.count(".") == 2 and name.endswith(".state")]
+    known = order_columns(columns)
     for output in site.outputs:
         label = label_of(output.actuator)
-        mine = [name.removesuffix(".state") for name in names]
-        mine = [name for name in mine if name.startswith(f"{output.actuator}.")]
-        for name in mine:
-            order = label_of(name.partition(".")[2])
-            yield f"dB:{name}", Series(f"dB {label}", order, VALUE, "dB")
-        for name in mine:
-            if f"{name}.shape_mm" in columns:
-                order = label_of(name.partition(".")[2])
-                yield f"mm:{name}", Series(f"mm {label}", order, VALUE, "mm")
+        mine = [order for order in known if order.actuator == output.actuator]
+        for order in mine:
+            yield f"dB:{order.key}", Series(f"dB {label}", label_of(order.name), VALUE, "dB")
+        for order in (one for one in mine if one.size_unit == "mm"):
+            yield f"mm:{order.key}", Series(f"mm {label}", label_of(order.name), VALUE, "mm")

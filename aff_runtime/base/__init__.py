@@ -9,6 +9,7 @@ __all__ = [
     "events",
     "files",
     "machine",
+    "order_columns",
     "ports",
     "printable",
     "process_bounds",

@@ -1,7 +1,8 @@
 """One order of one roll as its law sees it: columns of the record and back, in one place.
 
 A law keeps a table of ``Column``; names and numbers of its telemetry both come from it. Whoever
-reads the record (status, top, roll page, the watch on the law) reads ``OrderStatus``.
+reads a row (status, top, roll page, the watch on the law) reads ``OrderStatus``; whoever reads
+whole columns asks ``base.order_columns`` which they are.
 """
 
 from __future__ import annotations
@@ -9,22 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import chain
 from typing import Generic, TypeVar
 
+from aff_runtime.base.order_columns import IMBALANCE, OrderColumns, order_columns
 from aff_runtime.core.monitor import Trend
 
 Owner = TypeVar("Owner")
-IMBALANCE = "imbalance"
-STATE = "state"
-# the column of an order's size says the family of laws and its unit: all banks of blocks, the
-# iterative law too, write the same columns and read as ``blocks``
-SIZES: Mapping[str, tuple[str, str]] = {
-    "shape_mm": ("shape", "mm"),
-    "amplitude_m_s": ("blocks", "m/s"),
-    "amplitude_N_m": ("blocks", "N m"),
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,79 +74,28 @@ class OrderStatus:
 
 def order_statuses(record: Mapping[str, float | None]) -> tuple[OrderStatus, ...]:
     """Return every order of a record, in the order of its columns; None stands for NaN."""
-    get = record.get
-    return tuple(
-        place.status(*[math.nan if (value := get(at)) is None else value for at in place.columns])
-        for place in _places(tuple(record))
-    )
+    return tuple(_status(record, order) for order in order_columns(record))
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Place:
-    """What the columns of one order say of it; ``columns`` : of ``status``, empty for none."""
+def _status(record: Mapping[str, float | None], order: OrderColumns) -> OrderStatus:
+    def at(column: str) -> float:
+        value = record.get(column)
+        return math.nan if value is None else value
 
-    actuator: str
-    name: str
-    roll: str
-    order: int
-    law: str
-    size_unit: str
-    columns: tuple[str, ...]
-
-    def status(
-        self,
-        state: float,
-        size: float,
-        phase_deg: float,
-        ripple_before: float,
-        ripple: float,
-        response_ratio: float,
-        share: float,
-    ) -> OrderStatus:
-        """Return the order with the numbers of one record."""
-        return OrderStatus(
-            actuator=self.actuator,
-            name=self.name,
-            roll=self.roll,
-            order=self.order,
-            law=self.law,
-            state=_trend(state),
-            size=size,
-            size_unit=self.size_unit,
-            phase_deg=phase_deg,
-            ripple_before=ripple_before,
-            ripple=ripple,
-            response_ratio=response_ratio,
-            share=share,
-        )
-
-
-@lru_cache(maxsize=8)
-def _places(columns: tuple[str, ...]) -> tuple[_Place, ...]:
-    """Return every order of a record's columns; rings change rarely."""
-    said: dict[tuple[str, str], dict[str, str]] = {}
-    for column in columns:
-        parts = column.split(".")
-        if len(parts) == 3:
-            said.setdefault((parts[0], parts[1]), {})[parts[2]] = column
-    return tuple(_place(*key, of) for key, of in said.items() if STATE in of)
-
-
-def _place(actuator: str, name: str, said: Mapping[str, str]) -> _Place:
-    size = next((column for column in said if column in SIZES), "")
-    law, unit = SIZES.get(size, ("blocks", ""))
-    roll, _, order = name.rpartition("_")
-    number = int(order[:-1]) if order[:-1].isdigit() else 0
-    imbalance = name == IMBALANCE
-    parts = (STATE, size, "phase_deg", "ripple_before", "ripple", "gain_of_P", "share")
-    return _Place(
-        actuator=actuator,
-        name=name,
-        roll="" if imbalance else roll,
-        order=1 if imbalance else number,
-        law=law,
-        size_unit=unit,
-        columns=tuple(said.get(part, "") for part in parts),
+    return OrderStatus(
+        actuator=order.actuator,
+        name=order.name,
+        roll=order.roll,
+        order=order.order,
+        law=order.law,
+        state=_trend(at(order.state)),
+        size=at(order.size),
+        size_unit=order.size_unit,
+        phase_deg=at(order.phase_deg),
+        ripple_before=at(order.ripple_before),
+        ripple=at(order.ripple),
+        response_ratio=at(order.response_ratio),
+        share=at(order.share),
     )
 
 

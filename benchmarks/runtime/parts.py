@@ -18,11 +18,11 @@ from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.app.wiring.assemble import assemble, cycle_of
 from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.order_columns import STATE
 from aff_runtime.base.python_child import module_command
 from aff_runtime.core.compiled.binary import COMPILED, NUMPY, VARIABLE, chosen
 from aff_runtime.core.impulse import from_taps
 from aff_runtime.core.monitor import Trend
-from aff_runtime.core.order_status import STATE
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.gateway import WordGateway

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
+from aff_runtime.base.order_columns import order_columns
 from sim_plant.base.arrays import Array
 from sim_plant.base.order_tracking import order_spectrum
 from sim_plant.base.svg import as_written, svg
@@ -14,6 +15,12 @@ from sim_plant.demo.evaluation import window
 from sim_plant.demo.session import Session
 
 BEFORE, AFTER = "#9aa0a6", "#1a7f37"
+SIZE_AXES = {
+    "mm": (1.0, "shape [mm]"),
+    "m/s": (1e3, "amplitude [mm/s]"),
+    "N m": (1.0, "amplitude [N m]"),
+}
+"""By the unit of an order's size: factor and name of the axis."""
 
 
 def tension_figure(session: Session) -> str:
@@ -62,17 +69,19 @@ def block_figure(columns: Mapping[str, Array]) -> str:
     """Amplitude and phase of every block over the run, from the runtime's own record."""
     time = columns["time_s"]
     step = max(1, time.size // 800)
-    known = (("amplitude_m_s", 1e3, "amplitude [mm/s]"), ("shape_mm", 1.0, "shape [mm]"))
-    kinds = [kind for kind in known if any(n.endswith(kind[0]) for n in columns)] or [known[0]]
+    orders = order_columns(columns)
+    kinds = sorted({order.size_unit for order in orders} & set(SIZE_AXES)) or ["m/s"]
     figure = Figure(figsize=(11, 2.5 * (len(kinds) + 1)))
     axes = figure.subplots(len(kinds) + 1, 1, sharex=True)
-    for axis, (ending, factor, words) in zip(axes, kinds, strict=False):
-        for name in (n for n in columns if n.endswith(ending)):
-            label = as_written(name.removesuffix(ending).rstrip("._"))
-            axis.plot(time[::step], factor * columns[name][::step], lw=1, label=label)
-            phase = name.removesuffix(ending) + "phase_deg"
-            if phase in columns:
-                axes[-1].plot(time[::step], columns[phase][::step], ".", ms=1, label=label)
+    for axis, unit in zip(axes, kinds, strict=False):
+        factor, words = SIZE_AXES[unit]
+        for order in (one for one in orders if one.size_unit == unit):
+            label = as_written(order.key)
+            axis.plot(time[::step], factor * columns[order.size][::step], lw=1, label=label)
+            if order.phase_deg:
+                axes[-1].plot(
+                    time[::step], columns[order.phase_deg][::step], ".", ms=1, label=label
+                )
         axis.set_ylabel(words)
         if axis.lines:
             axis.legend(fontsize=7, ncols=5, loc="lower center", bbox_to_anchor=(0.5, 1.0))

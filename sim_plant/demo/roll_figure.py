@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import cmath
 import math
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.figure import Figure
 
+from aff_runtime.base.order_columns import order_columns
 from sim_plant.base.arrays import Array
 from sim_plant.base.svg import as_written, svg
 from sim_plant.demo.figures import AFTER, BEFORE
 
-COLUMN = re.compile(r"(\w+)\.(\w+)_(\d+)x\.shape_mm")
 POINTS = 720
 FEWEST_ORDERS = 3
 ROOM = 1.6  # radius of the round roll in the plot, in largest deviations
@@ -34,23 +33,17 @@ class LearnedOrder:
 
 def learned_orders(columns: Mapping[str, Array]) -> list[LearnedOrder]:
     """Return what the runtime knew of the rolls at the end; empty with the plain law."""
-    found = []
-    for name, values in columns.items():
-        match = COLUMN.fullmatch(name)
-        if match is None or not values.size:
-            continue
-        actuator, roll, order = match.groups()
-        phase = columns[f"{actuator}.{roll}_{order}x.phase_deg"]
-        found.append(
-            LearnedOrder(
-                actuator=actuator,
-                roll=roll,
-                order=int(order),
-                deviation_mm=float(values[-1]),
-                angle_deg=float(phase[-1]),
-            )
+    return [
+        LearnedOrder(
+            actuator=one.actuator,
+            roll=one.roll,
+            order=one.order,
+            deviation_mm=float(columns[one.size][-1]),
+            angle_deg=float(columns[one.phase_deg][-1]),
         )
-    return found
+        for one in order_columns(columns)
+        if one.law == "shape" and one.roll and columns[one.size].size
+    ]
 
 
 def deviation_mm(orders: list[LearnedOrder], angle_rad: Array) -> Array:

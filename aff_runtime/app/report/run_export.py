@@ -5,12 +5,13 @@ from __future__ import annotations
 from pathlib import Path
 
 from aff_runtime.app.report.parquet import Field, write_parquet
+from aff_runtime.base.order_columns import RESPONSE_RATIO
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.config.channel_units import unit_of_channel
 
-RATIOS = ("share", "gain_of_P")
+RATIOS = ("share", RESPONSE_RATIO)
 ENDS = (("_us", "us"), ("_mm", "mm"), ("_deg", "deg"), ("_s", "s"), ("_Hz", "Hz"))
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
+from aff_runtime.base.order_columns import STATE
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.blocks.block import HarmonicBlock
 from aff_runtime.core.blocks.sharing import gain_share
 from aff_runtime.core.gate import RAMP_S, SpeedGate
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import OrderMonitor, Trend
-from aff_runtime.core.order_status import STATE, Column, column_names, column_values
+from aff_runtime.core.order_status import Column, column_names, column_values
 from aff_runtime.core.params import ActuatorParams
 from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.residual import Residual

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.base.order_columns import RESPONSE_RATIO, STATE
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.bandwidth import band_of
 from aff_runtime.core.compiled.binary import chosen, holding
@@ -16,7 +17,7 @@ from aff_runtime.core.gate import RAMP_S, SpeedGate
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import Trend
-from aff_runtime.core.order_status import STATE, Column, column_names, column_values
+from aff_runtime.core.order_status import Column, column_names, column_values
 from aff_runtime.core.params import ActuatorParams, DriveParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.core.response import Response
@@ -392,6 +393,6 @@ COLUMNS: tuple[Column[ShapeLaw], ...] = (
     Column(STATE, lambda law: law.states()),
     Column("ripple_before", lambda law: law.monitor.without.tolist()),
     Column("ripple", lambda law: law.monitor.now.tolist()),
-    Column("gain_of_P", lambda law: np.abs(law.filter.response_ratio).tolist()),
+    Column(RESPONSE_RATIO, lambda law: np.abs(law.filter.response_ratio).tolist()),
     Column("share", lambda law: law.shares().tolist()),
 )

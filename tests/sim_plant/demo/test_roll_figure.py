@@ -14,8 +14,10 @@ TIME_S = np.arange(0.0, 20.0, 0.005)
 def columns(orders: int) -> dict[str, np.ndarray]:
     found = {"time_s": TIME_S}
     for n in range(1, orders + 1):
+        found[f"unwind.unwind_{n}x.state"] = np.ones(TIME_S.size)
         found[f"unwind.unwind_{n}x.shape_mm"] = np.linspace(0.0, 1.0 / n, TIME_S.size)
         found[f"unwind.unwind_{n}x.phase_deg"] = np.full(TIME_S.size, 10.0 * n)
+    found["unwind.imbalance.state"] = np.ones(TIME_S.size)
     found["unwind.imbalance.shape_mm"] = np.zeros(TIME_S.size)
     return found
 
@@ -29,6 +31,7 @@ def test_the_last_row_of_every_order_is_what_was_learned() -> None:
 
 def test_the_plain_law_has_no_roll_to_show() -> None:
     plain = {"time_s": TIME_S, "unwind.unwind_1x.amplitude_m_s": TIME_S}
+    plain["unwind.unwind_1x.state"] = np.ones(TIME_S.size)
     assert learned_orders(plain) == []
     assert roll_figure([]) == ""
 

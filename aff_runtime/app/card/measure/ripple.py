@@ -14,12 +14,12 @@ from aff_runtime.app.card.measure.proof import SETTLES, SLOWEST_M_S, corrected, 
 from aff_runtime.app.report.comparison.comparing import compare
 from aff_runtime.app.report.comparison.turns import order_per_turn
 from aff_runtime.app.report.comparison.window import Window, roll_angle
+from aff_runtime.base.order_columns import RESPONSE_RATIO, is_of_an_order, order_columns
 from aff_runtime.base.run_table import read_table
 from aff_runtime.config.models import Actuator
 
 TURNS = 10.0
 RATIO = (0.5, 2.0)
-GAIN = ".gain_of_P"
 KIND, COLUMNS = "course", ("time_s", "amplitude")
 
 
@@ -69,16 +69,13 @@ def _wait_s(evidence: Evidence, actuator: Actuator, window: Window) -> float:
 
 def _ratios(on: Phase, window: Window) -> Iterator[Figure]:
     """Yield the lowest and highest median of the response ratio that the shape law follows."""
-    table = read_table(on.of(window), keep=lambda name: name.endswith(GAIN))
-    medians = [
-        float(np.median(values[np.isfinite(values)]))
-        for name, values in table.columns.items()
-        if name.endswith(GAIN) and np.isfinite(values).any()
-    ]
+    columns = read_table(on.of(window), keep=is_of_an_order).columns
+    ratios = [columns[o.response_ratio] for o in order_columns(columns) if o.response_ratio]
+    medians = [float(np.nanmedian(ratio)) for ratio in ratios if np.isfinite(ratio).any()]
     if medians:
         for which, value in (("lowest", min(medians)), ("highest", max(medians))):
             yield Figure(
-                name=f"gain_of_P, {which} of the orders",
+                name=f"{RESPONSE_RATIO}, {which} of the orders",
                 value=value,
                 limit=f"{RATIO[0]:g} to {RATIO[1]:g}",
                 good=RATIO[0] <= value <= RATIO[1],

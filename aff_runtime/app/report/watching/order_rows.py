@@ -13,6 +13,7 @@ from aff_runtime.app.report.comparison.turns import BATCHES, FEWEST_TURNS, Array
 from aff_runtime.app.report.comparison.window import Window, number, orders_of, roll_angle
 from aff_runtime.app.report.watching.tables import HourRow, OrderRow
 from aff_runtime.base.confidence import TWO_SIDED_95
+from aff_runtime.base.order_columns import OrderColumns, order_columns
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.yaml_section import Section
 from aff_runtime.core.monitor import Trend
@@ -111,14 +112,15 @@ def _learned(window: Window, signal: str, at: tuple[str, int], frequency_Hz: flo
         actuator = Section.of(given)
         if word(actuator.section("error").get("signal")) != signal:
             continue
-        order = f"{name}.{at[0]}_{at[1]}x"
         columns = {n: v[v.size // 2 :] for n, v in window.table.columns.items()}
-        if not _is_settled(columns.get(f"{order}.state")):
+        order = next((o for o in order_columns(columns) if _is(o, name, at)), None)
+        if order is None or not _is_settled(columns[order.state]):
             continue
-        shape = columns.get(f"{order}.shape_mm")
-        speed = columns.get(f"{order}.amplitude_m_s")
+        size = columns.get(order.size)
+        shape = size if order.size_unit == "mm" else None
+        speed = size if order.size_unit == "m/s" else None
         omega = math.tau * max(frequency_Hz, 1e-9)
-        ratio = columns.get(f"{order}.gain_of_P")
+        ratio = columns.get(order.response_ratio)
         largest = _largest(actuator, at[0])
         none = (math.nan, math.nan)
         return Learned(
@@ -130,9 +132,13 @@ def _learned(window: Window, signal: str, at: tuple[str, int], frequency_Hz: flo
     return Learned()
 
 
-def _is_settled(state: Array | None) -> bool:
+def _is(order: OrderColumns, actuator: str, at: tuple[str, int]) -> bool:
+    return order.actuator == actuator and (order.roll, order.order) == at
+
+
+def _is_settled(state: Array) -> bool:
     """Return whether an order was learned and went out all along."""
-    if state is None or not np.all(np.isin(state, LEARNED)):
+    if not np.all(np.isin(state, LEARNED)):
         return False
     return bool(np.mean(state == Trend.SETTLED) >= SETTLED_SHARE)
 

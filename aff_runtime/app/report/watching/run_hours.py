@@ -18,6 +18,7 @@ from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.stretches import SHORTEST_S, is_correcting, steady
 from aff_runtime.app.report.watching.tables import HourRow, OrderRow
 from aff_runtime.base.errors import AffError
+from aff_runtime.base.order_columns import is_of_an_order
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import text_of, yaml_values
 from aff_runtime.base.run_table import LONGEST_RUN_S, FirstRow, few, first_rows, read_table
@@ -32,8 +33,12 @@ READ_S = 150.0
 PLACES = (0.0, 1.0 / 3.0, 2.0 / 3.0)
 """Where in an hour a stretch is looked for, until one is long enough."""
 ENOUGH_S = 60.0
-LAW_COLUMNS = (".shape_mm", ".amplitude_m_s", ".state", ".gain_of_P", "probe.stage")
+PROBE_STAGE = "probe.stage"
 _LARGEST = 1 << 20
+
+
+def _is_needed(column: str) -> bool:
+    return "." not in column or is_of_an_order(column) or column == PROBE_STAGE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -117,7 +122,7 @@ class RunHours:
     def _stretch(self, from_s: float, to_s: float) -> Window | None:
         window = RunWindow(folder=self.folder, from_s=from_s, to_s=to_s)
         try:
-            table = read_table(window, keep=lambda n: "." not in n or n.endswith(LAW_COLUMNS))
+            table = read_table(window, keep=_is_needed)
         except AffError:  # a hole in the record
             return None
         return steady(table, _speed_name(self.site))
