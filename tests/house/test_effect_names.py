@@ -28,7 +28,8 @@ def names_in(text: str) -> set[str]:
 
     A text may well say that the web slips; as a key or a value it would be the effect.
     """
-    return set(PHRASE.findall(text)) | ({text.strip()} & set(BY_NAME))
+    whole = text.strip().partition(" at ")[0].replace(" ", "_").replace("-", "_")
+    return set(PHRASE.findall(text)) | ({whole} & set(BY_NAME))
 
 
 def names_in_code(code: str) -> list[tuple[int, str]]:
@@ -36,9 +37,13 @@ def names_in_code(code: str) -> list[tuple[int, str]]:
     return [
         (node.lineno, name)
         for node in ast.walk(ast.parse(code))
-        if isinstance(node, ast.Constant) and isinstance(node.value, str)
-        for name in sorted(names_in(node.value))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str | bytes)
+        for name in sorted(names_in(_text(node.value)))
     ]
+
+
+def _text(value: str | bytes) -> str:
+    return value if isinstance(value, str) else value.decode("latin-1")
 
 
 def names_in_template(text: str) -> list[tuple[int, str]]:
@@ -107,6 +112,9 @@ def test_the_campaigns_page_tells_which_effects_of_the_catalogue_it_does_not_dra
         ('if h.name == "slip": pass', ["slip"]),
         ('f"torque_ripple at {place}"', ["torque_ripple"]),
         ('TABLE = """\\nbearing_drag: clean it\\n"""', ["bearing_drag"]),
+        ('"roll bounce", "roll-bounce"', ["roll_bounce", "roll_bounce"]),
+        ('"slip at R1"', ["slip"]),
+        ('b"roll_bounce"', ["roll_bounce"]),
         ('"the web may slip at a splice"', []),
         ('"bearing_drag_N_m"', []),
         ("h.effect.splice", []),

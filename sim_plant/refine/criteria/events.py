@@ -103,6 +103,18 @@ class EventCriteria:
         14.0, "chi2", "penalty for choosing a moment", "2 ln of 1200 moments of 50 ms in a minute"
     )
     most_told: int = criterion(4, "1", "effects that progress names", "a screen has few lines")
+    judged_peaks: int = criterion(
+        4,
+        "peaks",
+        "of the matched filter of a further record, around which a moment is looked for",
+        "the event and what looks like it one roller further, before and behind",
+    )
+    level_share: float = criterion(
+        0.1,
+        "of the record, from its start",
+        "whose median is the level that later bins are held against",
+        "an event later than that stands out whole; one before it is no onset that a record shows",
+    )
     bin_s: float = criterion(
         0.5, "s", "length over which the residual's power is averaged", "some periods of a loop"
     )

@@ -99,8 +99,32 @@ class MatchCriteria:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ModelCriteria:
-    """How well a declared number is known, and from where on a number is at its bound."""
+    """How well a declared number is known, what records ask of the line, and what they lack."""
 
+    ramp_look_s: float = criterion(
+        0.2,
+        "s",
+        "a rate is judged over this; a reference that is there sooner is a step",
+        "some tens of samples; the ramps of lines last seconds",
+    )
+    ramp_steady_share: float = criterion(
+        0.03, "of a rate", "rates that differ by less are one ramp", NOT_RECORDED
+    )
+    ramp_slowest_share: float = criterion(
+        0.002,
+        "of the highest speed, per second",
+        "what changes more slowly is no ramp",
+        "eight minutes to full speed",
+    )
+    tension_step_share: float = criterion(
+        0.02, "of the tension", "a reference that changes by less has no step", NOT_RECORDED
+    )
+    radius_change_share: float = criterion(
+        0.005,
+        "of the radius",
+        "a roll that changes by less is told from no roller of its size",
+        "its frequency stays to within a turn in 200",
+    )
     default_tolerance: Mapping[str, float] = criterion(
         {
             "web.EA_N": 0.02,

@@ -53,6 +53,12 @@ class RangeCriteria:
     near_share: float = criterion(
         0.3, "of the rise of the cost at an end", "closer is near enough", "15 % of the width"
     )
+    between_share: float = criterion(
+        0.8,
+        "of the nearest value beyond the end",
+        "two values this close hold the end between them",
+        "the cost is taken to grow with the square in between",
+    )
     corrections: int = criterion(
         2, "steps", "by which all other numbers follow one that is held", "the slopes are known"
     )
@@ -169,6 +175,12 @@ class WithoutLineCriteria:
         "rows",
         "that are left to judge when the filter has taken its taps off both ends",
         NOT_RECORDED,
+    )
+    lower_share: float = criterion(
+        1.001,
+        "1",
+        "of two fundamentals with as many orders the higher one counts, from this ratio on",
+        "nearer ones are one fundamental read off two spectral lines",
     )
     onward_share: float = criterion(
         0.9, "of the rows", "a travel speed is above 0 in at least as many", NOT_RECORDED

@@ -38,6 +38,12 @@ class ScreeningCriteria:
     resonance_share: float = criterion(
         0.3, "of the strongest line", "what a resonance needs at its line", DEVELOPMENT
     )
+    idler_step: int = criterion(
+        3,
+        "idlers",
+        "on a long line the middle one of so many stands for all until the search is near",
+        "response changes slowly along the web",
+    )
     few_idlers: int = criterion(
         8,
         "idlers",

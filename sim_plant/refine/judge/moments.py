@@ -111,7 +111,7 @@ def _tries(
         for one in best_moments(axis, white, model.whiten(run - base), part, onset.unit)
     ]
     peaks.sort(reverse=True)
-    near = [m + d for _, m in peaks[: EVENTS.most_told] for d in EVENTS.coarse_grid[::2]]
+    near = [m + d for _, m in peaks[: EVENTS.judged_peaks] for d in EVENTS.coarse_grid[::2]]
     return [_at(event, onset, moment) for moment in near]
 
 

@@ -8,14 +8,10 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.effects import Asked
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.twin import Twin
 
-LOOK_S = 0.2
-"""A rate is judged over this time; a reference that is there sooner is a step and has no rate."""
-STEADY_SHARE = 0.03
-"""Rates that differ by less are one ramp."""
-SLOWEST_SHARE = 0.002
-"""Of the highest speed, per second: what changes more slowly is no ramp."""
+MODEL = CRITERIA.model
 
 
 def asked_by(twins: Sequence[Twin]) -> Asked:
@@ -29,13 +25,13 @@ def fastest_ramp(speed_m_s: Array, step_s: float) -> float:
 
     A ramp changes as fast before as after; one that accelerates and brakes does at its fastest.
     """
-    reach = max(1, round(LOOK_S / step_s))
-    slowest = SLOWEST_SHARE * float(np.max(np.abs(speed_m_s), initial=0.0))
+    reach = max(1, round(MODEL.ramp_look_s / step_s))
+    slowest = MODEL.ramp_slowest_share * float(np.max(np.abs(speed_m_s), initial=0.0))
     rate = np.abs(speed_m_s[reach:] - speed_m_s[:-reach]) / (reach * step_s)
     before, after = rate[:-reach], rate[reach:]
-    steady = np.abs(after - before) < STEADY_SHARE * np.maximum(after, before)
+    steady = np.abs(after - before) < MODEL.ramp_steady_share * np.maximum(after, before)
     rates = 0.5 * (before + after)[steady]
     rates = rates[rates > slowest]
     if not rates.size:
         return 0.0
-    return float(np.median(rates[rates > (1.0 - STEADY_SHARE) * rates.max()]))
+    return float(np.median(rates[rates > (1.0 - MODEL.ramp_steady_share) * rates.max()]))

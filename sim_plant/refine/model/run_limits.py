@@ -10,14 +10,12 @@ import numpy as np
 
 from aff_runtime.base.run_window import run_window
 from sim_plant.line.declaration import Declaration, LoadCell
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.run_match import SPEED_REF
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.records.recording import Recording
 
-STEP_SHARE = 0.02
-"""A tension reference that changes by less of itself has no step."""
-RADIUS_SHARE = 0.005
-"""A roll whose radius changes by less keeps its frequency to within a turn in 200."""
+MODEL = CRITERIA.model
 
 
 def run_limits(record: Recording, twin: Twin) -> list[str]:
@@ -32,12 +30,13 @@ def run_limits(record: Recording, twin: Twin) -> list[str]:
             "which of several like idlers of a zone an effect sits is not told, nor what only "
             "the drives' common speed shows"
         )
-    if float(np.ptp(twin.tension_N)) < STEP_SHARE * float(np.mean(np.abs(twin.tension_N))):
+    tension_N = twin.tension_N
+    if float(np.ptp(tension_N)) < MODEL.tension_step_share * float(np.mean(np.abs(tension_N))):
         sentences.append(
             f"{name}: no step of the tension reference: the modulus, a loop's gains and a "
             "delay are told by ripple alone"
         )
-    if _radius_change(line, record) < RADIUS_SHARE:
+    if _radius_change(line, record) < MODEL.radius_change_share:
         sentences.append(
             f"{name}: the unwind roll keeps its radius: an order of it and a roller of that "
             "radius look the same"

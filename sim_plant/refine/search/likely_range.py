@@ -121,7 +121,10 @@ def end_of(
             outside = far, here
         if inside[0] >= furthest:
             return furthest
-        if abs(here - limit) < RANGES.near_share * limit or inside[0] > 0.8 * outside[0]:
+        if (
+            abs(here - limit) < RANGES.near_share * limit
+            or inside[0] > RANGES.between_share * outside[0]
+        ):
             break
         far = min(2.0 * far, furthest)
         if math.isfinite(outside[0]):

@@ -166,7 +166,8 @@ def every_third_idler(hypotheses: Sequence[Hypothesis], idlers: Sequence[str]) -
     """
     if len(idlers) <= SCREENING.few_idlers:
         return list(hypotheses)
-    left_out = {name for k, name in enumerate(idlers) if k % 3 != 1}
+    step = SCREENING.idler_step
+    left_out = {name for k, name in enumerate(idlers) if k % step != step // 2}
     return [h for h in hypotheses if h.effect.place == "cell" or h.location not in left_out]
 
 

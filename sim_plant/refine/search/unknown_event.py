@@ -51,7 +51,8 @@ def beginning(power: Array, step_s: float) -> int | None:
     blocks = power[:, : power.shape[1] // size * size]
     level = blocks.reshape(blocks.shape[0], -1, size).mean(axis=(0, 2))
     spread = np.sqrt(2.0 / (size * power.shape[0]))
-    loud = level > np.median(level[: max(1, level.size // 10)]) + EVENTS.bin_sd * spread
+    first_bins = level[: max(1, int(EVENTS.level_share * level.size))]
+    loud = level > np.median(first_bins) + EVENTS.bin_sd * spread
     runs = [k for k in range(level.size - 1) if loud[k] and loud[k + 1]]
     if not runs:
         return None

@@ -163,7 +163,7 @@ def family(wavenumbers: Sequence[float], widths: Sequence[float]) -> tuple[float
             base = first / divisor
             orders = _orders_of(base, wavenumbers, widths)
             count = len({n for n in orders if n})
-            larger = count == most and bool(best[1]) and base > 1.001 * best[0]
+            larger = count == most and bool(best[1]) and base > WITHOUT_LINE.lower_share * best[0]
             if (count > most or larger) and _chance(base, orders, widths) < WITHOUT_LINE.chance:
                 best, most = (base, orders), count
     return best

@@ -86,11 +86,14 @@ def words_of(site: Site) -> dict[str, object]:
     """Return every word with its place, type and scale; channels by their register."""
     read, write = site.gateway.read, site.gateway.write
     given = site.gateway.model_dump(include={"address_base", "word_order"})
-    singles = {name: getattr(read, name).register_number
-               for name in ("plc_heartbeat", "status", "roll_id", "aff_echo")}  # fmt: skip
-    singles |= {name: getattr(write, name).register_number
-                for name in ("aff_heartbeat", "state", "echo", "alarm", "limit",
-                             "config_revision")}  # fmt: skip
+    singles = {
+        name: getattr(read, name).register_number
+        for name in ("plc_heartbeat", "status", "roll_id", "aff_echo")
+    }
+    singles |= {
+        name: getattr(write, name).register_number
+        for name in ("aff_heartbeat", "state", "echo", "alarm", "limit", "config_revision")
+    }
     channels = {
         channel.register_number: (channel.type, channel.scale, channel.wraps)
         for channel in read.channels.values()
@@ -157,8 +160,15 @@ def test_a_plc_that_is_unplugged_is_named_and_the_next_run_goes_on(
 @pytest.mark.wire
 def test_a_killed_run_goes_on_where_it_was(plc: Served, tmp_path: Path) -> None:
     answers, kept = script(tmp_path, plc.port), tmp_path / "site.setup.json"
-    command = [sys.executable, "-m", "aff_runtime.cli.main", "setup", str(tmp_path / "site.yaml"),
-               "--answers", str(answers)]  # fmt: skip
+    command = [
+        sys.executable,
+        "-m",
+        "aff_runtime.cli.main",
+        "setup",
+        str(tmp_path / "site.yaml"),
+        "--answers",
+        str(answers),
+    ]
     child = subprocess.Popen(command, stdout=subprocess.DEVNULL, env={**os.environ})
     try:
         until("a word is kept", lambda: kept.exists() and "tension_ref_N" in kept.read_text())
@@ -194,8 +204,10 @@ def test_own_status_bits_and_a_manual_that_counts_from_40001(plc: Served, tmp_pa
     assert bits is not None
     assert bits.ESTOP_OK is not None
     assert (bits.ESTOP_OK.register_number, bits.ESTOP_OK.bit, bits.ESTOP_OK.inverted) == (
-        40016, 1, True
-    )  # fmt: skip
+        40016,
+        1,
+        True,
+    )
     assert site.permissives.need == ("LINE_RUN", "WEB_INTACT", "ESTOP_OK")
     assert not site.permissives.enable_from_plc
     assert list(site.actuators) == ["unwind"]
@@ -203,12 +215,31 @@ def test_own_status_bits_and_a_manual_that_counts_from_40001(plc: Served, tmp_pa
 
 KEPT = {
     "answers": {
-        "wire": "modbus_tcp", "host": "127.0.0.1", "device_id": "1", "first": "0", "count": "100",
-        "heartbeat": "0", "scan_ms": "10", "number": "0", "name": "Line 1", "second": "none",
-        "tension_ref_N.display": "skip", "unwind_angle_rad.display": "skip", "probe": "0.0008",
-        "speed_max": "8", "tension_max": "400", "radius_min": "4 in", "radius_max": "12 in",
-        "limit": "0.05", "function": "fc23", "law": "blocks", "status.word": "1",
-        "status.order": "no", "roll_id": "8", "echo": "none", "write": "100",
+        "wire": "modbus_tcp",
+        "host": "127.0.0.1",
+        "device_id": "1",
+        "first": "0",
+        "count": "100",
+        "heartbeat": "0",
+        "scan_ms": "10",
+        "number": "0",
+        "name": "Line 1",
+        "second": "none",
+        "tension_ref_N.display": "skip",
+        "unwind_angle_rad.display": "skip",
+        "probe": "0.0008",
+        "speed_max": "8",
+        "tension_max": "400",
+        "radius_min": "4 in",
+        "radius_max": "12 in",
+        "limit": "0.05",
+        "function": "fc23",
+        "law": "blocks",
+        "status.word": "1",
+        "status.order": "no",
+        "roll_id": "8",
+        "echo": "none",
+        "write": "100",
         "correction_scale": "0.00001",
     },
     "words": {
@@ -216,7 +247,7 @@ KEPT = {
         "line_speed_m_s": {"address": 5, "type": "i16", "order": "", "scale": "0.001"},
         "unwind_radius_m": {"address": 6, "type": "u16", "order": "", "scale": "0.02 mm"},
     },
-}  # fmt: skip
+}
 
 
 @pytest.mark.wire
@@ -343,10 +374,12 @@ def test_a_technician_mistypes_leaves_and_comes_back(
         ('{"answers": {"port": "a\\u0000b"}}', "answers.port"),
         ('{"words": {"x_N": {"address": 70000}}}', "words.x_N.address"),
         ('{"more": 1}', "more"),
-        ('{"words": {"x_N": {"address": 1, "type": "i16", "order": "", "scale": "1 } #"}}}',
-         "words.x_N.scale"),
+        (
+            '{"words": {"x_N": {"address": 1, "type": "i16", "order": "", "scale": "1 } #"}}}',
+            "words.x_N.scale",
+        ),
     ],
-)  # fmt: skip
+)
 def test_a_broken_or_hostile_draft_is_a_clear_error(
     text: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.criteria.criterion import reasons
+from sim_plant.refine.criteria.criterion import NOT_RECORDED, reasons
 
 REFINE = Path(__file__).parents[4] / "sim_plant/refine"
 REASONS = list(reasons(CRITERIA))
+NOT_WRITTEN_DOWN = 99
 
 
 @pytest.mark.parametrize("reason", REASONS, ids=lambda r: r.name)
@@ -18,6 +19,12 @@ def test_a_criterion_says_its_unit_its_meaning_and_its_origin(reason):
     assert reason.unit.strip()
     assert len(reason.meaning) > 8
     assert reason.origin.strip()
+
+
+def test_criteria_whose_origin_nobody_wrote_down_only_become_fewer():
+    """What a new one was set on is known when it is written."""
+    origins = [reason.origin for reason in REASONS]
+    assert sum(origin.startswith(NOT_RECORDED) for origin in origins) <= NOT_WRITTEN_DOWN
 
 
 def test_no_criterion_can_be_changed_while_a_run_is_on():
