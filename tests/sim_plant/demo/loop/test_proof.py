@@ -2,10 +2,15 @@
 
 import pytest
 
-from sim_plant.demo.loop.proof import JUDGED, ModelError, Proof
+from sim_plant.demo.loop.proof import ModelError, Proof
 from sim_plant.refine.report.verdict import Verdict
 
-WELL = {JUDGED: ModelError(declared=1.5, amended=0.26, floor=0.26)}
+WELL = {
+    "unwind_tension_N": ModelError(declared=1.5, amended=0.26, floor=0.26),
+    "pullroll_tension_N": ModelError(declared=0.3, amended=0.27, floor=0.26),
+    "unwind_speed_rad_s": ModelError(declared=0.03, amended=0.02, floor=0.01),
+}
+OFF = ModelError(declared=1.5, amended=0.29, floor=0.26)
 
 
 def proof(**given):
@@ -31,7 +36,9 @@ def test_all_targets_are_met_by_a_cause_named_and_cancelled():
     [
         ({"named": False}, "names effect"),
         ({"after_N": 0.06}, "25 dB"),  # 24.4 dB
-        ({"errors": {JUDGED: ModelError(declared=1.5, amended=0.29, floor=0.26)}}, "model error"),
+        ({"errors": WELL | {"unwind_tension_N": OFF}}, "model error"),
+        ({"errors": WELL | {"pullroll_tension_N": OFF}}, "model error"),
+        ({"before_N": None, "after_N": None, "cancels": True}, "block"),
         ({"after_N": None, "tried": False}, "tried and judged"),
     ],
 )
