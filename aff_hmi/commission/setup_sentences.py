@@ -61,7 +61,7 @@ QUESTIONS = (
     N_("Largest correction that the PLC allows at {roll}"),
     N_("Amplitude of the probe's excitation, m/s"),
     N_("Function codes"),
-    N_("Law: blocks, or shape, whose drive the probe finds where you do not know it"),
+    N_("Law: shape, whose drive the probe finds where you do not know it, or blocks"),
     N_("Speed loop: proportional gain over inertia, rad/s; none: the probe finds it"),
     N_("Damping of the speed loop"),
     N_("Inertia of core, chuck and coupling, kg m2; none: the probe finds it"),

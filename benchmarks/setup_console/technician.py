@@ -45,7 +45,7 @@ ANSWERS = {
     "Radius of swrap_follower": "0.15367",
     "Largest correction that the PLC allows at swrap_follower": "0.04",
     "Amplitude of the probe": "0.03",
-    "Law: blocks": "shape",
+    "Law: shape": "shape",
     "Word with the status bits": "1",
     "Word that counts splices": "8",
     "copy of our heartbeat": "15",

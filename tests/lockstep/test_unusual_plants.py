@@ -15,6 +15,7 @@ import pytest
 
 from aff_runtime.app.wiring.site_to_law import probe_params, site_params
 from aff_runtime.base.signals import State
+from aff_runtime.config.identified_drive import with_identified
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
 from aff_runtime.core.probe.probe import Probe, Stage
@@ -29,8 +30,8 @@ from tests.lockstep.plants import PLANTS, FrameWire, Stand, UnusualPlant, gatewa
 from tests.lockstep.silent import watched
 
 pytestmark = [pytest.mark.campaign, pytest.mark.timeout(900)]
-ORDERS = (1, 2)
-"""Those of the site file that setup writes for the plain law."""
+ORDERS = (1, 2, 3, 4)
+"""The largest of the shape that setup proposes to learn; nobody says anything of the drive."""
 SILENT_S, ARMED_S, JUDGED_S = 15.0, 40.0, 20.0
 QUIETER = 0.1
 FLOOR_N = 0.05
@@ -87,7 +88,9 @@ def commissioned(plant: UnusualPlant, folder: Path) -> Commissioned:
         found.response.provenance.actuator: found.response for found in probe.result(about)
     }
 
-    bench = at_the_wire(plant, line, plc, site_file, responses=responses)
+    whole, _ = with_identified(site, responses)
+    law = site_params(whole)
+    bench = at_the_wire(plant, line, plc, site_file, responses=responses, law=law)
     rows = watched(bench)
     bench.run(1.0)
     rows.clear()

@@ -16,6 +16,7 @@ from aff_runtime.app.setup.interview import (
     drive_questions,
     first_number,
     further_question,
+    law_question,
     line_questions,
     machine_questions,
     quantities_of,
@@ -81,6 +82,7 @@ def _look(dialogue: Dialogue, steps: Steps) -> None:
         dialogue.ask(question)
     for quantity in angles_of(dialogue.draft):
         steps.angle(quantity)
+    dialogue.ask(law_question(dialogue.draft))
     _further(dialogue, steps)
     for question in status_questions(partial(_why_not, dialogue, "status.word")):
         dialogue.ask(question)

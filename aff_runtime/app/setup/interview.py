@@ -262,14 +262,19 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
         Question(
             name="function", text="Function codes", read=one_of("fc23", "fc3_fc16"), default="fc23"
         ),
-        Question(
-            name="law",
-            text="Law: blocks, or shape, whose drive the probe finds where you do not know it",
-            read=one_of("blocks", "shape"),
-            default="blocks",
-        ),
     ]
     return tuple(asked)
+
+
+def law_question(draft: Draft) -> Question:
+    """Return the choice of the law: the roll's shape, where its angle and radius are seen."""
+    seen = {f"{UNWIND}_angle_rad", f"{UNWIND}_radius_m"} <= set(draft.words)
+    return Question(
+        name="law",
+        text="Law: shape, whose drive the probe finds where you do not know it, or blocks",
+        read=one_of("shape", "blocks"),
+        default="shape" if seen else "blocks",
+    )
 
 
 def _of_second(second: str) -> list[Question]:

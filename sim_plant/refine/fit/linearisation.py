@@ -30,6 +30,7 @@ class Linearisation:
     free_bodies : bodies whose shape is free in its low orders.
     shape_changes : per free body, order and component (cos, sin), the change by a typical ripple.
     wander_changes : slow changes of effects whose size is not quite constant.
+    wander_sd : how large each of them is, standard deviation; none where they are free.
     start_changes : per number that a run's line may begin with otherwise, the change by the
         largest that may be; none where the line rested before every record.
     """
@@ -41,6 +42,7 @@ class Linearisation:
     free_bodies: tuple[int, ...] = ()
     shape_changes: tuple[Changes, ...] = ()
     wander_changes: tuple[Changes, ...] = ()
+    wander_sd: tuple[float, ...] = ()
     start_changes: tuple[Changes, ...] = ()
 
 

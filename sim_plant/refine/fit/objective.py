@@ -69,7 +69,8 @@ class Objective:
             )
         taken = [0 if q is None else q.shape[1] for q in self.whitening.basis]
         total -= 2.0 * CRITERIA.fit.free_orders * len(self.linearisation.free_bodies)
-        total -= len(self.linearisation.wander_changes)
+        if not self.linearisation.wander_sd:
+            total -= len(self.linearisation.wander_changes)
         terms = sum(m.shape[0] * k for m, k in zip(self.measured, taken, strict=True))
         return total - float(terms)
 
@@ -209,7 +210,18 @@ def with_free_wander(objective: Objective, changes: Sequence[Changes]) -> Object
 
     What is then found must explain more than slow changes of what is there already.
     """
-    here = replace(objective.linearisation, wander_changes=tuple(changes))
+    here = replace(objective.linearisation, wander_changes=tuple(changes), wander_sd=())
+    return _projected(replace(objective, linearisation=here))
+
+
+def with_known_wander(
+    objective: Objective, changes: Sequence[Changes], sd: Sequence[float]
+) -> Objective:
+    """Return the objective in which each of these changes is there by chance, this large.
+
+    What such a size does where it is large counts less than what it does where it is small.
+    """
+    here = replace(objective.linearisation, wander_changes=tuple(changes), wander_sd=tuple(sd))
     return _projected(replace(objective, linearisation=here))
 
 
@@ -283,7 +295,11 @@ def _projector(
     if linearisation.start_changes:
         starts = _starts(whitening, linearisation.start_changes, rows + len(nuisances))
         columns = np.concatenate([columns.T, starts]).T
-    return Projector(columns)
+    precision = np.zeros(columns.shape[1])
+    if linearisation.wander_sd:
+        wander_sd, end = np.array(linearisation.wander_sd), len(changes)
+        precision[end - wander_sd.size : end] = wander_sd**-2.0
+    return Projector(columns, precision)
 
 
 def _matrix(whitening: Whitening, changes: Sequence[Sequence[Array]], tolerances: int) -> Array:

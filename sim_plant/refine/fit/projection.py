@@ -75,16 +75,19 @@ class Projector:
     """Cost min over x of |r - A x|^2, and what further columns save on it.
 
     Priors are rows: ``A`` (rows, n) ends in one row per nuisance with a tolerance, see
-    ``Objective``. Rows of candidate columns are zero there. Nothing of the length of a record is
-    made for a number: r' P r = r' r - (A' r)' (A' A)^-1 (A' r), and so for columns.
+    ``Objective``. Rows of candidate columns are zero there. What is no part of the residual but
+    is known to be small has a ``precision`` (n,) instead, one over its variance. Nothing of the
+    length of a record is made for a number: r' P r = r' r - (A' r)' (A' A)^-1 (A' r), and so for
+    columns.
     """
 
-    def __init__(self, nuisances: Array) -> None:
+    def __init__(self, nuisances: Array, precision: Array | float = 0.0) -> None:
         self.nuisances = nuisances
         scale = np.sqrt(np.einsum("ij,ij->j", nuisances, nuisances))
         self._scale = np.where(scale > 0.0, scale, 1.0)
         self._unit = nuisances / self._scale
-        self._normal = self._unit.T @ self._unit + RIDGE * np.eye(nuisances.shape[1])
+        known = np.broadcast_to(precision, self._scale.shape) / np.square(self._scale)
+        self._normal = self._unit.T @ self._unit + np.diag(RIDGE + known)
         self._factor = cho_factor(self._normal)
         self._sizes: dict[int, Array] = {}
 

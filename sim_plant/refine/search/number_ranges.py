@@ -20,7 +20,7 @@ from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.likely_range import LikelyRange, likely_range, values_of
 from sim_plant.refine.search.profile_age import with_numbers
 from sim_plant.refine.search.selection import Ranges, Selection
-from sim_plant.refine.search.wandering import with_wander_known
+from sim_plant.refine.search.wandering import weighed_with_wander, with_wander_known
 
 REPORT = CRITERIA.report
 
@@ -29,8 +29,23 @@ def with_number_ranges(objective: Objective, selection: Selection) -> Selection:
     """Return the selection with an interval for each of its numbers.
 
     Those to which the line does not answer in proportion are held elsewhere, all others fitted
-    again. Where that finds numbers that explain more, they are taken.
+    again. Where that finds numbers that explain more, they are taken. Where a size is not quite
+    constant, all are told by a fit that knows it (`weighed_with_wander`).
     """
+    weighed = weighed_with_wander(objective, selection.fit)
+    if weighed is objective:
+        return _with_ranges(objective, selection)
+    fit = selection.fit
+    known = gauss_newton_fit(weighed, fit.hypotheses, fit.values, fit.shifts, quick=False)
+    ranged = _with_ranges(weighed, replace(selection, fit=known))
+    known = ranged.fit
+    plain = gauss_newton_fit(
+        objective, known.hypotheses, known.values, known.shifts, rounds=0, quick=False
+    )
+    return replace(ranged, fit=replace(plain, covariance=known.covariance))
+
+
+def _with_ranges(objective: Objective, selection: Selection) -> Selection:
     for _ in range(REPORT.ranges.passes):
         fit = selection.fit
         columns = jacobian(objective, fit.hypotheses, fit.values, fit.shifts)
@@ -74,7 +89,9 @@ def with_covariance(
     part = np.where(plain > 0.0, plain, 1.0)
     moved = np.sqrt((real.variance + wrong) / part)
     covariance = real.noise * np.outer(moved, moved) + real.tolerances
-    known = with_wander_known(objective, replace(fit, covariance=covariance))
+    known = replace(fit, covariance=covariance)
+    if not objective.linearisation.wander_sd:
+        known = with_wander_known(objective, known)
     total = np.maximum(known.covariance.diagonal(), 1e-300) + np.square(model_errors(fit))
     freedom = np.minimum(real.freedom * (total / np.maximum(real.variance, 1e-300)) ** 2, MANY)
     wide = stdtrit(freedom, 0.5 + 0.5 * REPORT.confidence) / SPREAD

@@ -16,7 +16,7 @@ import numpy as np
 from sim_plant.effects.onset import HOLD_S
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, jacobian
-from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.objective import Objective, with_known_wander
 from sim_plant.refine.fit.start_states import Changes
 from sim_plant.refine.model.twin import Added
 
@@ -34,6 +34,23 @@ def wander_changes(objective: Objective, fit: Fit, at: int) -> list[Changes]:
         for changes in _answers(objective, fit, at)
         for first, later in pairwise(changes)
     ]
+
+
+def weighed_with_wander(objective: Objective, fit: Fit) -> Objective:
+    """Return the objective that knows how much the sizes of the effects of a fit wander.
+
+    Slope and threshold of a slip are told best just above the threshold, where there is least of
+    it to wander; without this the fastest plateau of a record decides both.
+    """
+    wandering = [k for k, h in enumerate(fit.hypotheses) if h.effect.wander > 0.0]
+    changes: list[Changes] = []
+    sizes: list[float] = []
+    for at in wandering:
+        for answers in _answers(objective, fit, at):
+            changes += answers
+            sd = math.sqrt(fit.hypotheses[at].effect.wander) / WANDERING.share
+            sizes += [sd] * len(answers)
+    return with_known_wander(objective, changes, sizes) if changes else objective
 
 
 def with_wander_known(objective: Objective, fit: Fit) -> Fit:

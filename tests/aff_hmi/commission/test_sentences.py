@@ -20,6 +20,7 @@ from aff_runtime.app.setup.interview import (
     drive_questions,
     first_number,
     further_question,
+    law_question,
     line_questions,
     machine_questions,
     second_question,
@@ -51,6 +52,7 @@ def questions() -> list[Question]:
         *status_questions(known),
         *bit_questions(draft, known),
         *machine_questions(draft),
+        law_question(draft),
         *drive_questions(draft.with_answer("speed_gain", "15").with_answer("density", "395")),
         first_number(0),
     ]

@@ -25,6 +25,21 @@ def test_gain_is_what_least_squares_saves(setting):
     np.testing.assert_allclose(found.covariance, inverse, rtol=1e-6)
 
 
+def test_a_precision_counts_as_a_row_that_says_how_large_a_nuisance_may_be(setting):
+    nuisances, effect, residual = setting
+    sd = np.array([0.3, 2.0])
+    known = Projector(nuisances, np.array([*sd**-2.0, 0.0]))
+    prior = np.zeros((2, 3))
+    prior[:, :2] = np.diag(1.0 / sd)
+    rows = Projector(np.vstack([nuisances, prior]))
+    longer, below = np.append(residual, [0.0, 0.0]), np.vstack([effect, np.zeros((2, 2))])
+    assert known.cost(residual) == pytest.approx(rows.cost(longer), rel=1e-8)
+    np.testing.assert_allclose(known.estimate(residual), rows.estimate(longer), rtol=1e-6)
+    found, asked = known.linear_fit(residual, effect), rows.linear_fit(longer, below)
+    np.testing.assert_allclose(found.values, asked.values, rtol=1e-6)
+    np.testing.assert_allclose(found.covariance, asked.covariance, rtol=1e-6)
+
+
 def test_sizes_of_nuisances_are_those_of_their_first_rows(setting):
     nuisances, _, _ = setting
     projector = Projector(nuisances)

@@ -14,7 +14,12 @@ from sim_plant.refine.search.forward_selection import best_of, classified
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from sim_plant.refine.search.set_apart import set_apart
 from sim_plant.refine.search.unexplained import what_is_left
-from sim_plant.refine.search.wandering import raised_for_a_while, wander_changes, with_wander_known
+from sim_plant.refine.search.wandering import (
+    raised_for_a_while,
+    wander_changes,
+    weighed_with_wander,
+    with_wander_known,
+)
 from tests.sim_plant.refine.small import (
     STEP_S,
     fit_of,
@@ -102,6 +107,20 @@ def test_terms_of_a_wander_are_the_answer_interval_by_interval_and_leave_its_mea
     expected = np.zeros(SAMPLES)
     expected[3 * interval : 4 * interval], expected[4 * interval : 5 * interval] = -share, share
     np.testing.assert_allclose(terms[3][0], STRONG * SLIP_SHARES * expected, atol=1e-9)
+
+
+def test_a_size_that_wanders_is_known_no_better_than_its_intervals_tell():
+    """Mean of K intervals that each are off by a share of root w: variance w / K of the square."""
+    objective, selection = found_first(0.0, 0.0)
+    fit = selection.fit
+    weighed = weighed_with_wander(objective, fit)
+    column = weighed.columns([[STRONG * SLIP_SHARES * np.ones(SAMPLES)]], [[0.0]], [1.0])
+    known = weighed.projector.linear_fit(fit.residual, column).covariance[0, 0]
+    intervals = JUDGED * STEP_S / CRITERIA.search.wandering.interval_s
+    assert known == pytest.approx(BY_NAME["slip"].wander / intervals, rel=0.1)
+    steady = objective.projector.linear_fit(fit.residual, column).covariance[0, 0]
+    assert steady < 0.01 * known
+    assert weighed.expected_cost == objective.expected_cost
 
 
 def test_what_began_at_a_moment_wanders_from_there_on():

@@ -1,0 +1,26 @@
+"""What the interview proposes, by what was found before."""
+
+from __future__ import annotations
+
+import pytest
+
+from aff_runtime.app.setup.draft import Draft
+from aff_runtime.app.setup.interview import law_question
+
+WORD = {"address": 3, "type": "i16", "order": "", "scale": "0.001"}
+
+
+@pytest.mark.parametrize(
+    ("found", "law"),
+    [
+        ({"unwind_angle_rad", "unwind_radius_m"}, "shape"),
+        ({"unwind_radius_m"}, "blocks"),
+        ({"unwind_angle_rad"}, "blocks"),
+        (set(), "blocks"),
+    ],
+)
+def test_the_law_of_the_shape_is_proposed_where_angle_and_radius_are_seen(
+    found: set[str], law: str
+) -> None:
+    draft = Draft(words=dict.fromkeys(found, WORD))
+    assert law_question(draft).default == law
