@@ -88,6 +88,7 @@ HIDDEN = {
     "wound50": Hidden(wound_in_ratio=0.5),
     "all5": ALL_FIVE,
     "12bit": Hidden(word_bits=12),
+    "spikes": Hidden(spike_N=100.0),
 }
 
 

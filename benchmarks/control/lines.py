@@ -9,6 +9,7 @@ from pathlib import Path
 from sim_plant.line.declaration import Declaration, EffectEntry, LoadCell, SpanEntry
 from sim_plant.line.load import load_declaration
 
+SPIKE_READINGS = 400
 ROOT = Path(__file__).resolve().parents[2]
 EUCLID = ROOT / "config" / "lines" / "euclid.yaml"
 FILM = ROOT / "config" / "lines" / "film.yaml"
@@ -34,6 +35,7 @@ class Hidden:
     radius_tag_ratio: float = 1.0
     wound_in_ratio: float = 1.0
     word_bits: int | None = None
+    spike_N: float = 0.0  # on every ``SPIKE_READINGS``-th reading of the unwind's cell
 
 
 ALL_FIVE = Hidden(

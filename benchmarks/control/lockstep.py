@@ -16,7 +16,7 @@ from aff_runtime.core.controller import RollPhases
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.params import RollParams, SiteParams
 from aff_runtime.core.phase import RollPhase
-from benchmarks.control.lines import Hidden, with_hidden
+from benchmarks.control.lines import SPIKE_READINGS, Hidden, with_hidden
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration, Roller
 from sim_plant.line.kernel import log_frame, run_frames, step_frame
@@ -278,12 +278,16 @@ class LineColumns:
         self.follower_body = names.index("swrap_follower")
         self.swrap_m = _follower(declaration).radius_m
         self.hidden = hidden
+        self.readings = 0
 
     def values(self, row: Array, theta0: Array, tension_ref_N: float) -> tuple[float, ...]:
         """Return the gateway's channels of one row, at the resolution of its words."""
         at, f = self.log, self.follower_body
         a, speed = at.theta_rad, at.measured_rad_s
         tension = float(row[at.measured_N + self.tension])
+        self.readings += 1
+        if self.readings % SPIKE_READINGS == 0:
+            tension += self.hidden.spike_N
         if self.hidden.word_bits is not None:
             lsb = WORD_SPAN_N / 2**self.hidden.word_bits
             tension = lsb * math.floor(tension / lsb + 0.5)

@@ -133,7 +133,8 @@ double filter_update(shape_filter *p, double error, const double *phi, double *p
     times_vector(size, p->covariance, h, gain);
     for (long i = 0; i < size; i++) spread += h[i] * gain[i];
     spread += p->sd * p->sd;
-    const double root = 1.0 / sqrt(spread), news = innovation / sqrt(spread);
+    const double root = 1.0 / sqrt(spread), limit = p->news_limit;
+    const double news = most(least(innovation / sqrt(spread), limit), -limit);
     for (long i = 0; i < size; i++) gain[i] *= root;
     take_square(size, p->covariance, gain);
     for (long i = 0; i < size; i++) p->state[i] += gain[i] * news;

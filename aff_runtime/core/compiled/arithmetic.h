@@ -30,7 +30,7 @@ typedef struct {
     double *h, *gain;                  /* (size): working space */
     const double *start, *drift;       /* (size), (n) */
     double *turn_s;                    /* (n): of the last note of a frequency */
-    double sd, memory_turns;
+    double sd, memory_turns, news_limit;
 } shape_filter;
 
 /* numbers of core/shape/kalman.py that prediction needs */

@@ -61,6 +61,7 @@ class Arithmetic(Protocol):
         psi: Complexes,
         error: float,
         sd: float,
+        news_limit: float,
         first: int,
         imbalance: int,
     ) -> float:

@@ -70,12 +70,13 @@ static PyObject *py_filter_update(PyObject *m, PyObject *const *args, Py_ssize_t
 {
     (void)m;
     call c;
-    if (begin(&c, "filter_update", args, given, 7) < 0) return NULL;
+    if (begin(&c, "filter_update", args, given, 8) < 0) return NULL;
     shape_filter p = filter_of(&c);
     const double *phi = GUESTS(&c, 2 * p.n);
     double *psi = GUESTS(&c, 2 * p.n);
     const double error = number(&c);
     p.sd = number(&c);
+    p.news_limit = number(&c);
     const long first = whole(&c), imbalance = whole(&c);
     if (!PyErr_Occurred() && (first >= p.n || imbalance >= p.n || (imbalance >= 0 && first < 0)))
         PyErr_Format(PyExc_ValueError, "no columns %ld and %ld of %ld", first, imbalance, p.n);

@@ -24,6 +24,10 @@ KNOWN_SHARE = 0.2
 KNOWN_M = 3e-5
 KNOWN_CORRECTION = 0.2
 PREDICT_TICKS = 8
+NEWS_LIMIT = 10.0
+"""Expected standard deviations by which a reading may move the state. In tension none is 6 off on
+the benches' lines, start-up, steps of speed and mismatched drives included; a spike of 100 N is
+165. A follower's speed, whose ripple of other rolls is no noise, may be 40 off, and learns."""
 NUMBERS = np.array(
     [
         SMALLEST_GAIN / START_DEVIATION_M**2,
@@ -46,8 +50,10 @@ class ShapeFilter:
 
     State, real: a_n and g_n as pairs re, im (n pairs each), bias. The covariance is updated by a
     rank-one product of a vector with itself, which keeps it symmetric; process noise is added
-    every eighth reading for all of them. An imbalance has the frequency of order 1 and no g of its
-    own: with ``imbalance_pair`` (order 1, imbalance) psi of both counts as one.
+    every eighth reading for all of them. What is further off than any noise (a spike in a load
+    cell) counts as if it were ``NEWS_LIMIT`` of its standard deviations off. An imbalance has the
+    frequency of order 1 and no g of its own: with ``imbalance_pair`` (order 1, imbalance) psi of
+    both counts as one.
     """
 
     __slots__ = (
@@ -134,7 +140,7 @@ class ShapeFilter:
         """Take one reading of the signal's deviation from its reference; ``psi`` is used up."""
         if self._compiled is not None:
             self.innovation = self._compiled.filter_update(
-                self._held, phi, psi, error, self._sd, *self._imbalance_pair
+                self._held, phi, psi, error, self._sd, NEWS_LIMIT, *self._imbalance_pair
             )
         else:
             self._update(error, phi, psi)
@@ -158,7 +164,8 @@ class ShapeFilter:
         K *= 1.0 / math.sqrt(spread)
         np.multiply(K[:, None], K, out=self._work)
         P -= self._work
-        K *= self.innovation / math.sqrt(spread)
+        news = self.innovation / math.sqrt(spread)
+        K *= max(min(news, NEWS_LIMIT), -NEWS_LIMIT)
         self.state += K
         if imbalance >= 0:
             self.response_ratio[imbalance] = self.response_ratio[first]

@@ -343,7 +343,8 @@ def _best_of_starts(
 def _without_end(objective: Objective, c: Candidate) -> Candidate:
     """Return the candidate without the number that says when it ends, where it does not end."""
     h = c.hypothesis
-    keep = [k for k, value in enumerate(c.start) if value < FOREVER_S]
+    sizes = enumerate(zip(h.names, c.start, strict=True))
+    keep = [k for k, (name, value) in sizes if name != HOLD_S or value < FOREVER_S]
     if len(keep) == len(h.names):
         return c
 

@@ -55,7 +55,7 @@ SEND += [reals(2), wholes(0, 1, -1), reals(2, 5), reals(2, 5), reals(8 + 40)]
 CALLS = {
     "loop_push": (LOOP, [pairs(N), pairs(N), 1.0, 2]),
     "loop_read": (LOOP, []),
-    "filter_update": (FILTER, [pairs(N), pairs(N), 1.0, 0.1, 0, 2]),
+    "filter_update": (FILTER, [pairs(N), pairs(N), 1.0, 0.1, 6.0, 0, 2]),
     "filter_predict": (FILTER, [pairs(N), reals(N), reals(5), 0.04, 0.005, 0.1, 20.0]),
     "monitor_hear": (MONITOR, [reals(N), 0.04, 0.005]),
     "monitor_follow": (MONITOR, [pairs(N), 0.5]),

@@ -12,6 +12,7 @@ import pytest
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.core.bandwidth import Band
+from aff_runtime.core.compiled.binary import Arithmetic, chosen, using
 from aff_runtime.core.impulse import from_response, from_taps
 from aff_runtime.core.shape.basis import ShapeBasis
 from aff_runtime.core.shape.bounds import PeakBound
@@ -159,6 +160,28 @@ def test_the_filter_agrees_with_batch_least_squares_under_its_prior():
     batch[2 * n : 4 * n : 2] += 1.0  # P is taken as right until readings say otherwise
     assert kalman.state == pytest.approx(batch, abs=1e-7, rel=1e-5)
     assert np.allclose(kalman.covariance, kalman.covariance.T, rtol=0, atol=1e-15)
+
+
+@pytest.mark.parametrize(("spike_N", "counts_N"), [(3.0, 3.0), (100.0, 10.0), (-100.0, -10.0)])
+@pytest.mark.parametrize("arithmetic", [chosen(), None], ids=["as_installed", "numpy"])
+def test_a_spike_moves_the_state_as_ten_standard_deviations_do(
+    spike_N: float, counts_N: float, arithmetic: Arithmetic | None
+) -> None:
+    """Of a reading's expected spread; once much was learned that is the sensor's noise alone."""
+    with using(arithmetic):
+        kalman = ShapeFilter(1, 1e9, 1.0)
+    for k in range(4000):
+        phi = np.array([500.0 * cmath.exp(0.05j * k)])
+        kalman.update(0.0, phi, np.zeros(1, dtype=complex), np.ones(1), CYCLE_S)
+    before, spread = kalman.state.copy(), kalman.covariance.copy()
+    h = np.array([500.0, 0.0, 0.0, 0.0, 1.0])
+    variance = float(h @ spread @ h) + 1.0
+    assert variance == pytest.approx(1.0, abs=0.2)
+    kalman.update(spike_N, np.array([500.0 + 0j]), np.zeros(1, dtype=complex), np.ones(1), CYCLE_S)
+    news = min(abs(counts_N), abs(spike_N) / math.sqrt(variance)) * math.copysign(1.0, spike_N)
+    expected = before + spread @ h / math.sqrt(variance) * news
+    assert kalman.state == pytest.approx(expected, rel=1e-3, abs=1e-9)
+    assert kalman.innovation == pytest.approx(spike_N, abs=0.2)
 
 
 def test_variances_never_grow_past_their_start():
