@@ -46,7 +46,8 @@ class Proof:
         no idler, or nothing was tried.
     errors : of the model, by channel, on the run recorded after all.
     tried : no block was proposed, or a try of it came to a judgement.
-    cancels : a drive can cancel what is hidden: a block is asked for.
+    cancels : an idler has it and a drive can cancel it: a block is asked for. What a driven roll
+        has, its own blocks cancel already.
     """
 
     verdict: Verdict
@@ -106,9 +107,14 @@ def proof_of(story: Story) -> Proof:
         after_N=sizes[1],
         errors=model_errors(lines, story.later_run),
         tried=story.decision is None or story.decision.judgement is not None,
-        cancels=channel in story.record
+        cancels=hidden.location not in _driven(story.files.line)
+        and channel in story.record
         and 1 in BY_NAME[hidden.effect].cancelled(hidden.parameters),
     )
+
+
+def _driven(line: Path) -> set[str]:
+    return {drive.roller for drive in load_declaration(line).control.drives}
 
 
 def model_errors(lines: tuple[Path, Path], run: str) -> dict[str, ModelError]:
