@@ -60,6 +60,11 @@ def is_of_an_order(column: str) -> bool:
     return column.count(".") == 2
 
 
+def is_part(column: str, *parts: str) -> bool:
+    """Whether a column may be one of these parts of an order, or its state."""
+    return is_of_an_order(column) and column.rpartition(".")[2] in (STATE, *parts)
+
+
 @lru_cache(maxsize=8)
 def _order_columns(columns: tuple[str, ...]) -> tuple[OrderColumns, ...]:
     said: dict[tuple[str, str], dict[str, str]] = {}

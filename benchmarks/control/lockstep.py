@@ -170,7 +170,7 @@ def run(
     row = log[0]
     log_frame(arrays, lay, state, work, row)
     for k in range(count):
-        values = columns.values(row, theta0, float(tension_ref[0]))
+        values = columns.values(row, theta0, float(tension_ref[0]), k)
         if roll_id is not None and roll_id[k] > 1:
             values = (*values[:5], values[5] + NEW_ROLL_RAD * (int(roll_id[k]) - 1), *values[6:])
         on = k * cycle_s >= on_s if enabled is None else bool(enabled[k])
@@ -278,15 +278,15 @@ class LineColumns:
         self.follower_body = names.index("swrap_follower")
         self.swrap_m = _follower(declaration).radius_m
         self.hidden = hidden
-        self.readings = 0
 
-    def values(self, row: Array, theta0: Array, tension_ref_N: float) -> tuple[float, ...]:
+    def values(
+        self, row: Array, theta0: Array, tension_ref_N: float, reading: int = 0
+    ) -> tuple[float, ...]:
         """Return the gateway's channels of one row, at the resolution of its words."""
         at, f = self.log, self.follower_body
         a, speed = at.theta_rad, at.measured_rad_s
         tension = float(row[at.measured_N + self.tension])
-        self.readings += 1
-        if self.readings % SPIKE_READINGS == 0:
+        if (reading + 1) % SPIKE_READINGS == 0:
             tension += self.hidden.spike_N
         if self.hidden.word_bits is not None:
             lsb = WORD_SPAN_N / 2**self.hidden.word_bits

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -11,6 +12,7 @@ MOST_KEPT_LAYOUTS = 20
 KEEPS = "# fmt: " + "skip"
 
 
+@cache
 def sources() -> dict[str, list[str]]:
     """Return every file of ours with its lines."""
     paths = [path for folder in OURS for path in sorted((ROOT / folder).rglob("*.py"))]

@@ -205,21 +205,14 @@ def with_free_shapes(objective: Objective, bodies: Sequence[int]) -> Objective:
     return _projected(replace(objective, linearisation=here))
 
 
-def with_free_wander(objective: Objective, changes: Sequence[Changes]) -> Objective:
-    """Return the objective with these changes free in size, each the same in all channels.
-
-    What is then found must explain more than slow changes of what is there already.
-    """
-    here = replace(objective.linearisation, wander_changes=tuple(changes), wander_sd=())
-    return _projected(replace(objective, linearisation=here))
-
-
-def with_known_wander(
-    objective: Objective, changes: Sequence[Changes], sd: Sequence[float]
+def with_wander(
+    objective: Objective, changes: Sequence[Changes], sd: Sequence[float] = ()
 ) -> Objective:
-    """Return the objective in which each of these changes is there by chance, this large.
+    """Return the objective with these changes in it, each of one size in all channels.
 
-    What such a size does where it is large counts less than what it does where it is small.
+    Without ``sd`` their sizes are free: what is then found must explain more than slow changes of
+    what is there already. With it each is there by chance, this large: what a size does where it
+    is large counts less than what it does where it is small.
     """
     here = replace(objective.linearisation, wander_changes=tuple(changes), wander_sd=tuple(sd))
     return _projected(replace(objective, linearisation=here))

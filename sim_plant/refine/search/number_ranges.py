@@ -20,7 +20,7 @@ from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.likely_range import LikelyRange, likely_range, values_of
 from sim_plant.refine.search.profile_age import with_numbers
 from sim_plant.refine.search.selection import Ranges, Selection
-from sim_plant.refine.search.wandering import weighed_with_wander, with_wander_known
+from sim_plant.refine.search.wandering import weighed_with_wander
 
 REPORT = CRITERIA.report
 
@@ -89,15 +89,12 @@ def with_covariance(
     part = np.where(plain > 0.0, plain, 1.0)
     moved = np.sqrt((real.variance + wrong) / part)
     covariance = real.noise * np.outer(moved, moved) + real.tolerances
-    known = replace(fit, covariance=covariance)
-    if not objective.linearisation.wander_sd:
-        known = with_wander_known(objective, known)
-    total = np.maximum(known.covariance.diagonal(), 1e-300) + np.square(model_errors(fit))
+    total = np.maximum(covariance.diagonal(), 1e-300) + np.square(model_errors(fit))
     freedom = np.minimum(real.freedom * (total / np.maximum(real.variance, 1e-300)) ** 2, MANY)
     wide = stdtrit(freedom, 0.5 + 0.5 * REPORT.confidence) / SPREAD
     taken = moved_by_declared(objective, fit.residual, columns) / SPREAD
-    wider = known.covariance * np.outer(wide, wide) + np.outer(taken, taken)
-    return replace(known, covariance=wider)
+    wider = covariance * np.outer(wide, wide) + np.outer(taken, taken)
+    return replace(fit, covariance=wider)
 
 
 class _Ends:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
-from sim_plant.refine.fit.objective import Objective, conditioned_on, with_free_wander
+from sim_plant.refine.fit.objective import Objective, conditioned_on, with_wander
 from sim_plant.refine.fit.start_states import Changes
 from sim_plant.refine.search.candidate import FittedCandidate, sure_fall
 from sim_plant.refine.search.completeness import explains_own_spectral_lines, remaining_spectra
@@ -79,7 +79,7 @@ def set_apart(
     if wander is None:
         wander = wander_of(objective, selection)
     if wander:
-        weigh = with_free_wander(weigh, wander)
+        weigh = with_wander(weigh, wander)
     if weigh is objective:
         return None
     fit = _weighed(weigh, selection.fit, quick=False)

@@ -15,8 +15,8 @@ import numpy as np
 
 from sim_plant.effects.onset import HOLD_S
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.gauss_newton import Fit, jacobian
-from sim_plant.refine.fit.objective import Objective, with_known_wander
+from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.objective import Objective, with_wander
 from sim_plant.refine.fit.start_states import Changes
 from sim_plant.refine.model.twin import Added
 
@@ -40,7 +40,8 @@ def weighed_with_wander(objective: Objective, fit: Fit) -> Objective:
     """Return the objective that knows how much the sizes of the effects of a fit wander.
 
     Slope and threshold of a slip are told best just above the threshold, where there is least of
-    it to wander; without this the fastest plateau of a record decides both.
+    it to wander; without this the fastest plateau of a record decides both. The covariance of its
+    fit knows that what a slip happens to be off at either plateau is more than any noise.
     """
     wandering = [k for k, h in enumerate(fit.hypotheses) if h.effect.wander > 0.0]
     changes: list[Changes] = []
@@ -50,34 +51,7 @@ def weighed_with_wander(objective: Objective, fit: Fit) -> Objective:
             changes += answers
             sd = math.sqrt(fit.hypotheses[at].effect.wander) / WANDERING.share
             sizes += [sd] * len(answers)
-    return with_known_wander(objective, changes, sizes) if changes else objective
-
-
-def with_wander_known(objective: Objective, fit: Fit) -> Fit:
-    """Return the fit with a covariance that knows how much the sizes of its effects wander.
-
-    Two plateaus of speed tell slope and threshold of a slip; what it happens to be off at either
-    is more than any noise.
-    Equation: C + (w / s^2) A B B' A', A the estimate, B the answers to a size raised by the share
-    s for one interval after another, w its mean square as a share of the size squared  [own].
-    """
-    wandering = [k for k, h in enumerate(fit.hypotheses) if h.effect.wander > 0.0]
-    if not wandering or not fit.covariance.size:
-        return fit
-    columns = jacobian(objective, fit.hypotheses, fit.values, fit.shifts)
-    if not np.isfinite(columns).all():
-        return fit
-    covariance, split = fit.covariance, len(columns[0])
-    for at in wandering:
-        answers = objective.whitened_all(
-            [change for changes in _answers(objective, fit, at) for change in changes]
-        )
-        moved = [objective.projector.joint_estimate(b, columns)[-split:] for b in answers.T]
-        spread = np.stack(moved, axis=1) * (
-            math.sqrt(fit.hypotheses[at].effect.wander) / WANDERING.share
-        )
-        covariance = covariance + spread @ spread.T
-    return replace(fit, covariance=covariance)
+    return with_wander(objective, changes, sizes) if changes else objective
 
 
 def _answers(objective: Objective, fit: Fit, at: int) -> Iterator[list[Changes]]:

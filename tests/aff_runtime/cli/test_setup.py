@@ -202,12 +202,9 @@ def test_own_status_bits_and_a_manual_that_counts_from_40001(plc: Served, tmp_pa
     assert site.gateway.read.plc_heartbeat.register_number == 40001
     bits = site.gateway.read.status.bits
     assert bits is not None
-    assert bits.ESTOP_OK is not None
-    assert (bits.ESTOP_OK.register_number, bits.ESTOP_OK.bit, bits.ESTOP_OK.inverted) == (
-        40016,
-        1,
-        True,
-    )
+    estop = bits.ESTOP_OK
+    assert estop is not None
+    assert (estop.register_number, estop.bit, estop.inverted) == (40016, 1, True)
     assert site.permissives.need == ("LINE_RUN", "WEB_INTACT", "ESTOP_OK")
     assert not site.permissives.enable_from_plc
     assert list(site.actuators) == ["unwind"]

@@ -14,7 +14,7 @@ from aff_runtime.app.card.measure.proof import SETTLES, SLOWEST_M_S, corrected, 
 from aff_runtime.app.report.comparison.comparing import compare
 from aff_runtime.app.report.comparison.turns import order_per_turn
 from aff_runtime.app.report.comparison.window import Window, roll_angle
-from aff_runtime.base.order_columns import RESPONSE_RATIO, is_of_an_order, order_columns
+from aff_runtime.base.order_columns import RESPONSE_RATIO, is_part, order_columns
 from aff_runtime.base.run_table import read_table
 from aff_runtime.config.models import Actuator
 
@@ -69,9 +69,10 @@ def _wait_s(evidence: Evidence, actuator: Actuator, window: Window) -> float:
 
 def _ratios(on: Phase, window: Window) -> Iterator[Figure]:
     """Yield the lowest and highest median of the response ratio that the shape law follows."""
-    columns = read_table(on.of(window), keep=is_of_an_order).columns
+    columns = read_table(on.of(window), keep=lambda name: is_part(name, RESPONSE_RATIO)).columns
     ratios = [columns[o.response_ratio] for o in order_columns(columns) if o.response_ratio]
-    medians = [float(np.nanmedian(ratio)) for ratio in ratios if np.isfinite(ratio).any()]
+    known = (ratio[np.isfinite(ratio)] for ratio in ratios)
+    medians = [float(np.median(ratio)) for ratio in known if ratio.size]
     if medians:
         for which, value in (("lowest", min(medians)), ("highest", max(medians))):
             yield Figure(

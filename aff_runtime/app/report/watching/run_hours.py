@@ -18,7 +18,7 @@ from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.stretches import SHORTEST_S, is_correcting, steady
 from aff_runtime.app.report.watching.tables import HourRow, OrderRow
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.order_columns import is_of_an_order
+from aff_runtime.base.order_columns import RESPONSE_RATIO, SIZES, is_part
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import text_of, yaml_values
 from aff_runtime.base.run_table import LONGEST_RUN_S, FirstRow, few, first_rows, read_table
@@ -38,7 +38,7 @@ _LARGEST = 1 << 20
 
 
 def _is_needed(column: str) -> bool:
-    return "." not in column or is_of_an_order(column) or column == PROBE_STAGE
+    return "." not in column or is_part(column, RESPONSE_RATIO, *SIZES) or column == PROBE_STAGE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

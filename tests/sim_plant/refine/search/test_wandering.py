@@ -18,7 +18,6 @@ from sim_plant.refine.search.wandering import (
     raised_for_a_while,
     wander_changes,
     weighed_with_wander,
-    with_wander_known,
 )
 from tests.sim_plant.refine.small import (
     STEP_S,
@@ -109,20 +108,6 @@ def test_terms_of_a_wander_are_the_answer_interval_by_interval_and_leave_its_mea
     np.testing.assert_allclose(terms[3][0], STRONG * SLIP_SHARES * expected, atol=1e-9)
 
 
-def test_a_size_that_wanders_is_known_no_better_than_its_intervals_tell():
-    """Mean of K intervals that each are off by a share of root w: variance w / K of the square."""
-    objective, selection = found_first(0.0, 0.0)
-    fit = selection.fit
-    weighed = weighed_with_wander(objective, fit)
-    column = weighed.columns([[STRONG * SLIP_SHARES * np.ones(SAMPLES)]], [[0.0]], [1.0])
-    known = weighed.projector.linear_fit(fit.residual, column).covariance[0, 0]
-    intervals = JUDGED * STEP_S / CRITERIA.search.wandering.interval_s
-    assert known == pytest.approx(BY_NAME["slip"].wander / intervals, rel=0.1)
-    steady = objective.projector.linear_fit(fit.residual, column).covariance[0, 0]
-    assert steady < 0.01 * known
-    assert weighed.expected_cost == objective.expected_cost
-
-
 def test_what_began_at_a_moment_wanders_from_there_on():
     effect = BY_NAME["slip"]
     h = hypothesis(effect, "swrap", (("threshold_m_s", 0.0),), ("slope_s_m", "from_s"))
@@ -163,7 +148,9 @@ def test_what_a_wander_leaves_is_nothing_unknown_and_what_stands_beside_it_is():
 def test_a_size_that_wanders_is_known_as_well_as_the_mean_of_its_intervals():
     """Of n intervals, each off by sqrt(w), the mean is off by sqrt(w / n)."""
     objective, selection = found_first(0.0, 0.0)
-    fit = with_wander_known(objective, selection.fit)
+    weighed = weighed_with_wander(objective, selection.fit)
+    assert weighed.expected_cost == objective.expected_cost
+    fit = gauss_newton_fit(weighed, (SLIP,), selection.fit.values, {})
     intervals = JUDGED * STEP_S / CRITERIA.search.wandering.interval_s
     expected = fit.values[0][0] * np.sqrt(BY_NAME["slip"].wander / intervals)
     assert np.sqrt(fit.covariance[0, 0]) == pytest.approx(expected, rel=0.1)
@@ -173,4 +160,4 @@ def test_a_size_that_wanders_is_known_as_well_as_the_mean_of_its_intervals():
 def test_what_does_not_wander_is_known_as_it_was():
     objective, selection = found_first(0.0, 0.0)
     fit = dataclasses.replace(selection.fit, hypotheses=(DRAG,), values=(DRAG.start,))
-    assert with_wander_known(objective, fit) is fit
+    assert weighed_with_wander(objective, fit) is objective
