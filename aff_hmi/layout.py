@@ -9,9 +9,9 @@ from functools import cached_property
 
 from aff_runtime.app.door.messages import Facts
 from aff_runtime.app.report.line_facts import VELOCITY, LineFacts, OutputFacts
+from aff_runtime.base.channel_units import suffix_of_unit, unit_of_channel
 from aff_runtime.base.printable import printable
 
-UNITS = {"_N_m": "N m", "_N": "N", "_m_s": "m/s", "_m": "m"}
 LONGEST = 60
 
 
@@ -100,14 +100,12 @@ def _output(output: OutputFacts) -> Output:
         unit="mm/s" if is_speed else output.unit,
         limit=output.limit * (1e3 if is_speed else 1.0),
         signal=label_of(output.signal),
-        signal_unit="mm/s" if output.signal.endswith("_m_s") else "N",
+        signal_unit="mm/s" if unit_of_channel(output.signal) == "m/s" else "N",
     )
 
 
 def label_of(name: str) -> str:
     """Return a name of the site file as a person reads it: no unit, no underscores."""
-    for ending in UNITS:
-        if name.endswith(ending):
-            name = name.removesuffix(ending)
-            break
-    return printable(name.replace("_", " "), LONGEST)
+    unit = unit_of_channel(name)
+    stem = name.removesuffix(suffix_of_unit(unit)) if unit else name
+    return printable(stem.replace("_", " ").rstrip(), LONGEST)

@@ -22,6 +22,7 @@ from aff_runtime.app.report.alarm_table import Priority
 from aff_runtime.app.report.block_status import SHAPE
 from aff_runtime.app.report.status_answer import Meeting
 from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
@@ -235,7 +236,7 @@ def ripple_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, f
         yield f"rms:{tension.channel}", window.rms(tension.channel) if window else math.nan
     compared = row.state in GOES_OUT and not is_probing(seen)
     for output in facts.outputs if facts is not None else ():
-        factor = 1e3 if output.signal.endswith("_m_s") else 1.0
+        factor = 1e3 if unit_of_channel(output.signal) == "m/s" else 1.0
         yield from _ripple(row, output.actuator, factor, compared=compared)
 
 

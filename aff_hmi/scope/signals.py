@@ -10,6 +10,7 @@ from aff_hmi.layout import label_of
 from aff_hmi.words import N_, Say
 from aff_runtime.app.report.line_facts import LineFacts
 from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.base.channel_units import unit_of_name
 
 MOST = 32
 NEEDED = ("time_s", "tick", "state")
@@ -29,17 +30,17 @@ TIMES = {
     "io_us": N_("exchange with the PLC"),
     "tick_us": N_("whole tick"),
 }
-# ending of a name: unit on the screen, and what it is multiplied with
-UNITS = {
-    "_N_m": ("N m", 1.0),
-    "_N": ("N", 1.0),
-    "_rad_s": ("rad/s", 1.0),
-    "_m_s": ("mm/s", 1e3),
-    "_rad": ("deg", math.degrees(1.0)),
-    "_m": ("mm", 1e3),
-    "_us": ("ms", 1e-3),
-    "_s": ("ms", 1e3),
+# SI unit of a name: unit on the screen, and what it is multiplied with
+SHOWN = {
+    "N m": ("N m", 1.0),
+    "N": ("N", 1.0),
+    "rad/s": ("rad/s", 1.0),
+    "m/s": ("mm/s", 1e3),
+    "rad": ("deg", math.degrees(1.0)),
+    "m": ("mm", 1e3),
+    "s": ("ms", 1e3),
 }
+MICROSECONDS = ("_us", ("ms", 1e-3))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,9 +78,11 @@ def signals_of(columns: Sequence[str], site: LineFacts) -> tuple[Signal, ...]:
 
 def signal_of(name: str, site: LineFacts) -> Signal:
     """Return how a column is read: mm/s for what moves a web a little, m/min for the line."""
-    ending = next((one for one in UNITS if name.endswith(one)), "")
-    unit, factor = UNITS.get(ending, ("", 1.0))
-    if name.startswith("applied_ratio_"):
+    ending, of_times = MICROSECONDS
+    unit, factor = SHOWN.get(unit_of_name(name), ("", 1.0))
+    if name.endswith(ending):
+        unit, factor = of_times
+    elif name.startswith("applied_ratio_"):
         unit, factor = "%", 100.0
     elif name == site.speed:
         unit, factor = "m/min", 60.0

@@ -16,6 +16,7 @@ from aff_hmi.words import N_, Say
 from aff_runtime.app.report.block_status import N_M_PER_MM, SHAPE, WORDS, at_encoder_zero_deg
 from aff_runtime.app.report.line_facts import LineFacts, OutputFacts, RollFacts
 from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.printable import printable
 from aff_runtime.core.order_status import OrderStatus
 
@@ -168,7 +169,9 @@ def _roll(
         actuator=label_of(actuator),
         roll=label_of(roll),
         radius_mm=_known(1e3 * _radius_m(row, facts), 1),
-        signal_unit="mm/s" if output is not None and output.signal.endswith("_m_s") else "N",
+        signal_unit="mm/s"
+        if output is not None and unit_of_channel(output.signal) == "m/s"
+        else "N",
         outline_mm=_as_drawn(outline),
         scatter_mm=history.scatter_mm(key) if history is not None and outline else (),
         step_deg=STEP_DEG,
@@ -256,7 +259,7 @@ def _order(
     grows: bool,
     say: Say,
 ) -> OrderLine:
-    is_speed = output is not None and output.signal.endswith("_m_s")
+    is_speed = output is not None and unit_of_channel(output.signal) == "m/s"
     factor = 1e3 if is_speed else 1.0
     size, unit = order.size, order.size_unit
     if order.law == SHAPE and order.is_imbalance:

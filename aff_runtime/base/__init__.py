@@ -2,6 +2,7 @@
 
 __all__ = [
     "arguments",
+    "channel_units",
     "clock",
     "confidence",
     "effort",

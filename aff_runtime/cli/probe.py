@@ -51,18 +51,11 @@ def probe(options: argparse.Namespace) -> int:
         client.close()
     for kept in ProbeDone.from_json(answer).results:
         actuator = site.actuators[kept.result.actuator]
-        for line in table(kept, gain_unit(actuator)):
+        for line in table(kept, actuator.response_unit):
             say(line)
         for line in unsure(Response.from_json(kept.result.text), *_excitation(site, actuator)):
             say(line)
     return 0
-
-
-def gain_unit(actuator: Actuator) -> str:
-    """Return the unit of an actuator's response: of its signal per unit of its correction."""
-    signal = actuator.error.signal
-    above = "N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "1"
-    return f"{above}/(m/s)" if actuator.output == "velocity_reference" else f"{above}/(N m)"
 
 
 def table(kept: KeptResponse, unit: str) -> Iterator[str]:

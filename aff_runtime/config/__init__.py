@@ -2,7 +2,6 @@
 
 __all__ = [
     "can_wire",
-    "channel_units",
     "check",
     "crossings",
     "devices",

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.units import plain
 from aff_runtime.config.can_wire import can_map_of, network_of, wire_files
-from aff_runtime.config.channel_units import unit_of_channel
 from aff_runtime.config.models import Site
 from aff_runtime.fieldbus.can.layout import CanMap, Field, FrameLayout
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from aff_runtime.base.channel_units import suffix_of_unit
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.units import plain
-from aff_runtime.config.channel_units import suffix_of_unit
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Actuator, Site
 from aff_runtime.config.plain_file import TooLargeError, read_plain

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+from aff_runtime.base.channel_units import ENDINGS, unit_of_channel
 from aff_runtime.base.units import UnitError, read_scale
-from aff_runtime.config.channel_units import ENDINGS, unit_of_channel
 from aff_runtime.config.findings import Finding, KeyPath
 from aff_runtime.config.yaml_marks import MarkedTree, Tree
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.units import plain
 from aff_runtime.config.can_table import can_lines, thousand
 from aff_runtime.config.can_wire import can_map_of, load_share, wire_files
-from aff_runtime.config.channel_units import unit_of_channel
 from aff_runtime.config.findings import dotted
 from aff_runtime.config.models import Site
 from aff_runtime.config.registers import block_of, read_rows, write_rows

@@ -19,11 +19,12 @@ from aff_runtime.app.commission.views import (
     ProbeView,
     ResponseView,
 )
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.config.check import MAX_RESPONSE_BYTES, check_site
 from aff_runtime.config.identified_drive import with_identified
-from aff_runtime.config.models import Actuator, Site
+from aff_runtime.config.models import Site
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.core.identified import Estimate, IdentifiedDrive
 from aff_runtime.core.response import Response
@@ -87,7 +88,7 @@ def _bounds(site: Site, responses: dict[str, Response]) -> ProbeView:
                 limit=actuator.limit,
                 unit=actuator.unit,
                 signal=actuator.error.signal,
-                signal_unit=_signal_unit(actuator),
+                signal_unit=unit_of_channel(actuator.error.signal) or "1",
                 ripple=_known(amplitude * gain),
             )
         )
@@ -98,7 +99,7 @@ def _response(name: str, response: Response, site: Site) -> ResponseView:
     about = response.provenance
     return ResponseView(
         actuator=name,
-        unit=_gain_unit(site.actuators[name]),
+        unit=site.actuators[name].response_unit,
         measured_at=about.measured_at,
         speed_m_s=_known(about.line_speed_m_s),
         radius_m=_known(about.radius_m),
@@ -125,15 +126,6 @@ def _drive(drive: IdentifiedDrive) -> tuple[DriveRow, ...]:
         for name, one in numbers
         if isinstance(one, Estimate)
     )
-
-
-def _signal_unit(actuator: Actuator) -> str:
-    signal = actuator.error.signal
-    return "N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "1"
-
-
-def _gain_unit(actuator: Actuator) -> str:
-    return f"{_signal_unit(actuator)}/({actuator.unit})"
 
 
 def _known(value: float) -> float | None:

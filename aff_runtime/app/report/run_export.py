@@ -5,14 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 from aff_runtime.app.report.parquet import Field, write_parquet
+from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.order_columns import RESPONSE_RATIO
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import RunWindow
-from aff_runtime.config.channel_units import unit_of_channel
 
 RATIOS = ("share", RESPONSE_RATIO)
-ENDS = (("_us", "us"), ("_mm", "mm"), ("_deg", "deg"), ("_s", "s"), ("_Hz", "Hz"))
+OF_COLUMNS = (("_us", "us"), ("_mm", "mm"), ("_deg", "deg"))
+"""Units that only columns of our own are in."""
 
 
 def export_run(window: RunWindow, path: Path) -> tuple[int, tuple[str, ...]]:
@@ -43,7 +44,5 @@ def unit_of_column(name: str) -> str:
     last = name.rpartition(".")[2]
     if last.startswith(("applied_ratio", "limit_ratio")) or last in RATIOS:
         return "1"
-    known = unit_of_channel(last)
-    if known is not None:
-        return known
-    return next((unit for end, unit in ENDS if last.endswith(end)), "")
+    own = next((unit for end, unit in OF_COLUMNS if last.endswith(end)), "")
+    return own or unit_of_name(last)

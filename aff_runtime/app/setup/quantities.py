@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from aff_runtime.config.channel_units import unit_of_channel
+from aff_runtime.base.channel_units import unit_of_channel
 
 UNWIND = "unwind"
 ANGLE_UNIT = "rad"

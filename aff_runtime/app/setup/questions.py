@@ -6,10 +6,10 @@ import re
 from collections.abc import Callable, Set
 from dataclasses import dataclass
 
+from aff_runtime.base.channel_units import ENDINGS, unit_of_channel
 from aff_runtime.base.printable import printable
 from aff_runtime.base.suggest import meant
 from aff_runtime.base.units import UnitError, plain, read_number
-from aff_runtime.config.channel_units import ENDINGS, unit_of_channel
 
 LONGEST = 200
 _NAME = re.compile(r"[a-z][A-Za-z0-9_]{0,39}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import Status
 from aff_runtime.config.models import Actuator, PlausibleRange, Site
@@ -101,7 +102,7 @@ def _limits(name: str, actuator: Actuator) -> ActuatorLimits:
 
 def _channel(index: int, name: str, believable: PlausibleRange) -> ChannelParams:
     """Return what one channel may read; a tension has its own alarm."""
-    event = "TENSION_IMPLAUSIBLE" if name.endswith("_N") else "SIGNAL_IMPLAUSIBLE"
+    event = "TENSION_IMPLAUSIBLE" if unit_of_channel(name) == "N" else "SIGNAL_IMPLAUSIBLE"
     stuck_s = believable.stuck_after_s
     return ChannelParams(
         channel=index,

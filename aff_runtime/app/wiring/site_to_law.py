@@ -6,8 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.errors import RefusedError
-from aff_runtime.config.channel_units import unit_of_channel
 from aff_runtime.config.models import Actuator, Drive, Roll, Site
 from aff_runtime.config.models.drive import slow_band
 from aff_runtime.core.blocks.bank import SAMPLES_PER_TURN
@@ -108,7 +108,7 @@ def _roll(site: Site, name: str, roll: Roll) -> RollParams:
         angle=roll.angle,
         angle_modulus_rad=_modulus_rad(site, roll.angle),
         speed=roll.speed,
-        speed_is_surface=not (roll.speed or "").endswith("_rad_s"),
+        speed_is_surface=unit_of_channel(roll.speed or "") != "rad/s",
         line_speed=roll.line_speed or site.line.speed,
         radius=roll.radius,
         radius_m=roll.radius_m,

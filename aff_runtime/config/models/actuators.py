@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from annotated_types import MaxLen
 from pydantic import Field
 
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.config.models.drive import Drive
 from aff_runtime.config.quantity import (
     Few,
@@ -232,3 +233,8 @@ class Actuator(Section):
     def unit(self) -> str:
         """Return the SI unit of the correction: ``m/s`` or ``N m``."""
         return "m/s" if self.output == "velocity_reference" else "N m"
+
+    @property
+    def response_unit(self) -> str:
+        """Return the unit of the response: of the signal per unit of the correction."""
+        return f"{unit_of_channel(self.error.signal) or '1'}/({self.unit})"

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from aff_runtime.base.channel_units import ENDINGS, suffix_of_unit, unit_of_channel
 from aff_runtime.base.suggest import meant
-from aff_runtime.config.channel_units import ENDINGS, suffix_of_unit, unit_of_channel
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Channel, PlausibleRange, Site
 from aff_runtime.config.rules.issue import Issue

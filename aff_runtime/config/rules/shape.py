@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.suggest import meant
 from aff_runtime.base.units import plain
-from aff_runtime.config.channel_units import unit_of_channel
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Actuator, Block, Drive, Site
 from aff_runtime.config.rules.issue import Issue

@@ -10,5 +10,4 @@ __all__ = [
     "run_record",
     "sanity",
     "text_table",
-    "units",
 ]

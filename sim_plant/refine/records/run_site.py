@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import yaml_values
@@ -87,7 +88,7 @@ def run_site(text: str, where: str) -> RunSite:
             },
             needed=_needed(data),
             steps={
-                str(name): abs(_number(row.get("scale"), _unit(str(name)), 0.0))
+                str(name): abs(_number(row.get("scale"), unit_of_name(str(name)), 0.0))
                 for name, row in channels.items()
             },
         )
@@ -137,14 +138,6 @@ def _actuator(given: Mapping[str, Any], written: Mapping[str, Any]) -> RunActuat
         roll=word(drive.get("roll")),
         transport_s=None if transport is None else 1e-3 * _number(transport, "ms", 0.0),
     )
-
-
-def _unit(channel: str) -> str:
-    """Return the unit that a channel's name ends in, as the table of units spells it."""
-    for end, unit in (("_rad_s", "rad/s"), ("_m_s", "m/s"), ("_N_m", "N m"), ("_rad", "rad")):
-        if channel.endswith(end):
-            return unit
-    return {"N": "N", "m": "m", "Hz": "Hz", "s": "s"}.get(channel.rpartition("_")[2], "")
 
 
 def _number(value: object, unit: str, absent: float) -> float:

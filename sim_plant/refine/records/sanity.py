@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import median_filter
 
+from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.limits import shown
-from sim_plant.refine.records.units import suffix_of
 
 RECORDS = CRITERIA.records
 SAME_LEVEL_SHARE = 1e-9
@@ -128,7 +128,7 @@ def oddities(columns: Mapping[str, Array], counts: Mapping[str, float] | None = 
         if np.ptp(values) == 0.0:
             sentences.append(f"{name} stands still at {values[0]:g}")
             continue
-        levels, unit = np.unique(values), suffix_of(name).replace("_s", "/s")
+        levels, unit = np.unique(values), unit_of_name(name)
         count = known.get(name, 0.0)
         smallest = count or _smallest_step(levels)
         if (

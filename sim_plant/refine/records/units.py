@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import re
 
+from aff_runtime.base.channel_units import without_unit
 from aff_runtime.base.units import to_si
-
-SUFFIXES = ("m_s", "rad_s", "N_m", "rad", "Hz", "N", "m", "s")
-"""Units a channel name may end in, longest first."""
 
 _SYMBOLS = {
     **{symbol: symbol for symbol in ("N", "kN", "lbf", "mN", "rad", "deg", "rev", "rpm")},
@@ -29,14 +27,6 @@ TO_SI = {spelling: _suffix_and_factor(symbol) for spelling, symbol in _SYMBOLS.i
 _BRACKET = re.compile(r"^\s*(?P<name>.*?)\s*[\[(](?P<unit>[^\])]+)[\])]\s*$")
 
 
-def suffix_of(name: str) -> str:
-    """Return the unit that a channel name ends in, or an empty text."""
-    for suffix in SUFFIXES:
-        if name.endswith("_" + suffix):
-            return suffix
-    return ""
-
-
 def canonical(unit: str) -> str:
     """Return a header's unit in the spelling of ``TO_SI``: ``m/s`` -> ``m_s``."""
     text = unit.strip().replace("/", "_").replace("·", "_").replace(" ", "_").replace("*", "_")
@@ -55,9 +45,7 @@ def split_header(text: str) -> tuple[str, str]:
     text = text.strip().strip('"')
     match = _BRACKET.match(text)
     if match:
-        stem = match["name"].strip().replace(" ", "_")
-        for suffix in SUFFIXES:
-            stem = stem.removesuffix("_" + suffix)
+        stem = without_unit(match["name"].strip().replace(" ", "_"))
         return stem, canonical(match["unit"])
     for unit in sorted(TO_SI, key=len, reverse=True):
         if text.endswith("_" + unit):

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 
 from jinja2 import Environment, PackageLoader
 
+from aff_runtime.base.channel_units import unit_of_name
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.nuisances import declared_nuisances
-from sim_plant.refine.records.units import suffix_of
 from sim_plant.refine.report.figures import channels_by_error, overlay, spectrum, wavenumber_map
 from sim_plant.refine.report.wording import (
     coordinate_text,
@@ -71,7 +71,7 @@ def gain(judged: Evaluation, held: bool) -> str:
     where = "On the held-out record" if held else "On the record fitted (no proof)"
     said = []
     for at in dict.fromkeys([*tensions[:1], ranked[0]]):
-        unit = suffix_of(judged.channels[at]).replace("_s", "/s")
+        unit = unit_of_name(judged.channels[at])
         before, after, floor = judged.before[at], judged.after[at], judged.floor[at]
         said.append(
             f"the error in {judged.channels[at]} is {before:.3g} {unit} rms as declared, "

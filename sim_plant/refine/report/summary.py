@@ -6,9 +6,9 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict
 
+from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.refinement import SUMMARY, EffectSaid, ErrorSaid, NumberSaid, Summary
 from sim_plant.refine.model.effect_at import EffectAt
-from sim_plant.refine.records.units import suffix_of
 from sim_plant.refine.report.figures import channels_by_error
 from sim_plant.refine.report.outcome import Outcome
 from sim_plant.refine.report.page import (
@@ -57,7 +57,7 @@ def summary(outcome: Outcome, *, is_block: bool) -> Summary:
         errors=tuple(
             ErrorSaid(
                 channel=row.name,
-                unit=suffix_of(row.name).replace("_s", "/s"),
+                unit=unit_of_name(row.name),
                 before=row.before,
                 after=row.after,
                 floor=row.floor,

@@ -6,10 +6,10 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from aff_runtime.base.channel_units import unit_of_name
 from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.effect_at import EffectAt
-from sim_plant.refine.records.units import suffix_of
 from sim_plant.refine.report.verdict import EffectFinding
 
 SMALL_M, SMALL_S = 0.1, 1.0
@@ -23,7 +23,7 @@ def unit_of(effect: str, parameter: str) -> str:
     known = BY_NAME.get(effect)
     if known is not None and parameter in known.accepts:
         return known.accepts[parameter].unit
-    return suffix_of(parameter)
+    return unit_of_name(parameter)
 
 
 def scaled(value: float, unit: str) -> tuple[float, str]:

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from sim_plant.refine.records.units import TO_SI, canonical, split_header, suffix_of
+from sim_plant.refine.records.units import TO_SI, canonical, split_header
 
 
 @pytest.mark.parametrize(
@@ -30,9 +30,3 @@ def test_factors_are_those_of_the_units():
 def test_spellings_of_one_unit_meet():
     assert canonical("m/s") == canonical(" M/S ") == "m_s"
     assert canonical("ft/min") == "fpm"
-
-
-def test_the_suffix_is_the_longest_that_fits():
-    assert suffix_of("a_rad_s") == "rad_s"
-    assert suffix_of("moment_N_m") == "N_m"
-    assert suffix_of("plain") == ""
