@@ -1,4 +1,4 @@
-"""What the commissioner answers, as frozen records; ``encode`` and ``decode`` know its JSON."""
+"""What the commissioner answers, in frozen dataclasses; ``encode``, ``decode`` know its JSON."""
 
 from __future__ import annotations
 
@@ -70,7 +70,8 @@ class State:
     ----------
     by : account of who commissions; empty when nobody does. ``card`` : whether one is begun.
     job : None while none is under way. ``last`` : None before the first has ended.
-    long, long_last : the same of what takes minutes to hours, beside it.
+    long, long_last : ``job`` and ``last`` of the jobs that take minutes to hours (``LONG``): one
+        of them may run beside a short one.
     """
 
     protocol: int = PROTOCOL
@@ -118,7 +119,7 @@ Good: TypeAlias = (
 )
 Answer: TypeAlias = Good | Refusal
 # what a request is answered with where it is not refused; the others with `Done`
-_OF: Mapping[str, TypeAdapter[Any]] = {
+_ANSWER_TYPES: Mapping[str, TypeAdapter[Any]] = {
     "state": TypeAdapter(State),
     "card": TypeAdapter(CardShown),
     "line": TypeAdapter(LineShown),
@@ -152,7 +153,7 @@ def decode(do: str, line: bytes) -> Answer:
 
 
 def to_plain(answer: Answer) -> dict[str, Any]:
-    """Return an answer as plain values, for a line of JSON that holds one."""
+    """Return an answer as plain values, for a JSON object."""
     said = asdict(answer)
     if said.get("text") == "":
         del said["text"]
@@ -160,7 +161,7 @@ def to_plain(answer: Answer) -> dict[str, Any]:
 
 
 def from_plain(do: str, said: object) -> Answer:
-    """Read ``to_plain``'s values back; what is not refused needs no ``ok``.
+    """Read ``to_plain``'s values back; the end of a job has no ``ok``, and is not refused.
 
     Raises
     ------
@@ -168,5 +169,7 @@ def from_plain(do: str, said: object) -> Answer:
         When they are no answer to a request ``do``.
     """
     is_refused = isinstance(said, dict) and said.get("ok", True) is not True
-    answer: Answer = (_REFUSED if is_refused else _OF.get(do, _DONE)).validate_python(said)
+    answer: Answer = (_REFUSED if is_refused else _ANSWER_TYPES.get(do, _DONE)).validate_python(
+        said
+    )
     return answer

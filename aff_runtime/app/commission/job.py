@@ -1,8 +1,8 @@
 """``python -m aff_runtime.app.commission.job``: one job of the commissioner, in its own process.
 
 Its first line on stdin says what to do. It may take minutes, parse foreign records and wait for
-an answer; who has it done can end it at any moment. It ends with its commissioner: a later one
-would take it for ended, and do the same beside it.
+an answer; whoever asked for it can end it at any moment. It ends with its commissioner: one that
+is started later would think it ended, and start it again beside it.
 """
 
 from __future__ import annotations
@@ -51,13 +51,14 @@ JOBS: dict[str, Job] = {
     "exchange": maintenance_jobs.exchange,
 }
 NICE = 10
+"""Of a job of seconds, for which somebody waits: behind the service, before jobs of hours."""
 
 
 def main() -> int:
     """Do what the first line says; the last line said is what became of it.
 
     Nothing is said of it, and 1 is returned, where the commissioner has gone: it had ended before
-    the job began, or stdin ends while a job waits for an answer that can do nothing without.
+    the job began, or stdin ended while the job waited for an answer that it needs.
     """
     end_with_parent()
     leave_to_control()

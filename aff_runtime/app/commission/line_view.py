@@ -9,7 +9,7 @@ from dataclasses import fields, replace
 from aff_runtime.app.commission.answers import LineShown
 from aff_runtime.app.commission.card_view import proof_times
 from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.sources import Paths, standing_of
+from aff_runtime.app.commission.sources import Paths, status_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.commission.views import (
     DriveRow,
@@ -29,7 +29,7 @@ from aff_runtime.config.plain_file import read_plain
 from aff_runtime.core.identified import Estimate, IdentifiedDrive
 from aff_runtime.core.response import Response
 
-MOST_LINES = 60
+MOST_MESSAGES = 60
 
 
 def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
@@ -37,8 +37,8 @@ def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
     with bounded_effort(str(where.site), ConfigError):
         report = check_site(where.site, (), where.state)
     view = LineView(
-        errors=tuple(str(one) for one in report.errors)[:MOST_LINES],
-        warnings=tuple(str(one) for one in report.warnings)[:MOST_LINES],
+        errors=tuple(str(one) for one in report.errors)[:MOST_MESSAGES],
+        warnings=tuple(str(one) for one in report.warnings)[:MOST_MESSAGES],
         drives=tuple(report.drives),
     )
     site, facts = report.site, report.facts
@@ -47,13 +47,13 @@ def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
     responses = _responses(site, where)
     proof = None
     with contextlib.suppress(AffError):
-        standing = standing_of(where.socket)
-        runs, _ = with_identified(site, responses)
-        proof = proof_times(runs, standing) if standing is not None else None
+        status = status_of(where.socket)
+        in_use, _ = with_identified(site, responses)
+        proof = proof_times(in_use, status) if status is not None else None
     view = replace(
         view,
-        orders=tuple(str(one) for one in (*facts.orders, *facts.shapes))[:MOST_LINES],
-        limits=tuple(str(one) for one in facts.limits)[:MOST_LINES],
+        orders=tuple(str(one) for one in (*facts.orders, *facts.shapes))[:MOST_MESSAGES],
+        limits=tuple(str(one) for one in facts.limits)[:MOST_MESSAGES],
         probe=_bounds(site, responses),
         proof=proof,
         responses=tuple(_response(name, one, site) for name, one in responses.items()),
@@ -74,7 +74,7 @@ def _responses(site: Site, where: Paths) -> dict[str, Response]:
 
 
 def _bounds(site: Site, responses: dict[str, Response]) -> ProbeView:
-    """Return what a probe sends at most, and how large its ripple then was by the last probe."""
+    """Return what a probe sends at most, and how far the last response says the signal moves."""
     rows = []
     for name, actuator in site.actuators.items():
         of_speed = actuator.output == "velocity_reference"

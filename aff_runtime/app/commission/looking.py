@@ -10,25 +10,27 @@ from pathlib import Path
 from aff_runtime.app.card.book import NAME as CARD
 from aff_runtime.app.commission.answers import Answer
 from aff_runtime.app.commission.messages import Refusal, Request, Why
-from aff_runtime.app.commission.sources import Paths, standing_of
+from aff_runtime.app.commission.sources import Paths, status_of
 from aff_runtime.app.commission.views import NoService, ServiceView, SiteView
 from aff_runtime.app.commission.worker import Worker
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.signals import State
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.revision import file_digest
 from aff_runtime.config.yaml_marks import MAX_BYTES
 
 LOOK_S = 1.0
-LEAST_NS = 2_000_000_000
-LONGEST_NS = 30_000_000_000
-"""What looks at recorded runs is made anew after that: they grow by themselves."""
-OF_RUNS = ("refining", "maintenance")
-OF_CARD = ("card", "page")
+LEAST_AGE_NS = 2_000_000_000
+"""A view is shown again until it is that old, whatever has changed."""
+MOST_AGE_OF_RUNS_NS = 30_000_000_000
+"""A view of recorded runs is made anew when it is that old: they grow by themselves."""
+VIEWS_OF_RUNS = ("refining", "maintenance")
+VIEWS_OF_CARD = ("card", "page")
 MOST_KEPT = 32
 NO_CARD, NO_SITE = "no card is begun", "no site file is there"
-Stamp = tuple[object, ...]
+Fingerprint = tuple[object, ...]
 
 
 class Looking:
@@ -36,7 +38,7 @@ class Looking:
 
     A view of the card checks the site file, which takes a second of a processor: it is made at
     most every two seconds, and only when card, site file or service are others than before. A
-    refusal is tried again: what it was for, memory or time, is in no file.
+    refusal is tried again: memory or time, for which it may have been, changes without a file.
     """
 
     def __init__(self, where: Paths, clock: Clock) -> None:
@@ -44,16 +46,16 @@ class Looking:
         self._clock = clock
         self._service: StatusAnswer | None = None
         self._trouble = ""
-        self._made: dict[str, tuple[Stamp, int, Answer]] = {}
-        self._one = asyncio.Lock()
-        self._jobs = 0
-        self._site: tuple[Stamp, str] = ((), "")
+        self._made: dict[str, tuple[Fingerprint, int, Answer]] = {}
+        self._one_at_a_time = asyncio.Lock()
+        self._jobs_ended = 0
+        self._site: tuple[Fingerprint, str] = ((), "")
 
     async def run(self) -> None:
         """Look at the service for ever."""
         while True:
             try:
-                self._service = await asyncio.to_thread(standing_of, self._where.socket)
+                self._service = await asyncio.to_thread(status_of, self._where.socket)
                 self._trouble = ""
             except AffError as error:
                 self._service, self._trouble = None, str(error)
@@ -61,13 +63,13 @@ class Looking:
 
     def site(self) -> SiteView:
         """Return where the site file is, and its digest as far as it can be read."""
-        path, stamp = self._where.site, _stamp(self._where.site)
-        if stamp != self._site[0]:
+        path, fingerprint = self._where.site, _of_file(self._where.site)
+        if fingerprint != self._site[0]:
             digest = ""
             with contextlib.suppress(OSError, ValueError):
                 digest = file_digest(read_plain(path, MAX_BYTES).decode("utf-8"))
-            self._site = (stamp, digest)
-        return SiteView(path=str(path), there=bool(stamp), sha256=self._site[1])
+            self._site = (fingerprint, digest)
+        return SiteView(path=str(path), there=bool(fingerprint), sha256=self._site[1])
 
     def service(self) -> NoService | ServiceView:
         """Return how the service stands."""
@@ -87,43 +89,43 @@ class Looking:
 
     def job_ended(self) -> None:
         """Take note that what a job may have changed is to be looked at anew."""
-        self._jobs += 1
+        self._jobs_ended += 1
 
     async def look(self, asked: Request) -> Answer:
-        """Return what a screen asks to see, as long as nothing is another one the same again."""
+        """Return a view: the former one while card, site, service and jobs are as they were."""
         if asked.do == "line" and not self._where.site.exists():
             return Refusal(why=Why.REFUSED, name=NO_SITE)
-        if asked.do in OF_CARD and not (self._where.card / CARD).exists():
+        if asked.do in VIEWS_OF_CARD and not (self._where.card / CARD).exists():
             return Refusal(why=Why.REFUSED, name=NO_CARD)
         key = f"{asked.do} {asked.paper} {asked.number}"
-        longest_ns = LONGEST_NS if asked.do in OF_RUNS else math.inf
-        async with self._one:
-            stamp, now_ns = self._stamp(), self._clock.now_ns()
+        longest_ns = MOST_AGE_OF_RUNS_NS if asked.do in VIEWS_OF_RUNS else math.inf
+        async with self._one_at_a_time:
+            fingerprint, now_ns = self._fingerprint(), self._clock.now_ns()
             kept = self._made.get(key)
             if kept is not None:
                 age_ns = now_ns - kept[1]
-                is_same = kept[0] == stamp and not isinstance(kept[2], Refusal)
-                if (is_same and age_ns < longest_ns) or age_ns < LEAST_NS:
+                is_same = kept[0] == fingerprint and not isinstance(kept[2], Refusal)
+                if (is_same and age_ns < longest_ns) or age_ns < LEAST_AGE_NS:
                     return kept[2]
             answer = await Worker(asked, self._where).run()
             self._made.pop(key, None)
-            self._made[key] = (stamp, self._clock.now_ns(), answer)
+            self._made[key] = (fingerprint, self._clock.now_ns(), answer)
             while len(self._made) > MOST_KEPT:
                 del self._made[next(iter(self._made))]
             return answer
 
-    def _stamp(self) -> Stamp:
+    def _fingerprint(self) -> Fingerprint:
         now = self._service
-        service: Stamp = ()
+        service: Fingerprint = ()
         if now is not None:
             roll = now.live.tick.number("roll_id") if now.live is not None else -1.0
-            standing = now.state in ("ARMED", "ACTIVE")
-            service = (now.site_hash, now.config_hash, f"{roll:.0f}", now.trying, standing)
-        card, site = _stamp(self._where.card / CARD), _stamp(self._where.site)
-        return (card, site, service, self._jobs)
+            goes_out = now.state in (State.ARMED.name, State.ACTIVE.name)
+            service = (now.site_hash, now.config_hash, f"{roll:.0f}", now.trying, goes_out)
+        card, site = _of_file(self._where.card / CARD), _of_file(self._where.site)
+        return (card, site, service, self._jobs_ended)
 
 
-def _stamp(path: Path) -> Stamp:
+def _of_file(path: Path) -> Fingerprint:
     """Return what changes when a file is another one; nothing where there is none."""
     try:
         found = path.stat()

@@ -1,4 +1,4 @@
-"""What a process that works for the commissioner does first: it gives way, and ends with it."""
+"""How a process that works for the commissioner begins: behind control, tied to its parent."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import signal
 from aff_runtime.base.process_bounds import bound_process
 
 LOWEST = 19
+"""Nice value: last of all processes."""
 _PR_SET_PDEATHSIG = 1
 OOM_SCORE = 900
+"""Of 1000: among the first to go where memory runs out, long before the service."""
 
 
 def end_with_parent() -> None:
@@ -29,8 +31,8 @@ def leave_to_control() -> None:
 def give_way(processor_s: int, file_bytes: int) -> None:
     """Take the lowest priority, and bound processor time and the size of a file.
 
-    What began this process has left the processor of the control process already. Where memory
-    runs out this one goes first. A hard limit that is lower stays.
+    Which processors it may use it has from its parent, a job, which keeps off that of the control
+    process. Where memory runs out this one goes first. A hard limit that is lower stays.
     """
     end_with_parent()
     os.nice(LOWEST)

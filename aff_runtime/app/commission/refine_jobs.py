@@ -11,12 +11,12 @@ from aff_runtime.app.commission import refine_program as program
 from aff_runtime.app.commission.answers import Answer, Done, Printed, RefinedShown, RefiningShown
 from aff_runtime.app.commission.messages import Refusal, Request, Why
 from aff_runtime.app.commission.refine_shelf import (
-    BASE,
     FAILED,
     LOG,
     OUT,
-    PAGE,
+    PAGE_FILE,
     PROPOSED,
+    SITE_AT_BEGIN,
     Shelf,
     summary_in,
     text_in,
@@ -29,7 +29,7 @@ from aff_runtime.app.commission.refine_views import (
 )
 from aff_runtime.app.commission.run_list import paths_of, runs_folder, runs_in, windows_in
 from aff_runtime.app.commission.settings_jobs import ask_settings
-from aff_runtime.app.commission.sources import Paths, standing_of
+from aff_runtime.app.commission.sources import Paths, status_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.base.clock import wall_time_iso
@@ -39,9 +39,9 @@ from aff_runtime.base.signals import State
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.yaml_marks import MAX_BYTES
 
-FEWEST_PROCESSORS = 4
-"""With fewer of them nothing of hours begins while a correction goes out."""
-MOST_LINES = 400
+FEWEST_BESIDE_CONTROL = 4
+"""With fewer processors nothing of hours begins while a correction goes out."""
+MOST_DIFF_LINES = 400
 NO_LINE = (
     "no line file: start the commissioner with --line LINE.yaml, a copy of "
     "config/lines/euclid.yaml with your rollers, web and sensors"
@@ -51,7 +51,10 @@ NO_PROGRAM = (
     "'aff-runtime[plant]' there, or give the command below on another machine that has "
     "line file, site file and runs"
 )
+A_WINDOW = "RUN_DIR@FROM..TO"
+"""Stands in a command where the reader puts a part of a run."""
 NO_VERDICT = "it has come to no verdict"
+NOTHING_SEEN = "the look at these windows has ended without a finding"
 OTHER_SITE = (
     "the site file is another one since this refinement began: refine again, so that nothing of "
     "it is lost"
@@ -74,7 +77,7 @@ def refining(where: Paths, asked: Request, talk: Talk) -> Answer:
             missing=tuple(missing),
             folder=folder,
             line=str(where.line or ""),
-            command=_typed(where, folder, ("RUN_DIR@FROM..TO",), ("RUN_DIR@FROM..TO",), ()),
+            command=_command_line(where, folder, (A_WINDOW,), (A_WINDOW,), ()),
             runs=runs,
             lacking=shelf.lacking(),
             refined=tuple(shelf.rows()),
@@ -87,11 +90,11 @@ def lacks(where: Paths, asked: Request, talk: Talk) -> Answer:
     said, windows, holdout = _named(where, asked)
     _refuse_missing(where)
     folder = Shelf(where.site, where.state).look(said)
-    words = _command(where, windows, holdout, said.without, folder / OUT)
-    why = program.run([*words, "--lacking"], folder / LOG, talk.say)
+    arguments = _command(where, windows, holdout, said.without, folder / OUT)
+    why = program.run([*arguments, "--lacking"], folder / LOG, talk.say)
     found = Shelf(where.site, where.state).lacking()
     if found is None:
-        raise RefusedError(why or NO_VERDICT)
+        raise RefusedError(why or NOTHING_SEEN)
     if not found.found.can_begin:
         return Done(text="looked at; not every window can be used")
     return Done(text="looked at; every window can be used")
@@ -104,9 +107,9 @@ def refine(where: Paths, asked: Request, talk: Talk) -> Answer:
     _refuse_while_out(where)
     shelf = Shelf(where.site, where.state)
     folder = shelf.begin(said, _text(where.site))
-    words = _command(where, windows, holdout, said.without, folder / OUT)
-    talk.say(program.as_typed(words))
-    why = program.run(words, folder / LOG, talk.say)
+    arguments = _command(where, windows, holdout, said.without, folder / OUT)
+    talk.say(program.command_line(arguments))
+    why = program.run(arguments, folder / LOG, talk.say)
     found = summary_in(folder)
     if why or found is None:
         replace_text(folder / FAILED, why or NO_VERDICT)
@@ -127,8 +130,10 @@ def refined(where: Paths, asked: Request, talk: Talk) -> Answer:
         refined=RefinedView(
             row=row,
             summary=summary_in(folder),
-            proposal=_proposal(where, site, text, text_in(folder, BASE)) if text else None,
-            command=_typed(
+            proposal=_proposal(where, site, text, text_in(folder, SITE_AT_BEGIN))
+            if text
+            else None,
+            command=_command_line(
                 where,
                 str(where.runs or "RUNS"),
                 row.asked.windows,
@@ -141,7 +146,7 @@ def refined(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 def page(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return refine's own page of a refinement."""
-    html = text_in(Shelf(where.site, where.state).of(asked.number) / OUT, PAGE)
+    html = text_in(Shelf(where.site, where.state).of(asked.number) / OUT, PAGE_FILE)
     if not html:
         raise RefusedError(f"refinement {asked.number} has no page")
     return Printed(html=html)
@@ -152,8 +157,8 @@ def try_refined(where: Paths, asked: Request, talk: Talk) -> Answer:
     folder = Shelf(where.site, where.state).of(asked.number)
     text = text_in(folder / OUT, PROPOSED)
     if not text or digest(text) != asked.measured:
-        return Refusal(why=Why.CHANGED)
-    if _text(where.site) != text_in(folder, BASE):
+        return Refusal(why=Why.CHANGED)  # it is another text than the person has seen
+    if _text(where.site) != text_in(folder, SITE_AT_BEGIN):
         raise RefusedError(OTHER_SITE)
     why = f"{asked.reason} ({asked.account} at the screen, refinement {asked.number})"
     answer = ask_settings(where, act="try", text=text, seconds=float(asked.seconds), why=why)
@@ -186,8 +191,8 @@ def _refuse_missing(where: Paths) -> None:
 def _refuse_while_out(where: Paths) -> None:
     """Refuse hours of work beside a correction where the machine has no processor to spare."""
     count = os.cpu_count() or 1
-    stands = standing_of(where.socket) if count < FEWEST_PROCESSORS else None
-    if stands is not None and stands.state in (State.ARMED.name, State.ACTIVE.name):
+    status = status_of(where.socket) if count < FEWEST_BESIDE_CONTROL else None
+    if status is not None and status.state in (State.ARMED.name, State.ACTIVE.name):
         raise RefusedError(
             f"a correction goes out and this machine has {count} processors: bypass first, or "
             "give the command on another machine"
@@ -229,12 +234,12 @@ def _command(
     without: Sequence[str],
     out: str | Path,
 ) -> tuple[str, ...]:
-    """Return the words after ``sim-plant`` for the line and the site of this commissioner."""
+    """Return the arguments of ``sim-plant`` for the line and the site of this commissioner."""
     line, site = os.fspath(where.line or "LINE.yaml"), os.fspath(where.site)
     return program.command_of(line, windows, holdout, without, site=site, out=os.fspath(out))
 
 
-def _typed(
+def _command_line(
     where: Paths,
     folder: str,
     windows: Sequence[str],
@@ -244,10 +249,10 @@ def _typed(
     """Return the command that does the same, with the names of this machine."""
 
     def path(one: str) -> str:
-        return one if one.startswith("RUN_DIR") else f"{folder}/{one}"
+        return one if one == A_WINDOW else f"{folder}/{one}"
 
     fitted, held = [path(one) for one in windows], [path(one) for one in holdout]
-    return program.as_typed(_command(where, fitted, held, without, "DIR"))
+    return program.command_line(_command(where, fitted, held, without, "DIR"))
 
 
 # --- what it proposes ---------------------------------------------------------------------------
@@ -272,6 +277,8 @@ def _proposal(where: Paths, site: str, text: str, base: str) -> ProposalView:
         sha256=digest(text),
         changes=changes,
         remarks=remarks,
-        lines=tuple(line for line in lines if not line.startswith(("---", "+++")))[:MOST_LINES],
+        lines=tuple(line for line in lines if not line.startswith(("---", "+++")))[
+            :MOST_DIFF_LINES
+        ],
         against=against,
     )

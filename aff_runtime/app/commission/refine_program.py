@@ -56,19 +56,19 @@ def command_of(
     site: str,
     out: str,
 ) -> tuple[str, ...]:
-    """Return the words after ``sim-plant`` of a refinement with one process."""
-    words = ["refine", line, *windows]
-    words += [part for one in holdout for part in ("--holdout", one)]
-    words += [part for one in without for part in ("--without", one)]
-    return (*words, "--site", site, "--workers", "1", "--out", out)
+    """Return the arguments of ``sim-plant`` of a refinement with one process."""
+    arguments = ["refine", line, *windows]
+    arguments += [part for one in holdout for part in ("--holdout", one)]
+    arguments += [part for one in without for part in ("--without", one)]
+    return (*arguments, "--site", site, "--workers", "1", "--out", out)
 
 
-def as_typed(words: Sequence[str]) -> str:
+def command_line(arguments: Sequence[str]) -> str:
     """Return a command as a person types it."""
-    return f"{PROGRAM} {shlex.join(words)}"
+    return f"{PROGRAM} {shlex.join(arguments)}"
 
 
-def run(words: Sequence[str], log: Path, say: Callable[[str], None]) -> str:
+def run(arguments: Sequence[str], log: Path, say: Callable[[str], None]) -> str:
     """Run the program to its end; return why it has failed, empty where it has not.
 
     It has the lowest priority, not the processor of the control process, and bounds of time and
@@ -93,7 +93,7 @@ def run(words: Sequence[str], log: Path, say: Callable[[str], None]) -> str:
             log.open("wb") as heard,
             complaints.open("wb") as errors,
             subprocess.Popen(
-                [os.fspath(found), *words],
+                [os.fspath(found), *arguments],
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=errors,

@@ -19,13 +19,18 @@ from aff_runtime.base.printable import printable
 from aff_runtime.base.refinement import KINDS, LACKING, SUMMARY, Lacking, Summary
 from aff_runtime.config.plain_file import read_plain
 
-MOST = 20
+MOST_REFINEMENTS = 20
 FREE_BYTES = 500_000_000
 """Disk that is left to the records of the service."""
-ASKED, BASE, FAILED, OUT, LOG = "asked.json", "site.yaml", "failed.txt", "out", "log.txt"
-PROPOSED, PAGE = "site_proposed.yaml", "report.html"
+ASKED_FILE, FAILED, LOG = "asked.json", "failed.txt", "log.txt"
+SITE_AT_BEGIN = "site.yaml"
+"""The site file as it was when the refinement began: a proposal changes that text."""
+OUT = "out"
+"""Folder that refine writes: its page, its verdict, and the site file that it proposes."""
+PROPOSED, PAGE_FILE = "site_proposed.yaml", "report.html"
 LOOKED = "lacking"
-LONGEST = 1000
+"""Folder of the last look at what windows lack, before any work on them."""
+FAILURE_BYTES = 1000
 _ASKED, _SUMMARY, _LACKING = TypeAdapter(AskedOf), TypeAdapter(Summary), TypeAdapter(Lacking)
 
 
@@ -41,7 +46,7 @@ class Shelf:
         self.folder = kept_folder(site, state, "refined")
 
     def begin(self, asked: AskedOf, site_text: str) -> Path:
-        """Return the folder of a new refinement; the oldest ones beyond ``MOST`` go.
+        """Return the folder of a new refinement; the oldest ones beyond ``MOST_REFINEMENTS`` go.
 
         Raises
         ------
@@ -49,9 +54,10 @@ class Shelf:
             It cannot be made, or the disk has too little room.
         """
         numbers = self.numbers()
-        for number in numbers[: max(0, len(numbers) + 1 - MOST)]:
+        folder = self._put(_name(max(numbers, default=0) + 1), asked, site_text)
+        for number in numbers[: max(0, len(numbers) + 1 - MOST_REFINEMENTS)]:
             shutil.rmtree(self.folder / _name(number), ignore_errors=True)
-        return self._put(_name(max(numbers, default=0) + 1), asked, site_text)
+        return folder
 
     def look(self, asked: AskedOf) -> Path:
         """Return the folder of a look at what records lack; the one before goes.
@@ -79,8 +85,8 @@ class Shelf:
             There is none of that number.
         """
         found = self.folder / _name(number)
-        if not (found / ASKED).is_file():
-            raise RefusedError(f"no refinement {number} is kept; the last {MOST} are")
+        if not (found / ASKED_FILE).is_file():
+            raise RefusedError(f"no refinement {number} is kept; the last {MOST_REFINEMENTS} are")
         return found
 
     def rows(self) -> Iterator[RefinedRow]:
@@ -123,8 +129,8 @@ class Shelf:
                     f"{self.folder}: less than {FREE_BYTES / 1e6:g} MB of the disk are free; "
                     "they are left to the records of the service"
                 )
-            replace_text(folder / ASKED, json.dumps(asdict(asked)))
-            replace_text(folder / BASE, site_text)
+            replace_text(folder / ASKED_FILE, json.dumps(asdict(asked)))
+            replace_text(folder / SITE_AT_BEGIN, site_text)
         except OSError as error:
             raise RefusedError(f"{folder}: cannot be written ({error.strerror})") from None
         return folder
@@ -138,11 +144,11 @@ def asked_in(folder: Path) -> AskedOf:
     OSError, ValueError
         It cannot be read.
     """
-    return _ASKED.validate_json(read_plain(folder / ASKED, FILE_BYTES))
+    return _ASKED.validate_json(read_plain(folder / ASKED_FILE, FILE_BYTES))
 
 
 def summary_in(folder: Path) -> Summary | None:
-    """Return the verdict in words, None where there is none of this release."""
+    """Return the verdict in words, None where there is none that this release can read."""
     try:
         found = _SUMMARY.validate_json(read_plain(folder / OUT / SUMMARY, FILE_BYTES))
     except (OSError, ValueError):
@@ -153,7 +159,7 @@ def summary_in(folder: Path) -> Summary | None:
 def failure(folder: Path) -> str:
     """Return why a refinement has no verdict; empty where it runs, or was stopped."""
     try:
-        return printable(read_plain(folder / FAILED, LONGEST).decode("utf-8"), LONGEST)
+        return printable(read_plain(folder / FAILED, FAILURE_BYTES).decode("utf-8"), FAILURE_BYTES)
     except (OSError, ValueError):
         return ""
 

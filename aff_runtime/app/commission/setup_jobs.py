@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from aff_runtime.app.commission.answers import Done
 from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.sources import Paths, standing_of
+from aff_runtime.app.commission.sources import Paths, status_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.setup.dialogue import Dialogue, LeftError
 from aff_runtime.app.setup.draft import read_draft
@@ -63,8 +63,8 @@ def words(where: Paths, asked: Request, talk: Talk) -> Done:
     AffError
         It cannot go on; what was answered is kept beside the site file.
     """
-    standing = standing_of(where.socket)
-    if standing is not None and standing.state in GOES_OUT:
+    status = status_of(where.socket)
+    if status is not None and status.state in GOES_OUT:
         raise RefusedError("a correction goes out; bypass first")
     kept_in = where.site.with_suffix(".setup.json")
     draft = read_draft(kept_in)

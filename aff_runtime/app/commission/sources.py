@@ -35,7 +35,7 @@ __all__ = [
     "parameters_of",
     "said_of",
     "sources",
-    "standing_of",
+    "status_of",
 ]
 
 
@@ -96,7 +96,7 @@ def sources(
             warnings=tuple(str(finding) for finding in report.warnings),
             limits=report.facts.limits,
         ),
-        answer=standing_of(where.socket),
+        answer=status_of(where.socket),
         windows=tuple(run_window(text) for text in windows),
         machine=machine(),
         plc=plc or card.plc,
@@ -152,7 +152,7 @@ def by_whom() -> str:
     return f"{user_name(me.uid)}{f', {login}' if login else ''}"
 
 
-def standing_of(socket: Path) -> StatusAnswer | None:
+def status_of(socket: Path) -> StatusAnswer | None:
     """Return how the service stands, None where none listens."""
     try:
         client = ServiceClient(socket)

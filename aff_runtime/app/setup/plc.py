@@ -6,7 +6,7 @@ import statistics
 
 from aff_runtime.app.setup.decoding import values
 from aff_runtime.app.setup.draft import Draft, FoundWord
-from aff_runtime.app.setup.reading import Block, Watched, WordReader
+from aff_runtime.app.setup.reading import Stretch, Watched, WordReader
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.units import read_number, read_scale
@@ -14,13 +14,13 @@ from aff_runtime.fieldbus.modbus.connections import tcp_wire
 from aff_runtime.fieldbus.modbus.tcp_wire import Wire
 from aff_runtime.fieldbus.modbus.udp_wire import UdpWire
 
-_INSTEAD = {
+_ADVICE_BY_WIRE = {
     "can": "setup finds words on Modbus. On CAN the DBC or EDS file names every signal: copy "
     "config/euclid_can.yaml or config/euclid_canopen.yaml, put your signals in, and look at the "
     "bus with `aff-runtime probe-map` (docs/technician/can.md).",
     "modbus_rtu": "setup looks over Modbus TCP and UDP. On a serial line begin with "
-    "config/euclid.yaml and its modbus_rtu line, and look with `aff-runtime probe-map`; or reach "
-    "the PLC by TCP for setup, and exchange the section afterwards.",
+    "config/euclid.yaml and its modbus_rtu section, and look with `aff-runtime probe-map`; or "
+    "reach the PLC by TCP for setup, and exchange the section afterwards.",
 }
 
 
@@ -34,8 +34,8 @@ def reader_of(draft: Draft, clock: Clock) -> WordReader:
     """
     answers = draft.answers
     kind, host, port = answers["wire"], answers["host"], int(answers["port"])
-    if kind in _INSTEAD:
-        raise ConfigError(_INSTEAD[kind])
+    if kind in _ADVICE_BY_WIRE:
+        raise ConfigError(_ADVICE_BY_WIRE[kind])
     wire: Wire = tcp_wire(host, port) if kind == "modbus_tcp" else UdpWire(host, port)
     return WordReader(
         wire, device_id=int(answers["device_id"]), clock=clock, where=f"{host}:{port}"
@@ -44,7 +44,7 @@ def reader_of(draft: Draft, clock: Clock) -> WordReader:
 
 def instead_of(kind: str) -> str:
     """Return what to do on a wire that setup does not look over; empty for the others."""
-    return _INSTEAD.get(kind, "")
+    return _ADVICE_BY_WIRE.get(kind, "")
 
 
 def readings_si(word: FoundWord, unit: str, seen: Watched) -> list[float]:
@@ -59,14 +59,14 @@ def mean_si(word: FoundWord, unit: str, seen: Watched) -> float:
 
 
 def scale_of(text: str, unit: str) -> float:
-    """Return a scale as the site file writes it, as SI in a count."""
+    """Return a scale as the site file writes it, as SI units per count."""
     try:
         return read_number(float(text), unit)
     except ValueError:
         return read_scale(text, unit)
 
 
-def polled(draft: Draft) -> Block:
-    """Return the one block that AFF will read each tick."""
-    places = draft.owners
-    return Block(start=min(places), count=max(places) - min(places) + 1)
+def polled(draft: Draft) -> Stretch:
+    """Return the one stretch that AFF will read each tick."""
+    addresses = draft.owners
+    return Stretch(start=min(addresses), count=max(addresses) - min(addresses) + 1)

@@ -22,8 +22,8 @@ _REFUSED = (2, 3)  # illegal address, illegal count
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Block:
-    """A run of words that the PLC gives in one answer."""
+class Stretch:
+    """Words at neighbouring addresses, which the PLC gives in one answer."""
 
     start: int
     count: int
@@ -113,7 +113,7 @@ class WordReader:
             "client alone."
         )
 
-    def survey(self, start: int, count: int) -> tuple[Block, ...]:
+    def survey(self, start: int, count: int) -> tuple[Stretch, ...]:
         """Return which words of a window the PLC gives; what it refuses is halved and asked again.
 
         Raises
@@ -126,7 +126,7 @@ class WordReader:
             head = self.survey(start, MAX_READ_WORDS)
             return head + self.survey(start + MAX_READ_WORDS, rest)
         if self.read(start, count) is not None:
-            return (Block(start=start, count=count),)
+            return (Stretch(start=start, count=count),)
         if count == 1:
             return ()
         half = count // 2
@@ -134,7 +134,7 @@ class WordReader:
 
     def watch(
         self,
-        blocks: Sequence[Block],
+        blocks: Sequence[Stretch],
         seconds: float,
         enough: Callable[[Watched], bool] | None = None,
     ) -> Watched:

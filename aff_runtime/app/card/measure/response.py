@@ -19,16 +19,27 @@ from aff_runtime.core.response import (
     arming_objections,
 )
 
-PLACES, REPEATS, SIGMAS = 3, 2, 2.0
-FEWEST_TONES, SAME_DIGITS = 8, 6
+OPERATING_POINTS, REPEATS = 3, 2
+"""Speeds or radii that are asked for, and probes of each."""
+MOST_REPEAT_ERRORS = 2.0
+"""How far two probes of one operating point may be apart, in their stated errors."""
+FEWEST_TONES = 8
+"""Tones that two probes must share to be compared point by point."""
+SAME_DIGITS = 6
+"""Decimals of a frequency, Hz, by which two tones are the same one."""
+TINY = 1e-12
+"""Keeps two points without any stated error from dividing by nothing."""
 LOUDER = (
     "orders that were heard too badly rest: probe louder or longer (probe.amplitude_m_s, "
     "probe.duration_s), as `aff-runtime probe` says, or leave them out"
 )
 LIKE = 0.05
-"""Probes whose speed and radius differ by less are repeats."""
+"""Probes whose speed and radius differ by less, relative, are repeats: what a line wanders by."""
 KIND = "probe"
-NAMES = ("delay_s", "line_speed_m_s", "radius_m", "probed_here", "sign")
+OF_POINT = ("line_speed_m_s", "radius_m")
+NAMES = ("delay_s", *OF_POINT, "probed_here", "sign")
+"""Numbers of a sample. ``probed_here``: 1 where this service says that it has measured it;
+``sign``: as the geometry has it, typed by a person."""
 COLUMNS = tuple(one.name for one in fields(ResponsePoint))
 
 
@@ -38,7 +49,7 @@ def typed_names(evidence: Evidence) -> tuple[str, ...]:
 
 
 def measure(evidence: Evidence) -> Finding:
-    """Return per actuator how many places were probed twice, and what the repeats say."""
+    """Return per actuator what was probed twice, and what the repeats say."""
     fresh = tuple(_new_samples(evidence))
     samples = (*(one for one in evidence.former if one.kind == KIND), *fresh)
     figures: list[Figure] = []
@@ -49,9 +60,10 @@ def measure(evidence: Evidence) -> Finding:
         if not mine:
             missing.append(f"{name}: probe it (PROBE at the screen, or `aff-runtime probe`)")
             continue
-        places = by_place(mine)
-        figures.extend(_figures(evidence, name, places))
-        missing.extend(_missing(name, places))
+        groups = by_operating_point(mine)
+        figures.extend(_figures(evidence, name, groups))
+        figures.append(_sign(evidence, name, mine[-1]))
+        missing.extend(_missing(name, groups))
         remarks.extend(_remarks(evidence, name, mine))
     return Finding(
         figures=tuple(figures), samples=fresh, missing=tuple(missing), remarks=tuple(remarks)
@@ -67,26 +79,26 @@ def response_of(sample: Sample) -> Response:
     )
 
 
-def by_place(samples: Sequence[Sample]) -> list[list[Sample]]:
+def by_operating_point(samples: Sequence[Sample]) -> list[list[Sample]]:
     """Return probes grouped by speed and radius, in the order in which they were made."""
-    places: list[list[Sample]] = []
+    groups: list[list[Sample]] = []
     for one in samples:
-        for place in places:
-            if all(_alike(one.number(n), place[0].number(n)) for n in NAMES[1:3]):
-                place.append(one)
+        for group in groups:
+            if all(_alike(one.number(n), group[0].number(n)) for n in OF_POINT):
+                group.append(one)
                 break
         else:
-            places.append([one])
-    return places
+            groups.append([one])
+    return groups
 
 
 def repeat_sigmas(first: Response, second: Response) -> float:
-    """Return how far two probes of one place are apart, in standard errors of the difference.
+    """Return how far two probes of one operating point are apart, in standard errors.
 
     Equation: sqrt(mean |P1 - P2|^2 / (s1^2 + s2^2)), s the standard error of each; 1 where the
     stated errors are right. It is a mean over all tones, not the worst of them: with errors that
-    are right and 20 tones or more it stays below 1.3, whatever their number. ``SIGMAS`` of 2 says
-    that errors are stated half as large as they are.
+    are right and 20 tones or more it stays below 1.3 (in 99 of 100: chi-square of two numbers per
+    tone), whatever their number. 2 says that errors are stated half as large as they are.
 
     Tones that both have are compared. A second probe may have moved some of its tones out of the
     way of another ripple: what lies between two points of the first is known less well than its
@@ -118,7 +130,7 @@ def _square(one: ResponsePoint, other: ResponsePoint) -> float:
     """Return the squared difference of two points in their standard errors."""
     apart = cmath.rect(one.gain, one.phase_rad) - cmath.rect(other.gain, other.phase_rad)
     errors = [point.gain * point.relative_error for point in (one, other)]
-    return (abs(apart) / math.hypot(*errors, 1e-12)) ** 2
+    return (abs(apart) / math.hypot(*errors, TINY)) ** 2
 
 
 def _alike(first: float, last: float) -> bool:
@@ -135,42 +147,42 @@ def _new_samples(evidence: Evidence) -> Iterator[Sample]:
         if rows in known:
             continue
         about = response.provenance
-        typed = evidence.typed.number(f"sign_{name}", "")
+        sign = evidence.typed.number(f"sign_{name}", "")
         numbers = (
             response.delay_s,
             about.line_speed_m_s,
             about.radius_m,
             float(name in evidence.probed_here),
-            typed,
+            sign,
         )
         yield Sample(kind=KIND, of=name, names=NAMES, numbers=numbers, columns=COLUMNS, rows=rows)
 
 
-def _figures(evidence: Evidence, name: str, places: list[list[Sample]]) -> Iterator[Figure]:
-    twice = [place for place in places if len(place) >= REPEATS]
+def _figures(evidence: Evidence, name: str, groups: list[list[Sample]]) -> Iterator[Figure]:
+    twice = [group for group in groups if len(group) >= REPEATS]
     yield Figure(
         name=f"{name}: speeds or radii probed twice",
         value=float(len(twice)),
-        limit=f"at least {PLACES}",
-        good=True if len(twice) >= PLACES else None,
+        limit=f"at least {OPERATING_POINTS}",
+        # too few leave the step open: they can still be made
+        good=True if len(twice) >= OPERATING_POINTS else None,
     )
-    sigmas = [repeat_sigmas(*(response_of(one) for one in place[-2:])) for place in twice]
+    sigmas = [repeat_sigmas(*(response_of(one) for one in group[-2:])) for group in twice]
     worst = max(sigmas, default=NAN)
     yield Figure(
         name=f"{name}: difference of repeats over their stated error, worst",
         value=worst,
-        limit=f"at most {SIGMAS:g}",
-        good=at_most(worst, SIGMAS),
+        limit=f"at most {MOST_REPEAT_ERRORS:g}",
+        good=at_most(worst, MOST_REPEAT_ERRORS),
     )
-    heard = [one for place in places for one in _heard(evidence, name, place[-1])]
-    coherence, order = min(heard, key=lambda one: one[0], default=(NAN, ""))
+    coherences = [one for group in groups for one in _coherences(evidence, name, group[-1])]
+    coherence, order = min(coherences, key=lambda one: one[0], default=(NAN, ""))
     yield Figure(
         name=f"{name}: lowest coherence at the orders' frequencies in its band{order}",
         value=coherence,
         limit=f"at least {MIN_COHERENCE:g}",
         good=at_least(coherence, MIN_COHERENCE),
     )
-    yield _sign(evidence, name, places[-1][-1])
 
 
 def _sign(evidence: Evidence, name: str, sample: Sample) -> Figure:
@@ -201,7 +213,7 @@ def _wanted_Hz(evidence: Evidence, name: str, sample: Sample) -> Iterator[tuple[
                 yield f"{block.roll} {order}x", order_Hz(order, speed, own)
 
 
-def _heard(evidence: Evidence, name: str, sample: Sample) -> Iterator[tuple[float, str]]:
+def _coherences(evidence: Evidence, name: str, sample: Sample) -> Iterator[tuple[float, str]]:
     """Yield the coherence beside every order in the band, and which order that is.
 
     It is the number by which the service lets an order out or has it rest: chance in it decides
@@ -218,22 +230,20 @@ def _nearest(response: Response, frequency_Hz: float) -> ResponsePoint:
     return min(response.points, key=lambda point: abs(point.frequency_Hz - frequency_Hz))
 
 
-def _missing(name: str, places: list[list[Sample]]) -> Iterator[str]:
-    once = [place[0] for place in places if len(place) < REPEATS]
-    for one in once:
-        yield (
-            f"{name}: once more at {one.number('line_speed_m_s'):.3g} m/s, radius "
-            f"{one.number('radius_m'):.3g} m"
-        )
-    if len(places) < PLACES:
-        yield f"{name}: {PLACES - len(places)} more speeds or radii"
+def _missing(name: str, groups: list[list[Sample]]) -> Iterator[str]:
+    for one in (group[0] for group in groups if len(group) < REPEATS):
+        radius = one.number("radius_m")
+        at = f", radius {radius:.3g} m" if math.isfinite(radius) else ""
+        yield f"{name}: once more at {one.number('line_speed_m_s'):.3g} m/s{at}"
+    if len(groups) < OPERATING_POINTS:
+        yield f"{name}: {OPERATING_POINTS - len(groups)} more speeds or radii"
 
 
 def _remarks(evidence: Evidence, name: str, samples: Sequence[Sample]) -> Iterator[str]:
     if any(one.number("probed_here") != 1.0 for one in samples):
         yield f"{name}: the service does not say of every response that it has probed it"
     newest = samples[-1]
-    if any(coherence < MIN_COHERENCE for coherence, _ in _heard(evidence, name, newest)):
+    if any(coherence < MIN_COHERENCE for coherence, _ in _coherences(evidence, name, newest)):
         yield f"{name}: {LOUDER}"
     for text in arming_objections(response_of(newest), _wanted_Hz(evidence, name, newest)):
         yield f"{name}: {text}"

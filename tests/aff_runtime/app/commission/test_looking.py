@@ -6,7 +6,7 @@ import pytest
 
 from aff_runtime.app.commission import looking
 from aff_runtime.app.commission.answers import Done
-from aff_runtime.app.commission.looking import LEAST_NS, LONGEST_NS, Looking
+from aff_runtime.app.commission.looking import LEAST_AGE_NS, MOST_AGE_OF_RUNS_NS, Looking
 from aff_runtime.app.commission.messages import Refusal, Request
 from aff_runtime.app.commission.sources import Paths
 from tests.doubles.virtual_clock import VirtualClock
@@ -46,7 +46,7 @@ def test_a_refusal_is_tried_again_after_the_least_time_and_not_before(look):
     after, answers = look
     answers += [REFUSED, MADE]
     assert after(0) == REFUSED
-    assert after(LEAST_NS - 1) == REFUSED
+    assert after(LEAST_AGE_NS - 1) == REFUSED
     assert after(1) == MADE
 
 
@@ -54,14 +54,14 @@ def test_an_answer_is_kept_as_long_as_nothing_is_another_one(look):
     after, answers = look
     answers += [MADE]
     assert after(0) == MADE
-    assert after(100 * LEAST_NS) == MADE
+    assert after(100 * LEAST_AGE_NS) == MADE
 
 
 def test_a_job_that_has_ended_has_everything_looked_at_anew(look):
     after, answers = look
     answers += [MADE, Done(text="another")]
     assert after(0) == MADE
-    assert after(LEAST_NS, ended=True).text == "another"
+    assert after(LEAST_AGE_NS, ended=True).text == "another"
 
 
 @pytest.mark.parametrize("do", ["refining", "maintenance"])
@@ -69,5 +69,5 @@ def test_runs_grow_by_themselves_so_a_look_at_them_is_old_after_half_a_minute(lo
     after, answers = look
     answers += [MADE, Done(text="more runs")]
     assert after(0, do) == MADE
-    assert after(LONGEST_NS - 1, do) == MADE
+    assert after(MOST_AGE_OF_RUNS_NS - 1, do) == MADE
     assert after(1, do).text == "more runs"

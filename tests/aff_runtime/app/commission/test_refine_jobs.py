@@ -19,7 +19,7 @@ from aff_runtime.app.commission.refine_jobs import (
     refining,
     try_refined,
 )
-from aff_runtime.app.commission.refine_shelf import MOST, Shelf
+from aff_runtime.app.commission.refine_shelf import MOST_REFINEMENTS, Shelf
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.app.supervisor.settings.history import digest
@@ -157,10 +157,10 @@ def test_only_the_last_ones_are_kept(where, plays):
     plays(writes(summary=as_json(SUMMARY)))
     refine(where, ASKED, Talk())
     first = shelf.of(1)
-    for number in range(2, MOST + 3):
+    for number in range(2, MOST_REFINEMENTS + 3):
         shutil.copytree(first, shelf.folder / f"{number:04d}")
     refine(where, ASKED, Talk())
-    assert shelf.numbers() == list(range(4, MOST + 4))
+    assert shelf.numbers() == list(range(4, MOST_REFINEMENTS + 4))
     with pytest.raises(RefusedError, match="no refinement 1 is kept"):
         page(where, Request(do="refined_page", number=1), Talk())
 
@@ -223,7 +223,7 @@ def test_hours_of_work_do_not_begin_beside_a_correction_on_a_small_machine(
         state = "ACTIVE"
 
     plays("raise AssertionError\n")
-    monkeypatch.setattr(refine_jobs, "standing_of", lambda socket: Stands())
+    monkeypatch.setattr(refine_jobs, "status_of", lambda socket: Stands())
     monkeypatch.setattr(refine_jobs.os, "cpu_count", lambda: 2)
     with pytest.raises(RefusedError, match="bypass first"):
         refine(where, ASKED, Talk())

@@ -12,7 +12,7 @@ import pytest
 pytest.importorskip("numba")
 
 from aff_runtime.app.commission import refine_program
-from aff_runtime.app.commission.refine_program import EXTRA, as_typed, command_of, program, run
+from aff_runtime.app.commission.refine_program import EXTRA, command_line, command_of, program, run
 from aff_runtime.app.commission.refine_shelf import Shelf
 from aff_runtime.app.commission.refine_views import AskedOf
 from aff_runtime.base.errors import RefusedError
@@ -35,7 +35,7 @@ def test_the_command_is_one_that_the_program_takes_as_it_was_meant():
     assert (plan.without, plan.workers) == (("roll_bounce",), 1)
     assert (str(plan.site), str(plan.out)) == ("s.yaml", "o")
     assert build_parser("refine").parse_args([*words, "--lacking"]).lacking
-    assert as_typed(("refine", "a b")) == "sim-plant refine 'a b'"
+    assert command_line(("refine", "a b")) == "sim-plant refine 'a b'"
 
 
 def test_what_an_input_lacks_is_the_programs_own_sentence(tmp_path):

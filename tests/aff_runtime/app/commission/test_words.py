@@ -94,7 +94,7 @@ def test_a_screen_finds_the_words_of_the_shipped_site_file_leaves_and_goes_on(pl
 
 def test_while_a_correction_goes_out_nobody_else_speaks_to_the_plc(where, monkeypatch):
     standing = StatusAnswer(line="Euclid", state="ACTIVE")
-    monkeypatch.setattr(setup_jobs, "standing_of", lambda socket: standing)
+    monkeypatch.setattr(setup_jobs, "status_of", lambda socket: standing)
     with pytest.raises(RefusedError, match="bypass first"):
         words(where, Request(do="words", again=""), Talk({}))
 
