@@ -13,6 +13,7 @@ __all__ = [
     "order_columns",
     "ports",
     "printable",
+    "probe_columns",
     "process_bounds",
     "python_child",
     "refinement",

@@ -291,7 +291,7 @@ class Guard:
                 shadow_edge=self._shadow_edge,
                 latching=latching != 0,
                 blocked=self._is_blocked(),
-                moving=self._line.moving,
+                moving=self._line.fast_enough,
                 quiet=quiet,
             ),
         )

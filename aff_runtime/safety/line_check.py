@@ -18,13 +18,15 @@ _SPLICE_ACTIVE = int(Status.SPLICE_ACTIVE)  # a plain number: `&` of a flag cost
 class LineCheck:
     """Turns readings into causes and into "may this output open by speed".
 
-    Only good transactions are judged; between them the last verdict stands. Never raises.
+    Only good exchanges (``Outcome.OK``) are judged; between them the last judgement stands.
+    Never raises.
 
     Attributes
     ----------
     gates : per actuator, whether the line is fast enough (with hysteresis).
     unbelievable : name of the first channel that cannot be true; empty when all can.
-    believes : whether the last readings can be true; a jump of a radius alone leaves it True.
+    believes : whether the law may use the last readings. A jump of a radius alone is no reason
+        against that: the correction fades for it, and tension and speed are as good as before.
     """
 
     def __init__(self, params: GuardParams) -> None:
@@ -49,7 +51,7 @@ class LineCheck:
         self._radii = tuple(RadiusCheck(radius) for radius in params.radii)
 
     @property
-    def moving(self) -> bool:
+    def fast_enough(self) -> bool:
         """Whether the line is fast enough for at least one output."""
         return True in self.gates
 
@@ -95,19 +97,19 @@ class LineCheck:
     def _judge_signals(self, values: tuple[float, ...], now_ns: int) -> None:
         elapsed_s = 0.0 if self._judged_ns is None else (now_ns - self._judged_ns) * 1e-9
         self._judged_ns = now_ns
-        was_moving = self.moving
+        was_fast_enough = self.fast_enough
         self._set_gates(values)
-        running = self._status & self._need == self._need and (was_moving or self.moving)
+        running = self._status & self._need == self._need and (was_fast_enough or self.fast_enough)
         causes = 0
-        credible = True
+        possible = True
         unbelievable = ""
         for channel in self._channels:
             value = _value(values, channel.params.channel)
             if not channel.is_plausible(value, elapsed_s, running):
                 causes |= 1 << channel.params.event
                 unbelievable = unbelievable or channel.params.name
-            credible = credible and channel.is_credible(value)
-        self.believes = causes == 0 and credible
+            possible = possible and channel.is_possible(value)
+        self.believes = causes == 0 and possible
         splicing = self._is_splicing(now_ns)
         for radius in self._radii:
             if splicing:

@@ -36,7 +36,7 @@ class ChannelCheck:
             and self._rate_is_possible(value, last, elapsed_s)
         )
 
-    def is_credible(self, value: float) -> bool:
+    def is_possible(self, value: float) -> bool:
         """Return whether ``value`` is of a size the signal can have, running or not.
 
         A line at rest may read less than its minimum, but nothing larger than either bound.

@@ -7,8 +7,8 @@ from collections import deque
 from aff_runtime.base.ports import Clock
 from sim_plant.servers.can_frames import BusFaults, CanFrame, CanNode
 from sim_plant.servers.faults import Fault
-from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.plant import Plant
+from tests.doubles.lockstep_plant import LockstepPlant
 
 
 class LockstepBus:

@@ -32,9 +32,9 @@ from aff_runtime.safety.params import GuardParams
 from sim_plant.line import open_line
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.servers.faults import parse_fault
-from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plc import Plc
+from tests.doubles.lockstep_plant import LockstepPlant
 from tests.doubles.virtual_clock import VirtualClock
 from tests.lockstep.known_response import LINE, ROOT, SPEED_M_S
 

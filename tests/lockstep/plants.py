@@ -25,12 +25,12 @@ from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.tcp_wire import Connecting
 from sim_plant.base.ports import SteppedLine
 from sim_plant.servers.faults import FaultBoard
-from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.modbus_answer import answer_to
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.plc import Plc
 from tests import quick_yaml
+from tests.doubles.lockstep_plant import LockstepPlant
 from tests.doubles.virtual_clock import VirtualClock
 from tests.lockstep.known_response import LINE, ROOT
 

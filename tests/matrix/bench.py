@@ -26,10 +26,10 @@ from aff_runtime.safety.guard import Guard
 from aff_runtime.safety.params import AppliedParams
 from sim_plant.servers.can_catalogue import can_node
 from sim_plant.servers.faults import parse_fault
-from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.plc_map import PlcMap
 from tests.doubles.can_lockstep import LockstepBus
+from tests.doubles.lockstep_plant import LockstepPlant
 from tests.doubles.virtual_clock import VirtualClock
 from tests.sim_plant.servers.fake_line import FakeLine, default_map
 

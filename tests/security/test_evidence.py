@@ -20,9 +20,9 @@ from aff_runtime.app.link.request_socket import Asked, Caller
 from aff_runtime.app.link.requests import Request
 from aff_runtime.app.supervisor import request_desk
 from aff_runtime.base.errors import RefusedError
-from aff_runtime.telemetry.run_files import read_run
 from tests import quick_yaml
 from tests.aff_runtime.app.service_run import ServiceRun
+from tests.doubles.run_reader import read_run
 from tests.processes import until
 from tests.security.desk import Desk
 

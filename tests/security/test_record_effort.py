@@ -14,7 +14,7 @@ from sim_plant.line.load import load_declaration
 from sim_plant.line.record_file import LONGEST_LINE, read_columns
 from sim_plant.refine.records.sanity import even_grid
 from sim_plant.refine.records.text_table import text_table
-from sim_plant.refine.without_line.record_filter import RecordDeclaration, read_for
+from sim_plant.refine.without_line.record_filter import RecordDeclaration, read_stamped
 from tests import quick_yaml
 from tests.aff_runtime.config.shipped import ROOT
 
@@ -133,6 +133,6 @@ def test_a_filter_that_would_fill_the_memory_is_refused_before_it_is_laid_out(tm
     declared = {"schema": "record-declaration/1", "sample_time_s": 0.01, "outputs": ["y"]}
     many = RecordDeclaration.model_validate({**declared, "inputs": ["x"] * 200, "taps": 500})
     with pytest.raises(PlantError, match=r"6000 rows under a filter of 200201 weights"):
-        read_for(many, file)
+        read_stamped(many, file)
     one = RecordDeclaration.model_validate({**declared, "inputs": ["x"], "taps": 500})
-    assert read_for(one, file).samples == 6000
+    assert read_stamped(one, file).record.samples == 6000

@@ -233,7 +233,7 @@ def test_a_segment_that_goes_on_with_zeros_is_not_read_on(run):
 
 
 def test_a_run_that_takes_long_to_read_ends_in_words(run, monkeypatch):
-    monkeypatch.setattr(run_record, "LONGEST_S", 0.2)
+    monkeypatch.setattr(run_record, "READ_TIMEOUT_S", 0.2)
     monkeypatch.setattr(run_record, "read_table", lambda _: time.sleep(5.0))
     with pytest.raises(AffError, match=r"takes more than 0\.2 s to read"):
         read_record(run)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from math import nan
 
+from aff_runtime.base.probe_columns import PROGRESS, STAGE
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.probe.probe import Probe
 
 BRIDGED_S = 0.1
 """A permission that is away for no longer is taken by a probe as if it had stayed."""
-PROBE_COLUMNS = ("probe.stage", "probe.progress")
+PROBE_COLUMNS = (STAGE, PROGRESS)
 
 
 class LawSlot:

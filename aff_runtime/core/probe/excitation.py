@@ -9,16 +9,20 @@ import numpy as np
 import numpy.typing as npt
 
 PERIOD_S = 10.0
-"""Every tone is a whole multiple of one turn in this time: the wave repeats, and has so few
-samples that phases can be found which keep its peak low. Two waves at once take twice as long."""
+"""Every tone is a multiple of the frequency 1/PERIOD_S, so the wave repeats, and is short enough
+to seek phases that keep its peak low within some ticks. With n actuators probed at once each has
+a wave of tones of its own, and all take n times as long to repeat."""
 MAX_SHIFTS = 400
+"""Places that are tried for a tone: 20 Hz to either side at n = 1, wider than any band."""
 LOUDEST = 1.5
 ROUNDS = 300
-CLIPPED = (0.85, 0.93)
-"""Share of the peak that a round leaves: in the first half of them, and in the second."""
+"""Rounds of clipping, one a tick: twice as many lower the peak of 40 tones by 3 to 5 % more."""
+CLIP_FIRST_HALF, CLIP_SECOND_HALF = 0.85, 0.93
+"""Share of the peak that a round leaves: far at first, then finely."""
 OVERSAMPLED = 4
 """Samples per period of the highest tone, at least, where phases are sought."""
 NEARLY = 1.0 - 1e-9
+"""Rounding of a distance is no reason to leave a place."""
 
 
 def step_Hz(cycle_s: float, waves: int = 1) -> float:
@@ -26,7 +30,7 @@ def step_Hz(cycle_s: float, waves: int = 1) -> float:
 
     Parameters
     ----------
-    waves : that are played at once: each has tones of its own, and all need room.
+    waves : how many are played at once, one per probed actuator; each has tones of its own.
     """
     return 1.0 / (_period(cycle_s, waves) * cycle_s)
 
@@ -36,7 +40,7 @@ def _period(cycle_s: float, waves: int) -> int:
     return max(1, round(waves * PERIOD_S / cycle_s))
 
 
-def spread(
+def place_tones(
     wanted_Hz: Iterable[float], taken_Hz: Sequence[float], spacing_Hz: float, step_Hz: float
 ) -> list[float]:
     """Return the wanted frequencies, each moved to the nearest free multiple of ``step_Hz``.
@@ -79,15 +83,16 @@ class Waveform:
     """A sum of tones with phases that keep its peak low, faded in and out, scaled to a peak.
 
     What a record tells grows with the power of the tones, what the line feels is their peak. By
-    equal steps of phase (Schroeder) a peak of 40 tones that stand evenly in octaves is 4 to 4.6
-    times their rms. Clipping the wave and taking the phases of what is left, again and again
-    (van der Ouderaa et al. 1988), brings it to 2: four times the power with the same peak.
+    Schroeder's quadratic phases [Schroeder 1970] the peak of 40 tones that stand evenly in octaves
+    is 4 to 4.6 times their rms. Clipping the wave and taking the phases of what is left, again
+    and again [van der Ouderaa et al. 1988], brings it to 2: four times the power with the same
+    peak.
     ``fill`` does one such round, so that no tick is long; no sample exceeds ``peak``.
 
     Parameters
     ----------
     samples : of the whole excitation.
-    waves : that are played at once, see ``step_Hz``.
+    waves : how many are played at once, see ``step_Hz``.
     """
 
     def __init__(self, samples: int, cycle_s: float, waves: int = 1) -> None:
@@ -99,7 +104,7 @@ class Waveform:
         self._sizes = np.zeros(0)
         self._phases = np.zeros(0)
         self._sought, self._lowest = self._phases, math.inf
-        self._coarse, self._rounds = 1, 0
+        self._search_samples, self._rounds = 1, 0
         self._table: list[float] = []
         self._largest = self._steepest = 0.0
 
@@ -112,7 +117,7 @@ class Waveform:
         self._sought = -math.pi * count * (count + 1) / max(1, count.size)
         self._phases, self._lowest = self._sought, math.inf
         highest = int(self._at.max(initial=1))
-        self._coarse = 2 ** math.ceil(math.log2(OVERSAMPLED * highest))
+        self._search_samples = 2 ** math.ceil(math.log2(OVERSAMPLED * highest))
         self._fade_s = fade_s
         self._rounds = 0
         self._table = []
@@ -121,7 +126,7 @@ class Waveform:
     def fill(self) -> bool:
         """Look once more for phases of a lower peak; True when the wave is ready."""
         if self._rounds < ROUNDS:
-            self._round(CLIPPED[2 * self._rounds >= ROUNDS])
+            self._round(CLIP_SECOND_HALF if 2 * self._rounds >= ROUNDS else CLIP_FIRST_HALF)
             self._rounds += 1
         elif not self._table:
             wave = self._wave(self._phases, self._period)
@@ -131,7 +136,7 @@ class Waveform:
         return bool(self._table)
 
     def _round(self, kept: float) -> None:
-        wave = self._wave(self._sought, self._coarse)
+        wave = self._wave(self._sought, self._search_samples)
         peak = float(np.abs(wave).max())
         if peak < self._lowest:
             self._phases, self._lowest = self._sought, peak
@@ -149,7 +154,7 @@ class Waveform:
         return peak / self._largest if self._largest > 0.0 else 0.0
 
     def sample(self, k: int, peak: float) -> float:
-        """Return sample ``k``, 0 outside the table."""
+        """Return sample ``k`` of the excitation; 0 outside of it, and until ``fill`` is done."""
         if not 0 <= k < self._samples or not self._table:
             return 0.0
         edge = min(k, self._samples - k) * self._cycle_s / self._fade_s

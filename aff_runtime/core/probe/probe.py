@@ -12,13 +12,14 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.probe_columns import EXCITING, PROGRESS, STAGE
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.controller import RollPhases
 from aff_runtime.core.params import ActuatorParams, ProbeParams, RollParams, SiteParams
 from aff_runtime.core.phase import Quality
 from aff_runtime.core.probe.drive_record import DriveRecord
 from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones, measured_sign
-from aff_runtime.core.probe.excitation import ROUNDS, Waveform, log_grid, spread, step_Hz
+from aff_runtime.core.probe.excitation import ROUNDS, Waveform, log_grid, place_tones, step_Hz
 from aff_runtime.core.probe.strange_ripple import RippleLine
 from aff_runtime.core.response import Provenance, Response
 
@@ -36,7 +37,7 @@ class Stage(IntEnum):
 
     LISTENING = 0
     PREPARING = 1
-    EXCITING = 2
+    EXCITING = EXCITING
     DONE = 3
     ABORTED = 4
 
@@ -178,7 +179,7 @@ class Probe:
                 for actuator in self._probed
             ]
             for j in sorted(range(len(plan)), key=lambda j: len(wanted[j])):
-                placed = spread(wanted[j], taken, spacing_Hz, self._step_Hz)
+                placed = place_tones(wanted[j], taken, spacing_Hz, self._step_Hz)
                 taken += placed
                 plan[j] += placed
         return plan
@@ -293,7 +294,7 @@ class Probe:
 
     def telemetry_names(self) -> tuple[str, ...]:
         """Return the columns of ``telemetry``."""
-        return "probe.stage", "probe.progress"
+        return STAGE, PROGRESS
 
 
 def _remarks(limited: bool, strange: Sequence[RippleLine]) -> Iterator[str]:

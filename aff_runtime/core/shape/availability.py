@@ -1,4 +1,4 @@
-"""Whether a roll is there for the law: its angle is known and it was not just changed."""
+"""Whether a roll is there for the law: its angle is known and it was not just exchanged."""
 
 from __future__ import annotations
 
@@ -11,13 +11,17 @@ from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.shape.columns import ColumnState
 
 FADE_S = 0.3
+"""Faster than a rest of the monitor: without an angle every correction is wrong at once."""
 LOST = Quality.LOST
 
 
 class RollAvailability:
-    """A share (0..1) per column that fades out without an angle and after a change of roll.
+    """Per column the share (0..1) of its correction that goes out.
+
+    It fades to 0 without an angle, and after the roll was exchanged.
 
     A predicted angle still counts: a few missing readings change nothing.
+    ``share_changes``: some share is on its way. ``known``: every roll has an angle.
     """
 
     __slots__ = (
@@ -28,8 +32,8 @@ class RollAvailability:
         "_roll_of",
         "fade_s",
         "known",
-        "moving",
         "share",
+        "share_changes",
     )
 
     def __init__(
@@ -43,16 +47,16 @@ class RollAvailability:
         self.share = state.array("availability.share", 1.0)
         self._calm = False
         self.known = False
-        self.moving = False
+        self.share_changes = False
         self.fade_s = FADE_S
 
     def leave(self, roll: str) -> None:
-        """Fade the columns of a roll that was changed, then have them forgotten."""
+        """Fade the columns of a roll that was exchanged, then have them forgotten."""
         self._leaving[self._roll_of == roll] = True
         self._calm = False
 
     def adopt(self, old: RollAvailability) -> None:
-        """Go on where ``old`` stands, once the shares are taken over; the angles are one's own."""
+        """Go on where ``old`` stands, once the shares are taken over; the angles are its own."""
         self.known = old.known
         self._calm = False
 
@@ -66,9 +70,9 @@ class RollAvailability:
             return None
         seen = [phase.quality is not LOST for phase in self._phases]
         wanted = np.array(seen)[self._index] & ~self._leaving
-        self.moving = not bool((self.share == wanted).all())
-        self._calm = self.known and not self.moving
-        if not self.moving:
+        self.share_changes = not bool((self.share == wanted).all())
+        self._calm = self.known and not self.share_changes
+        if not self.share_changes:
             return None
         change = dt_s / self.fade_s
         np.clip(self.share + np.where(wanted, change, -change), 0.0, 1.0, out=self.share)

@@ -159,7 +159,7 @@ class ShapeLaw:
         self.state.forget(columns)
         self.filter.forget(columns)
         self._loop.forget(columns)
-        self.monitor.listen_anew()
+        self.monitor.judge_at_once()
 
     def _learn(self, inputs: Inputs, gate: float, dt_s: float) -> None:
         reference = inputs.reference if math.isfinite(inputs.reference) else self._tension_N
@@ -227,7 +227,7 @@ class ShapeLaw:
         self.allocation.step(headroom, wish, dt_s)
 
     def _send(self, gate: float) -> ActuatorStep:
-        moving = self._gate.moving or self.availability.moving or self.confidence.moving
+        moving = self._gate.moving or self.availability.share_changes or self.confidence.moving
         step = self._sending.step(gate, min(RAMP_S, self.availability.fade_s) if moving else 0.0)
         if not math.isfinite(step.value + step.slew_bound):
             self._restart()
@@ -336,7 +336,7 @@ class ShapeLaw:
         no proof that the roll was quiet.
         """
         monitor = self.monitor
-        if not monitor.heard:
+        if not monitor.has_two_turns:
             return math.nan, math.nan
         now = monitor.now[: len(self._keys)]
         without = np.fmax(monitor.without[: len(self._keys)], now)

@@ -1,4 +1,7 @@
-"""Does a column help? Its ripple with and without correction, and a verdict that holds it."""
+"""Does a column help? Its ripple with and without correction, and when it has to rest.
+
+A column of the law is one order of one roll, or the imbalance.
+"""
 
 from __future__ import annotations
 
@@ -16,18 +19,29 @@ from aff_runtime.core.shape.columns import ColumnState
 Complexes = npt.NDArray[np.complex128]
 Floats = npt.NDArray[np.float64]
 TURNS = 2.0
+"""Memory of the lock-in: one turn parts neighbouring orders, two are steady enough to judge."""
 SLOW_TURNS = 8.0
-HARM = 1.4
-SETTLED = 0.3
-HARM_TURNS = 4.0
-LOST_RATIO = 0.1
-LOST_SHARE = 0.7
-LOST_TURNS = 2.0
+"""Memory of the mean that the newest amplitude is compared with: is it still falling?"""
+HARM_RATIO, HARM_TURNS = 1.4, 4.0
+"""Ripple over that without correction, and for how long: 1 is no help at all. 0.4
+more, for two memories of the lock-in, is told from chance and from a ramp."""
+NOISE_SDS = 3.0
+"""Standard deviations of the lock-in's noise that are no harm."""
+SETTLED_RATIO = 0.3
+"""Ripple over that without correction below which a column counts as settled: 10 dB."""
+CONVERGING_RATIO = 0.95
+"""Ripple over its slow mean below which it still falls."""
+LOST_RATIO, LOST_SHARE, LOST_TURNS = 0.1, 0.7, 2.0
+"""P over the assumed one, ripple over that without correction, and for how long: a drive that
+does not take corrections leaves 0 and 1 of them."""
 REST_TURNS = 20.0
+"""A rest, after which it is tried again: the cause may have gone."""
 FADE_S = 1.0
+"""Of a share: slow enough not to be felt as a step."""
 JUDGE_TICKS = 8
+"""Amplitudes are read and judged every so many ticks: within a memory they change little."""
 NUMBERS = np.array(
-    [TURNS, SLOW_TURNS, HARM, HARM_TURNS, LOST_RATIO, LOST_SHARE, LOST_TURNS, REST_TURNS]
+    [TURNS, SLOW_TURNS, HARM_RATIO, HARM_TURNS, LOST_RATIO, LOST_SHARE, LOST_TURNS, REST_TURNS]
 )
 
 
@@ -41,8 +55,9 @@ class Estimate(Protocol):
 class ShapeMonitor:
     """Per column: amplitude in the signal now (lock-in over two turns) and without correction.
 
-    ``without`` is what the filter attributes to the roll, |a_n phi_n|. A column whose ripple stays
-    above 1.4 times that for four turns does harm. One whose P has shrunk below a tenth while
+    ``without`` is what the filter attributes to the roll: |a_n| |phi_n|, with phi_n the signal per
+    metre of the weight (size and angle). A column whose ripple stays above 1.4 times that, and
+    above its noise, for four turns does harm. One whose P has shrunk below a tenth while
     0.7 of it is left, for two turns, has lost its effect (a drive that does not take the
     correction), and its weight would wind up against nothing. Either way its ``share`` fades to
     zero within a second and it rests for twenty turns; ``dropped`` marks one that had lost its
@@ -54,13 +69,13 @@ class ShapeMonitor:
 
     __slots__ = (
         "_age",
-        "_astray",
         "_bad",
         "_compiled",
-        "_held",
+        "_compiled_arrays",
         "_imbalance_pair",
         "_judged",
         "_lost",
+        "_lost_effect",
         "_noise",
         "_others",
         "_passed_s",
@@ -97,7 +112,7 @@ class ShapeMonitor:
         self._age = state.array("monitor.age_turns", of_roll=True)
         self._bad = state.array("monitor.bad_turns", of_roll=True)
         self._lost = state.array("monitor.lost_turns", of_roll=True)
-        self._astray = state.array("monitor.astray", False, dtype=np.bool_)
+        self._lost_effect = state.array("monitor.astray", False, dtype=np.bool_)
         self._imbalance_pair = imbalance_pair
         self._judged = state.array("monitor.judged_turns", of_roll=True)
         self._rest = state.array("monitor.rest_turns", of_roll=True)
@@ -111,16 +126,16 @@ class ShapeMonitor:
         self.dropped = state.array("monitor.dropped", False, dtype=np.bool_)
         self.calm = True  # no column rests or is on its way
         self._compiled = chosen()
-        self._held = holding(
+        self._compiled_arrays = holding(
             *(self._pull, self._phasor, self._size, self.now, self._age, self._slow, self._bad),
-            *(self._lost, self._judged, self._rest, self.without, self._astray, self.meets),
+            *(self._lost, self._judged, self._rest, self.without, self._lost_effect, self.meets),
             *(self.share, NUMBERS),
         )
 
     def step(
         self, error: float, phi: Complexes, found: Estimate, turn_s: Floats, dt_s: float
     ) -> None:
-        """Take one good sample; ``phi`` carries the angle of every column.
+        """Take one good sample; ``phi``: signal per metre of every column's weight, complex.
 
         ``found`` is the filter's estimate. The lock-in runs with every sample, sizes and verdicts
         every eighth.
@@ -134,7 +149,7 @@ class ShapeMonitor:
             out = self.share > 0.0
             self.share += target
             np.clip(self.share, 0.0, 1.0, out=self.share)
-            np.logical_and(out & (self.share == 0.0), self._astray, out=self.dropped)
+            np.logical_and(out & (self.share == 0.0), self._lost_effect, out=self.dropped)
 
     def listen(self, error: float, phi: Complexes, turn_s: Floats, dt_s: float) -> None:
         """Take a sample while nothing goes out: what is there without correction, unjudged."""
@@ -146,25 +161,25 @@ class ShapeMonitor:
         passed_s = None
         if self._ticks % JUDGE_TICKS == 0:
             passed_s, self._passed_s = self._passed_s, 0.0
-            self._hear(turn_s, passed_s, dt_s)
+            self._read_amplitudes(turn_s, passed_s, dt_s)
         self._ticks += 1
         self._passed_s += dt_s
         if self._compiled is not None:
-            self._compiled.monitor_follow(self._held, phi, error)
+            self._compiled.monitor_follow(self._compiled_arrays, phi, error)
         else:
             self._follow(error, phi)
         return passed_s
 
-    def _hear(self, turn_s: Floats, passed_s: float, dt_s: float) -> None:
+    def _read_amplitudes(self, turn_s: Floats, passed_s: float, dt_s: float) -> None:
         """Read every amplitude, and set how fast it is followed from now on."""
         if self._compiled is not None:
-            self._compiled.monitor_hear(self._held, turn_s, passed_s, dt_s)
+            self._compiled.monitor_hear(self._compiled_arrays, turn_s, passed_s, dt_s)
             return
-        tick = dt_s / turn_s
+        turns_per_tick = dt_s / turn_s
         np.minimum(self._age + passed_s / turn_s, SLOW_TURNS, out=self._age)
         # a roll that has not turned yet pulls nothing
-        heard = np.minimum(np.maximum(self._age, np.maximum(tick, 1e-12)), TURNS)
-        np.divide(tick, heard, out=self._pull)
+        memory = np.minimum(np.maximum(self._age, np.maximum(turns_per_tick, 1e-12)), TURNS)
+        np.divide(turns_per_tick, memory, out=self._pull)
         np.abs(self._phasor, out=self.now)
 
     def _follow(self, error: float, phi: Complexes) -> None:
@@ -183,32 +198,34 @@ class ShapeMonitor:
         if self._compiled is not None:
             numbers = (passed_s, dt_s, self._noise, *self._imbalance_pair)
             deviation, ratio = found.deviation, found.response_ratio
-            return self._compiled.monitor_judge(self._held, turn_s, deviation, ratio, *numbers)
+            return self._compiled.monitor_judge(
+                self._compiled_arrays, turn_s, deviation, ratio, *numbers
+            )
         turns = passed_s / turn_s
         self._judged += turns
-        heard = np.minimum(self._judged, SLOW_TURNS)
-        self._slow += turns / np.maximum(heard, np.maximum(turns, 1e-9)) * (self.now - self._slow)
+        memory = np.minimum(self._judged, SLOW_TURNS)
+        self._slow += turns / np.maximum(memory, np.maximum(turns, 1e-9)) * (self.now - self._slow)
         np.multiply(np.abs(found.deviation), self._size, out=self.without)
         # what white noise of one reading leaves in a lock-in over two turns
         noise = 2.0 * self._noise * np.sqrt(dt_s / (TURNS * turn_s))
-        bad = (self.now > HARM * self.without + 3.0 * noise) & (self._judged > TURNS)
+        bad = (self.now > HARM_RATIO * self.without + NOISE_SDS * noise) & (self._judged > TURNS)
         bad &= ~self.meets
         self._bad[:] = np.where(bad, self._bad + turns, 0.0)
         lost = np.abs(found.response_ratio) < LOST_RATIO
         lost &= self.now > LOST_SHARE * self.without
         self._lost[:] = np.where(lost, self._lost + turns, 0.0)
         started = ((self._bad > HARM_TURNS) | (self._lost > LOST_TURNS)) & (self._rest <= 0.0)
-        self._astray[:] = np.where(started, self._lost > LOST_TURNS, self._astray)
+        self._lost_effect[:] = np.where(started, self._lost > LOST_TURNS, self._lost_effect)
         self._rest[:] = np.where(started, REST_TURNS, np.maximum(0.0, self._rest - turns))
         self._bad[started] = self._lost[started] = 0.0
         first, imbalance = self._imbalance_pair
         if imbalance >= 0 and self._rest[first] > self._rest[imbalance]:
-            for part in (self._rest, self._astray):
+            for part in (self._rest, self._lost_effect):
                 part[imbalance] = part[first]
         return not self._rest.any() and bool((self.share == 1.0).all())
 
     @property
-    def heard(self) -> bool:
+    def has_two_turns(self) -> bool:
         """Whether every column was heard for two turns."""
         return bool((self._age >= TURNS).all())
 
@@ -220,7 +237,7 @@ class ShapeMonitor:
 
     @property
     def resting(self) -> npt.NDArray[np.bool_]:
-        """Columns that did harm and are held."""
+        """Columns whose share goes to zero for ``REST_TURNS``: harmful, or without effect."""
         return self._rest > 0.0
 
     @property
@@ -228,8 +245,8 @@ class ShapeMonitor:
         """Turns that each column still rests."""
         return self._rest
 
-    def listen_anew(self) -> None:
-        """Judge with the next sample: a lock-in that was forgotten starts with its age."""
+    def judge_at_once(self) -> None:
+        """Read amplitudes with the next sample: what was forgotten begins with a short memory."""
         self._ticks = 0
 
     def adopt(self, old: ShapeMonitor) -> None:
@@ -244,6 +261,6 @@ class ShapeMonitor:
             return Trend.IDLE
         if self._rest[at] > 0.0 or self._bad[at] > 1.0:
             return Trend.DIVERGING
-        if now <= SETTLED * without:
+        if now <= SETTLED_RATIO * without:
             return Trend.SETTLED
-        return Trend.CONVERGING if now < 0.95 * self._slow[at] else Trend.STALLED
+        return Trend.CONVERGING if now < CONVERGING_RATIO * self._slow[at] else Trend.STALLED

@@ -81,7 +81,7 @@ class ReportCriteria:
         "lines that other code simulated, one record each: a flat spot 1.2 %, a delay 0.8 %, a "
         "modulus 0.5 %, an eccentricity 0.3 % off; noise alone would promise a hundredth of that",
     )
-    block_s: float = criterion(
+    interval_s: float = criterion(
         2.0,
         "s",
         "within which what a model leaves pulls a number one way",

@@ -1,4 +1,4 @@
-"""How far a number may lie from where it was found."""
+"""What a number's interval is made of: how many deviations, and the model's own error."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ SPREAD = float(ndtri(0.5 + 0.5 * CRITERIA.report.confidence))
 
 
 def model_errors(fit: Fit) -> list[float]:
-    """Return, per number, the standard deviation of sizes because no model is exact; else 0.
+    """Return the standard deviation of every number because no model is exact.
 
-    A size is also what is fitted later, as the mass that bounces: how large an answer is tells it.
-    Of a cosine and a sine part it is their phasor's.
+    ``model_share`` of its change from idle for strengths, and for what is fitted later: how
+    strongly a line answers tells these too (the mass of a bouncing roll). A cosine and a sine part
+    take the length of their phasor. All other numbers: 0.
     """
     errors: list[float] = []
     for h, values in zip(fit.hypotheses, fit.values, strict=True):

@@ -18,7 +18,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration, DriveSpeed, RollAngle
 from sim_plant.refine.records.recording import Recording
-from sim_plant.refine.records.run_phases import box_mean, ramps
+from sim_plant.refine.records.run_activity import box_mean, ramps
 
 SMOOTHED_S = 0.1
 """To either side, of the speed in a ramp."""

@@ -6,7 +6,7 @@ __all__ = [
     "limits",
     "read",
     "recording",
-    "run_phases",
+    "run_activity",
     "run_record",
     "sanity",
     "text_table",

@@ -17,18 +17,18 @@ from sim_plant.refine.records.mdf_formulas import nothing_evaluated, refuse_form
 
 
 def mdf_table(path: Path, payload: bytes) -> Table:
-    """Return the channels of an MDF file on the stamps of its fastest group, from 0 s on.
+    """Return the channels of an MDF file on the stamps of the group with most, from 0 s on.
 
     A conversion that is a formula is code of whoever wrote the file, evaluated by a library: it
-    is refused before a sample is read, wherever it sits. Logged bus frames are not decoded, as
-    that would read samples, and a database out of the file, while it is opened. Channels of
-    slower groups are put between their neighbours in time, which is said.
+    is refused before a sample is read, wherever it sits. Logged bus frames are not decoded: that
+    would read samples and a database inside the file on opening. Channels of other groups are
+    put between their neighbours in time, which is said.
 
     Raises
     ------
     PlantError
         When it is not an MDF file, is too large, holds a formula or no channel, a channel holds
-        no numbers, or a slower group covers another stretch of time.
+        no numbers, or another group covers another span of time.
     """
     package = package_for(path, "asammdf", "asammdf")
     try:
@@ -63,7 +63,7 @@ def _check_sizes(path: Path, mdf: Any) -> None:
 
 
 def _on_one_clock(path: Path, signals: list[Any]) -> Table:
-    """Return all channels on the stamps of the fastest group."""
+    """Return all channels on the stamps of the group with most of them."""
     if not signals:
         raise PlantError(f"{shown(path)}: holds no channel with values")
     master = max((s.timestamps for s in signals), key=lambda stamps: stamps.size)
@@ -80,7 +80,7 @@ def _on_one_clock(path: Path, signals: list[Any]) -> Table:
             values = np.where(np.asarray(signal.invalidation_bits, dtype=bool), np.nan, values)
         if not np.array_equal(signal.timestamps, master):
             values = _on_stamps(path, signal, values, master)
-            said.append(f"{name} has stamps of its own: put on those of the fastest group")
+            said.append(f"{name} has stamps of its own: put on those of the group with most")
         table[header_of(path, table, signal.name, signal.unit)] = values
     return table, said
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.records.run_grid import FILLED_SAMPLES, LARGEST, Rows
+from sim_plant.refine.records.run_grid import LARGEST, LONGEST_HOLE_STEPS, Rows
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -17,13 +17,14 @@ class Filled:
     Attributes
     ----------
     values : (scans,); what is missing stands on a straight line between its neighbours.
-    taken_s : of the scans (scans,).
+    taken_s : when each scan was taken, s since the first. ``time_s`` : its time in the run.
     read : rows in which there was a reading.
     step_s : of the grid.
     """
 
     values: Array
     taken_s: Array
+    time_s: Array
     read: Rows
     step_s: float
 
@@ -33,17 +34,17 @@ class Filled:
         edges = np.concatenate(([first], inside, [end - 1]))
         gone_s = np.diff(self.taken_s[edges])
         longest = int(np.argmax(gone_s))
-        if gone_s[longest] <= (FILLED_SAMPLES + 1.5) * self.step_s:
+        if gone_s[longest] <= LONGEST_HOLE_STEPS * self.step_s:
             return ""
-        at_s = self.taken_s[edges[longest]] - self.taken_s[first]
+        from_s, to_s = (self.time_s[edges[longest + k]] for k in (0, 1))
         return (
-            f"it is for the record alone, and {gone_s[longest]:.3g} s of it are missing "
-            f"{at_s:.1f} s into the piece; give a window without that"
+            f"it is for the record alone, and is missing from {from_s:.2f} s to {to_s:.2f} s of "
+            "the run; give a window without that"
         )
 
 
-def filled(values: Array, taken_s: Array, step_s: float) -> Filled:
+def filled(values: Array, taken_s: Array, time_s: Array, step_s: float) -> Filled:
     """Return a channel without gaps, and where it had readings; (scans,) as given."""
     read = np.flatnonzero(np.abs(values) < LARGEST)
     whole = np.interp(taken_s, taken_s[read], values[read]) if read.size else values
-    return Filled(values=whole, taken_s=taken_s, read=read, step_s=step_s)
+    return Filled(values=whole, taken_s=taken_s, time_s=time_s, read=read, step_s=step_s)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.records.run_phases import Phases
+from sim_plant.refine.records.run_activity import Activity
 from sim_plant.refine.records.run_site import RunSite
 
 
@@ -21,14 +21,14 @@ class RunFacts:
     Attributes
     ----------
     site : what the run's own site file says.
-    phases : what line and service did in it.
+    activity : what line and service did in it.
     delivery_known : per actuator, whether the PLC says what it added and when.
     scan_s : period of the PLC's scans.
     from_s, to_s : the piece that is taken, s of the run's ``time_s``; NaN where not known.
     """
 
     site: RunSite
-    phases: Phases
+    activity: Activity
     delivery_known: Mapping[str, bool]
     scan_s: float
     from_s: float = math.nan

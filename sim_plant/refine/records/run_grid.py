@@ -24,10 +24,13 @@ LATE_S = 0.25
 MOST_SCANS = 500.0
 """Between two rows; a larger step of the heartbeat is no count of scans."""
 FILLED_SAMPLES = 4
-"""Missing samples that are filled in between neighbours; a longer hole ends a piece."""
+"""Missing samples that are filled in between neighbours."""
+LONGEST_HOLE_STEPS = FILLED_SAMPLES + 1.5
+"""From one reading to the next, with half a step for stamps that wander. A longer hole ends a
+piece; of a channel for the record alone it drops the channel."""
 
 COUNTS = ("tick", "periods_count", "plc_heartbeat", "status")
-SHORTEST_S = 1e-6
+SHORTEST_PERIOD_S = 1e-6
 """No PLC scans, and no run goes on, in less."""
 LARGEST = 1e15
 """No count and no reading is that large; a row with one shows nothing."""
@@ -103,7 +106,7 @@ def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
     taken_s: Array = np.concatenate(([0.0], np.cumsum(moved))) * scan_s
     step_s = max(scan_s, cycle_s)
     holes = np.diff(taken_s) / step_s
-    for k in np.flatnonzero(holes > FILLED_SAMPLES + 1.5):
+    for k in np.flatnonzero(holes > LONGEST_HOLE_STEPS):
         breaks.setdefault(int(k) + 1, f"nothing was read for {holes[k] * step_s:.3g} s")
     return Scans(
         rows=rows,
@@ -134,7 +137,7 @@ def _scan_s(gone_s: Array, moved: Array) -> float:
 
 def _long_enough(period_s: float) -> float:
     """Return a period that is one."""
-    if period_s < SHORTEST_S:
+    if period_s < SHORTEST_PERIOD_S:
         raise PlantError("the times of the rows hardly go on; give another window")
     return period_s
 

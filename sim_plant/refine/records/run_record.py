@@ -13,6 +13,7 @@ import numpy as np
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.printable import printable
+from aff_runtime.base.probe_columns import STAGE
 from aff_runtime.base.run_table import RunTable, few, read_table
 from aff_runtime.base.run_window import run_window
 from aff_runtime.base.signals import Status
@@ -20,6 +21,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recorded_only import filled
 from sim_plant.refine.records.recording import Recording, RunFacts
+from sim_plant.refine.records.run_activity import Activity, activity_of
 from sim_plant.refine.records.run_delivery import Delivered, delivered
 from sim_plant.refine.records.run_grid import (
     Break,
@@ -29,16 +31,15 @@ from sim_plant.refine.records.run_grid import (
     line_breaks,
     scans_of,
 )
-from sim_plant.refine.records.run_phases import Phases, phases_of
 from sim_plant.refine.records.run_site import DEFAULT_SPEED, RunSite, run_site
 from sim_plant.refine.records.sanity import counts_seen, oddities, unwrapped
 from sim_plant.refine.records.word_steps import counts_of
 
-LONGEST_S = 300.0
+READ_TIMEOUT_S = 300.0
 """To read a run that somebody sent: thousands of segments can be small and long to read."""
 MEMORY_BYTES = 4 << 30
-SHORTEST_S = 20.0
-"""A piece below this is no record: the first 20 s of one are not judged."""
+SHORTEST_PIECE_S = 20.0
+"""A shorter piece is refused. Of a record as short as this the first quarter is not judged."""
 NEEDED = (
     *("time_s", "tick", "periods_count", "state", "state_bits", "outcome", "fresh"),
     *("plc_heartbeat", "status", "roll_id"),
@@ -55,7 +56,8 @@ class Piece:
     Attributes
     ----------
     from_s, to_s : times of the first and the last row, s of the run's ``time_s``.
-    running : the line runs there, or is never said to run; and no splice passes.
+    running : no splice passes and LINE_RUN is set there; a run in which it never is counts as one
+        of a PLC that does not say so, and as running.
     """
 
     first: int
@@ -80,15 +82,15 @@ def read_run_record(path: Path) -> Recording:
     Raises
     ------
     PlantError
-        It is no run, holds no rows there, or no piece of ``SHORTEST_S``.
+        It is no run, holds no rows there, or no piece of ``SHORTEST_PIECE_S``.
     """
     try:
         shown = printable(str(path))
-        with bounded_effort(shown, PlantError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
+        with bounded_effort(shown, PlantError, seconds=READ_TIMEOUT_S, memory_bytes=MEMORY_BYTES):
             table = read_table(run_window(path))
     except AffError as error:
         raise PlantError(str(error)) from error
-    _refuse_other_columns(path, table.columns)
+    _refuse_missing_columns(path, table.columns)
     site = run_site(table.site_text, f"{shown}: site.yaml")
     channels = [name for name in site.steps if _is_read(table.columns, name)]
     waited_for = [name for name in channels if name in site.needed]
@@ -97,11 +99,12 @@ def read_run_record(path: Path) -> Recording:
     except PlantError as error:
         raise PlantError(f"{shown}: {error}") from error
     read = {n: table.columns[n][scans.rows] for n in channels}
+    time_s = table.columns["time_s"][scans.rows]
     site = replace(site, steps=counts_of(read, site.steps))
-    whole = {n: filled(values, scans.taken_s, scans.step_s) for n, values in read.items()}
+    whole = {n: filled(values, scans.taken_s, time_s, scans.step_s) for n, values in read.items()}
     readings, counted = unwrapped({n: one.values for n, one in whole.items()})
     pieces, breaks = _pieces(table.columns, scans, readings)
-    piece = _longest(path, pieces, [*table.lost[:6], *breaks[:6]])
+    piece = _longest(path, pieces, [*few(table.lost), *few(breaks)])
     lost = {n: one.holes_in(piece.first, piece.end) for n, one in whole.items()}
     kept = {n: values for n, values in readings.items() if not lost[n]}
     grid = _on_grid(table, site, scans, piece, kept)
@@ -121,8 +124,8 @@ def read_run_record(path: Path) -> Recording:
         zeros_rad=grid.zeros_rad,
         run=RunFacts(
             site=site,
-            phases=grid.phases,
-            delivery_known=grid.known,
+            activity=grid.activity,
+            delivery_known=grid.delivery_known,
             scan_s=scans.scan_s,
             from_s=piece.from_s,
             to_s=piece.to_s,
@@ -134,32 +137,32 @@ def read_run_record(path: Path) -> Recording:
 class _Grid:
     """What a piece holds, on its even grid; ``zeros_rad``: what was taken off the angles.
 
-    ``known``: by actuator, whether it is recorded when a correction acted.
+    ``delivery_known``: by actuator, whether the record says when a correction acted.
     """
 
     columns: dict[str, Array]
     zeros_rad: dict[str, float]
-    phases: Phases
-    known: dict[str, bool]
+    activity: Activity
+    delivery_known: dict[str, bool]
     said: list[str]
 
 
-def _refuse_other_columns(path: Path, columns: Mapping[str, Array]) -> None:
+def _refuse_missing_columns(path: Path, columns: Mapping[str, Array]) -> None:
     missing = [name for name in NEEDED if name not in columns]
     if missing:
         raise PlantError(
-            f"{printable(str(path))}: the run has no column {', '.join(missing)}: an aff-runtime "
-            "recorded it otherwise; give a run of this version"
+            f"{printable(str(path))}: the run has no column {', '.join(missing)}: another "
+            "version of aff-runtime recorded it; give a run of this one"
         )
 
 
-def _longest(path: Path, pieces: Sequence[Piece], why: Sequence[str]) -> Piece:
-    """Return the longest piece of the running line; ``why``: what is said where none will do."""
+def _longest(path: Path, pieces: Sequence[Piece], reasons: Sequence[str]) -> Piece:
+    """Return the longest piece of the running line; ``reasons`` are said where none will do."""
     piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
-    if piece is None or piece.length_s < SHORTEST_S:
+    if piece is None or piece.length_s < SHORTEST_PIECE_S:
         raise PlantError(
-            f"{printable(str(path))}: no {SHORTEST_S:g} s of the running line without a break: "
-            f"{'; '.join(why) or 'the window is too short'}; give another window"
+            f"{printable(str(path))}: no {SHORTEST_PIECE_S:g} s of the running line without a "
+            f"break: {'; '.join(reasons) or 'the window is too short'}; give another window"
         )
     return piece
 
@@ -206,27 +209,27 @@ def _on_grid(
     missing = grid.size - np.unique(np.rint(taken_s / scans.step_s)).size
     said = [f"{missing} missing samples are filled in between"] if missing > 0 else []
     # per sample of the grid, the newest row that was there
-    held = np.searchsorted(taken_s, grid + 1e-9, side="right") - 1
+    newest = np.searchsorted(taken_s, grid + 1e-9, side="right") - 1
     acted = _acted(table.columns, site, rows, scans.step_s)
     for name, correction in acted.items():
         suffix = site.actuators[name].suffix
-        columns[f"{CORRECTION}{name}_{suffix}"] = correction.values[held]
+        columns[f"{CORRECTION}{name}_{suffix}"] = correction.values[newest]
         said.append(f"corrections of {name}: {correction.how}")
     zeros = {n: float(v[0]) for n, v in columns.items() if n.endswith("_rad")}
     columns |= {name: columns[name] - zero for name, zero in zeros.items()}
     speed = columns.get(site.speed, columns.get(DEFAULT_SPEED, np.zeros(grid.size)))
-    phases = phases_of(
-        {n: v[rows][held] for n, v in table.columns.items() if _of_service(n)},
-        [correction.values[held] for correction in acted.values()],
+    activity = activity_of(
+        {n: v[rows][newest] for n, v in table.columns.items() if _of_service(n)},
+        [correction.values[newest] for correction in acted.values()],
         speed,
         scans.step_s,
     )
     return _Grid(
         columns=columns,
         zeros_rad=zeros,
-        phases=phases,
-        known={name: correction.known for name, correction in acted.items()},
-        said=[*said, *phases.sentences()],
+        activity=activity,
+        delivery_known={name: correction.known for name, correction in acted.items()},
+        said=[*said, *activity.sentences()],
     )
 
 
@@ -243,7 +246,7 @@ def _unread(name: str, columns: Mapping[str, Array]) -> str:
 
 
 def _of_service(name: str) -> bool:
-    return name in ("state", "state_bits", "probe.stage") or name.startswith("limit_ratio_")
+    return name in ("state", "state_bits", STAGE) or name.startswith("limit_ratio_")
 
 
 def _acted(

@@ -12,7 +12,7 @@ from scipy.special import chdtri
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.spectra.spectral_lines import SpectralLines, spectral_lines, speed_weights
-from sim_plant.refine.without_line.record_filter import Explained, whiten
+from sim_plant.refine.without_line.record_filter import Remainder, whiten
 from sim_plant.refine.without_line.seen import Seen, as_orders, phase_of, seen
 
 WITHOUT_LINE = CRITERIA.without_line
@@ -52,7 +52,7 @@ class SpectralLine:
         return 1.0 / (2.0 * math.pi * self.coordinate)
 
 
-def _spectra(item: Explained, white: Array) -> list[SpectralLines]:
+def _spectra(item: Remainder, white: Array) -> list[SpectralLines]:
     rate = 1.0 / item.record.sample_time_s
     size = white.shape[1]
     time_s: Array = np.arange(size, dtype=np.float64) * item.record.sample_time_s
@@ -93,7 +93,7 @@ def threshold(spectrum: SpectralLines) -> float:
     return WITHOUT_LINE.safety * float(chdtri(spectrum.degrees, per_bin))
 
 
-def find_spectral_lines(items: Sequence[Explained]) -> list[SpectralLine]:
+def find_spectral_lines(items: Sequence[Remainder]) -> list[SpectralLine]:
     """Return significant spectral lines over all records, strongest first.
 
     Each is taken out before the next is looked for. A spectral line counts in the coordinate in
@@ -126,7 +126,7 @@ def _same(line: SpectralLine, other: SpectralLine) -> bool:
 
 
 def _line(
-    items: Sequence[Explained], whites: Sequence[Array], kind: str, at: float, strength: float
+    items: Sequence[Remainder], whites: Sequence[Array], kind: str, at: float, strength: float
 ) -> tuple[SpectralLine, list[float]]:
     """Return a spectral line with where it was seen, and its own coordinate in every record.
 
@@ -148,7 +148,7 @@ def _line(
 
 
 def _orders(
-    items: Sequence[Explained], whites: Sequence[Array], lines: Sequence[SpectralLine]
+    items: Sequence[Remainder], whites: Sequence[Array], lines: Sequence[SpectralLine]
 ) -> list[SpectralLine]:
     """Return spectral lines, orders of a turn named; one that is an order is there in travel."""
     if items[0].travel_m is None:
@@ -172,7 +172,7 @@ def _orders(
     return said
 
 
-def clocks(items: Sequence[Explained]) -> list[SpectralLine]:
+def clocks(items: Sequence[Remainder]) -> list[SpectralLine]:
     """Return spectral lines of the raw outputs that the experiment makes, not the machine."""
     lines = []
     for item in items:
@@ -213,7 +213,7 @@ def _best(spectra: Sequence[Sequence[SpectralLines]]) -> tuple[str, float, float
     return best
 
 
-def sharpest(item: Explained, white: Array, kind: str, near: float) -> float:
+def sharpest(item: Remainder, white: Array, kind: str, near: float) -> float:
     """Return the coordinate of the strongest spectral line near one, in one record alone."""
     u = phase_of(item, kind)
     reach = max(1.0 / float(u[-1]), 0.002 * near)
@@ -240,7 +240,7 @@ def _power(white: Array, u: Array, grid: Array) -> Array:
     return found
 
 
-def basis(item: Explained, kind: str, coordinate: float) -> Array:
+def basis(item: Remainder, kind: str, coordinate: float) -> Array:
     """Return cos and sin of a spectral line, each also times relative speed (samples, 2 or 4)."""
     turn = 2.0 * np.pi * coordinate * phase_of(item, kind)
     columns = [np.cos(turn), np.sin(turn)]
@@ -250,13 +250,13 @@ def basis(item: Explained, kind: str, coordinate: float) -> Array:
     return np.stack(columns, axis=1)
 
 
-def _without(item: Explained, white: Array, kind: str, coordinate: float) -> Array:
+def _without(item: Remainder, white: Array, kind: str, coordinate: float) -> Array:
     b = basis(item, kind, coordinate)
     rest: Array = white - (b @ np.linalg.lstsq(b, white.T, rcond=None)[0]).T
     return rest
 
 
-def _clock(items: Sequence[Explained], kind: str, coordinate: float) -> str:
+def _clock(items: Sequence[Remainder], kind: str, coordinate: float) -> str:
     """Return why a spectral line is a clock of the experiment, empty when nothing says so."""
     if kind != "time":
         return ""

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from sim_plant.base.arrays import Array
 from sim_plant.refine.noise.innovations import whitening_filter
 from sim_plant.refine.without_line.free_spectral_lines import SpectralLine, basis, sharpest
-from sim_plant.refine.without_line.record_filter import Explained
+from sim_plant.refine.without_line.record_filter import Remainder
 
 
 def without_spectral_lines(
-    items: Sequence[Explained],
+    items: Sequence[Remainder],
     spectral_lines: Sequence[SpectralLine],
-    judged: Explained,
+    judged: Remainder,
     *,
     own: bool,
 ) -> Array:
@@ -45,7 +45,7 @@ def without_spectral_lines(
     return left
 
 
-def _fit(item: Explained, rows: Array, spectral: SpectralLine) -> Array:
+def _fit(item: Remainder, rows: Array, spectral: SpectralLine) -> Array:
     """Return least squares of a spectral line, residual and basis through the same whitening."""
     b = basis(item, spectral.kind, spectral.coordinate)
     columns = []
@@ -59,7 +59,7 @@ def _fit(item: Explained, rows: Array, spectral: SpectralLine) -> Array:
 
 
 def _known_size(
-    items: Sequence[Explained], spectral: SpectralLine, fitted: Array, judged: Explained
+    items: Sequence[Remainder], spectral: SpectralLine, fitted: Array, judged: Remainder
 ) -> Array:
     """Return this record's phase with the size that the fitted records have at its speed."""
     sizes = []
@@ -74,7 +74,7 @@ def _known_size(
     return found
 
 
-def _at_speed(items: Sequence[Explained], sizes: Array, judged: Explained) -> Array:
+def _at_speed(items: Sequence[Remainder], sizes: Array, judged: Remainder) -> Array:
     """Return the size (outputs,) at the judged record's mean speed, between those fitted.
 
     ``sizes`` is (records, outputs). Outside their speeds the nearest counts; without a speed the

@@ -47,13 +47,13 @@ class RecordDeclaration(BaseModel):
     derivative_of_inputs: bool = False
     taps: Annotated[int, Field(ge=1, le=500)] = 40
     travel_speed: Name | None = Field(
-        default=None, description="column with an absolute speed, m/s"
+        default=None, description="column with the web's own speed, no draw or ratio, m/s"
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Explained:
-    """A record after what inputs and general effects explain.
+class Remainder:
+    """A record less what inputs and general effects explain.
 
     Attributes
     ----------
@@ -61,8 +61,8 @@ class Explained:
     residual : outputs less what is explained (outputs, samples).
     outputs : as measured (outputs, samples).
     inputs : as used (inputs, samples).
-    travel_m : integral of the absolute speed, or None.
-    speed_m_s : the absolute speed, or None.
+    travel_m : integral of the web's speed, or None.
+    speed_m_s : the web's speed, or None.
     """
 
     record: Recording
@@ -107,11 +107,6 @@ def record_declaration_in(source: Source) -> RecordDeclaration:
         raise PlantError("\n".join(lines)) from error
 
 
-def read_for(declaration: RecordDeclaration, path: Path) -> Recording:
-    """Return a record under this declaration, see ``read_stamped``."""
-    return read_stamped(declaration, path).record
-
-
 def read_stamped(declaration: RecordDeclaration, path: Path) -> Stamped:
     """Return a record under this declaration; headerless files take its column names.
 
@@ -120,8 +115,8 @@ def read_stamped(declaration: RecordDeclaration, path: Path) -> Stamped:
     PlantError
         When a declared column is missing, or the record cannot be read or is too short.
     """
-    plain = declaration.columns is None
-    record = read_record(path) if plain else _headerless(declaration, path)
+    has_header = declaration.columns is None
+    record = read_record(path) if has_header else _headerless(declaration, path)
     used = {*declaration.outputs, *declaration.inputs}
     if declaration.travel_speed:
         used.add(declaration.travel_speed)
@@ -159,7 +154,7 @@ def read_stamped(declaration: RecordDeclaration, path: Path) -> Stamped:
             f"{path}: sampled every {record.sample_time_s:.5g} s, declared "
             f"{declaration.sample_time_s} s; correct sample_time_s"
         )
-    if not plain:
+    if not has_header:
         return Stamped(record=record, time_s=None, readings={})
     return on_declared_grid(record, declaration.sample_time_s)
 
@@ -170,7 +165,9 @@ def _headerless(declaration: RecordDeclaration, path: Path) -> Recording:
     table = number_table(path, payload, len(names))
     bad = np.argwhere(~(np.abs(table) < CRITERIA.records.largest_reading))
     if bad.size:
-        raise PlantError(f"{path}: column {names[bad[0][1]]}: no reading in line {bad[0][0] + 1}")
+        raise PlantError(
+            f"{path}: column {names[bad[0][1]]}: no reading in file line {bad[0][0] + 1}"
+        )
     columns = {n: table[:, k].copy() for k, n in enumerate(names)}
     return Recording(
         path=path,
@@ -194,8 +191,8 @@ def view_of(declaration: RecordDeclaration, record: Recording, output: str) -> V
     )
 
 
-def left_of(declaration: RecordDeclaration, record: Recording, explained: Array) -> Explained:
-    """Return what is left of a record when ``explained`` (outputs, judged) is taken out."""
+def left_of(declaration: RecordDeclaration, record: Recording, explained: Array) -> Remainder:
+    """Return what is left of a record less ``explained`` (outputs, judged samples)."""
     keep = slice(declaration.taps, record.samples - declaration.taps)
     outputs = np.stack([record.columns[n] for n in declaration.outputs])[:, keep]
     inputs = [record.columns[n][keep] for n in declaration.inputs]
@@ -203,7 +200,7 @@ def left_of(declaration: RecordDeclaration, record: Recording, explained: Array)
     if declaration.travel_speed:
         speed = record.columns[declaration.travel_speed][keep]
         travel = np.cumsum(speed) * record.sample_time_s
-    return Explained(
+    return Remainder(
         record=record,
         residual=outputs - explained,
         outputs=outputs,

@@ -12,7 +12,7 @@ from scipy.special import chdtri
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.spectra.spectral_lines import speed_weights
-from sim_plant.refine.without_line.record_filter import Explained
+from sim_plant.refine.without_line.record_filter import Remainder
 
 WITHOUT_LINE = CRITERIA.without_line
 EVERY_SPEED = "every speed"
@@ -48,7 +48,7 @@ class Seen:
     fundamental: float = 0.0
 
 
-def phase_of(item: Explained, kind: str) -> Array:
+def phase_of(item: Remainder, kind: str) -> Array:
     """Return time, s, or travel, m, from the first judged sample."""
     if kind == "travel" and item.travel_m is not None:
         travel_m: Array = item.travel_m - item.travel_m[0]
@@ -57,7 +57,7 @@ def phase_of(item: Explained, kind: str) -> Array:
     return time_s
 
 
-def strength(item: Explained, white: Array, kind: str, coordinate: float) -> tuple[float, int]:
+def strength(item: Remainder, white: Array, kind: str, coordinate: float) -> tuple[float, int]:
     """Return drop and degrees of a spectral line near a coordinate, in one record alone."""
     moving = item.speed_m_s if item.speed_m_s is not None else np.ones(white.shape[1])
     weights = speed_weights(moving, 2)
@@ -81,7 +81,7 @@ def own_threshold(degrees: int) -> float:
 
 
 def seen(
-    items: Sequence[Explained], whites: Sequence[Array], kind: str, coordinates: Sequence[float]
+    items: Sequence[Remainder], whites: Sequence[Array], kind: str, coordinates: Sequence[float]
 ) -> Seen:
     """Return in which records a spectral line is there on its own, and if its kind is proven.
 
@@ -134,7 +134,7 @@ def _scope(present: Sequence[bool], *, several: bool, kind_proven: bool) -> str:
     return EVERY_RECORD if all(present) else SOME_RECORDS
 
 
-def _kind_proven(item: Explained, white: Array, kind: str, at: float, value: float) -> bool:
+def _kind_proven(item: Remainder, white: Array, kind: str, at: float, value: float) -> bool:
     """Return whether the speed of one record varies enough to part time from travel."""
     if item.speed_m_s is None or item.travel_m is None:
         return False

@@ -17,9 +17,9 @@ from aff_runtime.app.door.messages import DoorMessage, Facts, RingPassed
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.ring import RingReader
-from aff_runtime.telemetry.run_files import read_run
 from tests.aff_runtime.app.fake_plc import GAIN_N_PER_M_S, READY_STATUS
 from tests.aff_runtime.app.service_run import ServiceRun
+from tests.doubles.run_reader import read_run
 from tests.processes import is_running, kill, pause, until
 
 pytestmark = pytest.mark.wire

@@ -20,9 +20,9 @@ from aff_runtime.core.response import Provenance
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from sim_plant.line import open_line
-from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plc import Plc
+from tests.doubles.lockstep_plant import LockstepPlant
 from tests.doubles.virtual_clock import VirtualClock
 
 CONFIG = Path(__file__).parents[3] / "config"

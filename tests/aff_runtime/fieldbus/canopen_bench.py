@@ -14,10 +14,10 @@ from aff_runtime.fieldbus.can.writer import CanWriter
 from aff_runtime.fieldbus.canopen.link import CanopenLink
 from sim_plant.servers.canopen_node import CanopenNetwork
 from sim_plant.servers.faults import parse_fault
-from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.plc import Plc
 from tests.aff_runtime.fieldbus.euclid_can import command
 from tests.doubles.can_lockstep import LockstepBus
+from tests.doubles.lockstep_plant import LockstepPlant
 from tests.doubles.virtual_clock import VirtualClock
 from tests.sim_plant.servers.fake_line import FakeLine, default_map
 

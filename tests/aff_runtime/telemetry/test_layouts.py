@@ -17,9 +17,9 @@ from aff_runtime.telemetry.recorder_messages import (
     note_of,
     report_of,
 )
-from aff_runtime.telemetry.run_files import read_run
 from aff_runtime.telemetry.run_folder import RunFolder
 from tests.aff_runtime.telemetry.heads import head_of
+from tests.doubles.run_reader import read_run
 
 META = RunMeta(
     config_hash="3f9a",

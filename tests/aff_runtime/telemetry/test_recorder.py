@@ -15,7 +15,7 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingWriter
-from aff_runtime.telemetry.run_files import Run, read_run
+from tests.doubles.run_reader import Run, read_run
 
 pytestmark = pytest.mark.processes
 

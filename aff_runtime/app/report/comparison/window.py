@@ -11,6 +11,7 @@ import numpy as np
 
 from aff_runtime.app.report.comparison.turns import Array, Flags
 from aff_runtime.base.printable import printable, word
+from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.run_files import yaml_values
 from aff_runtime.base.run_table import RunTable, few, read_table
 from aff_runtime.base.run_window import RunWindow
@@ -21,8 +22,6 @@ from aff_runtime.base.yaml_section import Section
 LONGEST_GAP_CYCLES = 4.5
 DEFAULT_SPEED = "line_speed_m_s"
 SPEED_CHANGES_SHARE = 0.02
-EXCITING = 2.0
-PROBE = "probe.stage"
 LARGEST_WORD = 2.0**32
 FEWEST_READINGS = 2
 
@@ -85,7 +84,7 @@ def load_window(window: RunWindow) -> Window:
     AffError
         The folder is no run, or holds no rows there.
     """
-    loaded = window_of(read_table(window, keep=lambda name: "." not in name or name == PROBE))
+    loaded = window_of(read_table(window, keep=lambda name: "." not in name or name == STAGE))
     loaded.labels.extend([*loaded.table.lost, *_odd(loaded)])
     return loaded
 
@@ -161,7 +160,7 @@ def _odd(window: Window) -> list[str]:
         said.append(f"{window.time_s.size} rows show readings: nothing can be told")
     if np.any(np.diff(columns["time_s"]) <= 0.0):
         said.append("its clock goes back: turns across that are left out")
-    stage = columns.get(PROBE)
+    stage = columns.get(STAGE)
     if stage is not None and np.any(stage == EXCITING):
         share = float(np.mean(stage == EXCITING))
         said.append(f"the probe's excitation goes out in {100 * share:.0f} % of it")

@@ -20,6 +20,7 @@ from aff_runtime.app.report.watching.tables import HourRow, OrderRow
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.order_columns import RESPONSE_RATIO, SIZES, is_part
 from aff_runtime.base.printable import printable, word
+from aff_runtime.base.probe_columns import STAGE
 from aff_runtime.base.run_files import text_of, yaml_values
 from aff_runtime.base.run_table import LONGEST_RUN_S, FirstRow, few, first_rows, read_table
 from aff_runtime.base.run_window import MARK, RunWindow
@@ -33,12 +34,11 @@ READ_S = 150.0
 PLACES = (0.0, 1.0 / 3.0, 2.0 / 3.0)
 """Where in an hour a stretch is looked for, until one is long enough."""
 ENOUGH_S = 60.0
-PROBE_STAGE = "probe.stage"
 _LARGEST = 1 << 20
 
 
 def _is_needed(column: str) -> bool:
-    return "." not in column or is_part(column, RESPONSE_RATIO, *SIZES) or column == PROBE_STAGE
+    return "." not in column or is_part(column, RESPONSE_RATIO, *SIZES) or column == STAGE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

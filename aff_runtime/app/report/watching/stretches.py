@@ -7,13 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from aff_runtime.app.report.comparison.turns import Array, Flags
-from aff_runtime.app.report.comparison.window import (
-    EXCITING,
-    PROBE,
-    Window,
-    sum_of_corrections,
-    window_of,
-)
+from aff_runtime.app.report.comparison.window import Window, sum_of_corrections, window_of
+from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.run_table import RunTable
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import StateBits, Status
@@ -76,7 +71,7 @@ def _disturbed(table: RunTable) -> Array:
     for name, bit in words:
         word = np.clip(np.nan_to_num(columns.get(name, nothing)), 0.0, 2.0**32).astype(np.int64)
         disturbed |= (word & int(bit)) != 0
-    disturbed |= columns.get(PROBE, nothing) == EXCITING
+    disturbed |= columns.get(STAGE, nothing) == EXCITING
     return disturbed.astype(np.float64)
 
 

@@ -13,7 +13,7 @@ from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import Permission
 from aff_runtime.core.params import BlockParams, ProbeParams
 from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones
-from aff_runtime.core.probe.excitation import LOUDEST, Waveform, log_grid, spread, step_Hz
+from aff_runtime.core.probe.excitation import LOUDEST, Waveform, log_grid, place_tones, step_Hz
 from aff_runtime.core.probe.probe import Probe, Stage
 from aff_runtime.core.response import Provenance, Response
 from tests.aff_runtime.core.plants import (
@@ -207,7 +207,7 @@ def test_record_full_of_holes_is_refused():
 
 
 def test_spread_keeps_its_distance_on_whole_steps():
-    tones = spread([1.0, 1.0, 1.05, 2.0], [1.0, 2.01], 0.1, 0.05)
+    tones = place_tones([1.0, 1.0, 1.05, 2.0], [1.0, 2.01], 0.1, 0.05)
     everything = sorted([*tones, 1.0, 2.01])
     assert len(tones) == 4
     assert all(b - a >= 0.1 - 1e-9 for a, b in pairwise(everything))
@@ -230,7 +230,7 @@ def filled(tones_Hz, cycle_s=CYCLE_S, louder_from_Hz=100.0):
 
 @pytest.mark.parametrize("cycle_s", [0.005, 0.003])
 def test_tones_that_stand_in_octaves_have_a_peak_of_little_more_than_twice_their_rms(cycle_s):
-    tones = spread(log_grid(0.1, 19.0, 40), [], 0.075, step_Hz(cycle_s))
+    tones = place_tones(log_grid(0.1, 19.0, 40), [], 0.075, step_Hz(cycle_s))
     wave, sent = filled(tones, cycle_s)
     assert np.abs(sent).max() <= 1.0
     assert wave.amplitude(1.0) * math.sqrt(0.5 * len(tones)) > 1.0 / 2.3
@@ -282,7 +282,7 @@ def strange(idler_N, idler_Hz=3.55, sigma=0.25, wander_rad=0.0, seed=3):
     tones = [
         Tone(omega_rad_s=math.tau * f, phase_rad=0.7 * k * k, amplitude=0.05 / abs(P.at(f)))
         for k, f in enumerate(
-            spread(log_grid(0.5, 8.0, 28), [0.88 * n for n in range(1, 10)], 0.075, 0.01875)
+            place_tones(log_grid(0.5, 8.0, 28), [0.88 * n for n in range(1, 10)], 0.075, 0.01875)
         )
     ]
     signal = rng.normal(0.0, sigma, time_s.size) + 2.0 * np.cos(theta + 0.4)

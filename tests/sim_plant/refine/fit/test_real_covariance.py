@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.real_covariance import blocks, real_covariance
+from sim_plant.refine.fit.real_covariance import interval_sums, real_covariance
 from tests.sim_plant.refine.small import STEP_S, formula_twin, objective_of, white
 
 CHANNELS, SAMPLES = ("unwind_tension_N", "rewind_tension_N"), 6000
-BLOCK = round(CRITERIA.report.block_s / STEP_S)
+INTERVAL = round(CRITERIA.report.interval_s / STEP_S)
 
 
 def quiet_objective():
@@ -56,22 +56,22 @@ def test_what_pulls_one_way_in_one_part_and_back_in_another_widens_it():
     judged = objective.rows // 2
     fast = np.sin(0.7 * np.arange(judged))
     sign = np.zeros(judged)
-    sign[BLOCK : 2 * BLOCK], sign[5 * BLOCK : 6 * BLOCK] = 1.0, -1.0
+    sign[INTERVAL : 2 * INTERVAL], sign[5 * INTERVAL : 6 * INTERVAL] = 1.0, -1.0
     column = rows_of(objective, np.stack([fast, -fast]))[:, None]
     left = rows_of(objective, 3.0 * np.stack([fast, -fast]) * sign)
     found = real_covariance(objective, column, left)
     power = float(column[:, 0] @ column[:, 0])
-    pulled = 3.0 * power * BLOCK / judged
+    pulled = 3.0 * power * INTERVAL / judged
     assert found.variance[0] == pytest.approx(2.0 * pulled**2 / power**2, rel=0.05)
-    assert found.freedom[0] == len(blocks(objective, column)) - 1
+    assert found.freedom[0] == len(interval_sums(objective, column)) - 1
 
 
 def test_blocks_hold_all_rows_once():
     objective = quiet_objective()
     rows = np.ones((objective.projector.nuisances.shape[0], 1))
-    sums = blocks(objective, rows)[:, 0]
+    sums = interval_sums(objective, rows)[:, 0]
     assert sums.sum() == objective.rows
-    assert sums[0] == 2 * BLOCK
+    assert sums[0] == 2 * INTERVAL
 
 
 def moved_together(noise):

@@ -14,7 +14,7 @@ from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_limits import lines_of, run_limits, shared
 from sim_plant.refine.model.run_match import acting, run_on_line
 from sim_plant.refine.records.recording import Recording, RunFacts
-from sim_plant.refine.records.run_phases import Phases
+from sim_plant.refine.records.run_activity import Activity
 from sim_plant.refine.records.run_site import RunActuator, RunSite
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plant import Plant
@@ -25,7 +25,7 @@ from tests.lockstep.known_response import ROOT
 LINE = load_declaration(ROOT / "config/lines/euclid.yaml")
 STEP_S, ROWS = 0.005, 6000
 TIME_S = np.arange(ROWS) * STEP_S
-NO_PHASES = Phases(on_s=0, off_s=30, probing_s=0, ramp_s=0, saturated_s=0, shadow_s=0)
+NO_ACTIVITY = Activity(on_s=0, off_s=30, probing_s=0, ramp_s=0, saturated_s=0, shadow_s=0)
 SPEED_M_S, UNWIND_M, FOLLOWER_M = 0.9, 0.19, 0.15367
 UNWIND_RAD, FOLLOWER_RAD = SPEED_M_S * TIME_S / UNWIND_M, SPEED_M_S * TIME_S / FOLLOWER_M
 
@@ -61,7 +61,9 @@ def run(columns=None, *, actuators=None, speed_reference="", rolls=None):
         needed=frozenset(given),
         steps=dict.fromkeys((n for n in given if not n.startswith("correction_")), 0.001),
     )
-    facts = RunFacts(site=site, phases=NO_PHASES, delivery_known={"unwind": False}, scan_s=STEP_S)
+    facts = RunFacts(
+        site=site, activity=NO_ACTIVITY, delivery_known={"unwind": False}, scan_s=STEP_S
+    )
     return Recording(
         path=Path("RUN"),
         sha256="0",

@@ -4,6 +4,7 @@ import pytest
 from sim_plant.refine.records.recorded_only import filled
 
 STEP_S = 0.005
+FROM_S = 40.0
 TAKEN_S = np.arange(400) * STEP_S
 RISING = 2.0 + 3.0 * TAKEN_S
 
@@ -11,7 +12,7 @@ RISING = 2.0 + 3.0 * TAKEN_S
 def without(rows):
     values = RISING.copy()
     values[rows] = np.nan
-    return filled(values, TAKEN_S, STEP_S)
+    return filled(values, TAKEN_S, TAKEN_S + FROM_S, STEP_S)
 
 
 def test_what_is_missing_for_four_samples_stands_on_a_straight_line():
@@ -23,9 +24,9 @@ def test_what_is_missing_for_four_samples_stands_on_a_straight_line():
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
-        (slice(100, 106), r"0\.035 s of it are missing 0\.5 s into the piece"),
-        (slice(0, 20), r"0\.1 s of it are missing 0\.0 s into the piece"),
-        (slice(200, 400), r"1 s of it are missing 1\.0 s into the piece"),
+        (slice(100, 106), r"from 40\.49\d? s to 40\.53 s of the run"),
+        (slice(0, 20), r"from 40\.00 s to 40\.10 s of the run"),
+        (slice(200, 400), r"from 40\.99\d? s to 41\.99\d? s of the run"),
     ],
 )
 def test_a_longer_hole_is_named_with_its_place(rows, said):
@@ -41,4 +42,4 @@ def test_a_hole_outside_the_piece_is_none_of_its_business():
 def test_a_reading_that_is_no_number_is_missing():
     values = RISING.copy()
     values[7] = 1e300
-    assert filled(values, TAKEN_S, STEP_S).values == pytest.approx(RISING)
+    assert filled(values, TAKEN_S, TAKEN_S, STEP_S).values == pytest.approx(RISING)

@@ -77,8 +77,8 @@ def test_the_correction_is_the_same_without_the_plcs_own_words(made, run, missin
 def test_on_off_and_the_piece_taken_are_said(made):
     record = read_record(made[0])
     assert record.run is not None
-    assert record.run.phases.on_s == pytest.approx(20.0, abs=1.0)
-    assert record.run.phases.off_s == pytest.approx(25.0, abs=1.0)
+    assert record.run.activity.on_s == pytest.approx(20.0, abs=1.0)
+    assert record.run.activity.off_s == pytest.approx(25.0, abs=1.0)
     assert record.duration_s == pytest.approx(45.0, abs=0.2)
     assert said_of(record, "a splice begins")
     assert said_of(record, "taken is 0.0..45.0 s of the run; left out")
@@ -253,7 +253,7 @@ def test_a_channel_for_the_record_alone_that_is_missing_for_long_is_left_out_and
     assert record.duration_s == read_record(made[0]).duration_s
     assert "swrap_follower_speed_m_s" not in record.columns
     (said,) = said_of(record, "swrap_follower_speed_m_s is left out")
-    assert "s of it are missing 2" in said
+    assert "is missing from 2.00 s to 3.01 s of the run" in said
 
 
 def test_a_reading_that_the_correction_waits_for_and_is_missing_for_long_ends_a_piece(run):

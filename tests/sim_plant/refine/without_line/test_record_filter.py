@@ -10,7 +10,7 @@ from sim_plant.cli.main import main
 from sim_plant.line.load import read_source
 from sim_plant.refine.report.outcome import Plan
 from sim_plant.refine.without_line.pipeline import refine_records
-from sim_plant.refine.without_line.record_filter import read_for, record_declaration_in
+from sim_plant.refine.without_line.record_filter import read_stamped, record_declaration_in
 
 ROOT = Path(__file__).parents[4]
 SHARED = ROOT.parent / "shared/data"
@@ -122,7 +122,7 @@ def test_another_sample_time_is_refused(plan, tmp_path):
     other = tmp_path / "slow.yaml"
     other.write_text(DECLARATION.replace("0.01", "0.02"))
     with pytest.raises(PlantError, match="correct sample_time_s"):
-        read_for(declared_in(other), plan.records[0])
+        read_stamped(declared_in(other), plan.records[0])
 
 
 @pytest.mark.campaign  # quick: the travel line, below

@@ -8,7 +8,11 @@ import pytest
 from sim_plant.line.load import read_source
 from sim_plant.refine.without_line.general.judging import judge
 from sim_plant.refine.without_line.general.search import search
-from sim_plant.refine.without_line.record_filter import read_for, record_declaration_in, view_of
+from sim_plant.refine.without_line.record_filter import (
+    read_stamped,
+    record_declaration_in,
+    view_of,
+)
 
 ROOT = Path(__file__).parents[4]
 SHARED = ROOT.parent / "shared/data"
@@ -27,7 +31,9 @@ def views():
     folder = SHARED / "treadmill_belt"
     return {
         name: view_of(
-            declaration, read_for(declaration, folder / f"Random{name}.txt.gz"), "Pitch_Moment_N_m"
+            declaration,
+            read_stamped(declaration, folder / f"Random{name}.txt.gz").record,
+            "Pitch_Moment_N_m",
         )
         for name in ("SlowSpeed1", "SlowSpeed2", "FastSpeed1")
     }

@@ -8,22 +8,22 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.signals import State, StateBits
 from sim_plant.base.arrays import Array
 
-EXCITING = 2.0
-"""Stage of a probe in which its excitation goes out."""
 RAMP_LOOK_S = 1.0
 RAMP_SHARE = 0.01
 """A speed that changes by more than this share of its highest within a second is a ramp."""
 LIMITED_SHARE = 0.999
-LARGEST_WORD = 2.0**32
+"""A correction of which less goes out is cut by a limit."""
+LARGEST_STATE_BITS = 2.0**32 - 1.0
 
 Flags = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Phases:
+class Activity:
     """How long each lasted in a piece, s; probing counts as neither on nor off.
 
     Attributes
@@ -45,39 +45,41 @@ class Phases:
         """Return them as they are said of a record."""
         parts = [("AFF on", self.on_s), ("off", self.off_s), ("probing", self.probing_s)]
         said = [", ".join(f"{name} {length:.4g} s" for name, length in parts if length > 0.0)]
+        if self.shadow_s > 0.0:
+            said.append(
+                f"off in shadow, computed and not sent: {self.shadow_s:.3g} s of the time off"
+            )
         if self.ramp_s > 0.0:
             said.append(f"the line speed changes for {self.ramp_s:.3g} s")
-        if self.shadow_s > 0.0:
-            said.append(f"{self.shadow_s:.3g} s of that in shadow: computed, not sent")
         if self.saturated_s > 0.0:
             said.append(
-                f"AFF was at a limit for {self.saturated_s:.3g} s: what it sent is taken as sent"
+                f"AFF was at a limit for {self.saturated_s:.3g} s: the record holds what went out"
             )
         return said
 
 
-def phases_of(
-    columns: Mapping[str, Array], sent: Sequence[Array], speed_m_s: Array, step_s: float
-) -> Phases:
-    """Return the phases of samples; ``columns`` and ``sent`` (per actuator) are (samples,)."""
-    stage = columns.get("probe.stage", np.full(speed_m_s.shape, np.nan))
+def activity_of(
+    columns: Mapping[str, Array], acted: Sequence[Array], speed_m_s: Array, step_s: float
+) -> Activity:
+    """Return how long each lasted; ``columns`` and ``acted`` (per actuator) are (samples,)."""
+    stage = columns.get(STAGE, np.full(speed_m_s.shape, np.nan))
     going = np.zeros(speed_m_s.shape, dtype=np.bool_)
-    for values in sent:
+    for values in acted:
         going |= values != 0.0
     probing = (stage == EXCITING) & going
     shadow = columns["state"] == State.SHADOW
-    words = np.clip(np.nan_to_num(columns["state_bits"]), 0.0, LARGEST_WORD)
+    words = np.clip(np.nan_to_num(columns["state_bits"]), 0.0, LARGEST_STATE_BITS)
     limited = (words.astype(np.int64) & int(StateBits.SATURATED)) != 0
     for name, values in columns.items():
         if name.startswith("limit_ratio_"):
             limited |= values < LIMITED_SHARE
-    return Phases(
+    return Activity(
         on_s=step_s * float(np.sum(going & ~probing)),
         off_s=step_s * float(np.sum(~going & ~probing)),
         probing_s=step_s * float(np.sum(probing)),
         ramp_s=step_s * float(np.sum(ramps(speed_m_s, step_s))),
         saturated_s=step_s * float(np.sum(limited & going)),
-        shadow_s=step_s * float(np.sum(shadow)),
+        shadow_s=step_s * float(np.sum(shadow & ~going)),
     )
 
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from aff_runtime.base.probe_columns import EXCITING
 from aff_runtime.base.signals import State, StateBits
-from sim_plant.refine.records.run_phases import EXCITING, box_mean, phases_of, ramps
+from sim_plant.refine.records.run_activity import activity_of, box_mean, ramps
 
 STEP_S, ROWS = 0.01, 10_000
 TIME_S = np.arange(ROWS) * STEP_S
@@ -23,26 +24,33 @@ def at(first_s, last_s, value=1.0, other=0.0):
 def test_on_off_and_probing_add_up_to_the_window():
     sent = at(20.0, 60.0, 0.01)
     probe = columns(**{"probe.stage": at(20.0, 45.0, EXCITING, np.nan)})
-    found = phases_of(probe, [sent, np.zeros(ROWS)], SPEED, STEP_S)
+    found = activity_of(probe, [sent, np.zeros(ROWS)], SPEED, STEP_S)
     assert (found.off_s, found.probing_s, found.on_s) == pytest.approx((60.0, 25.0, 15.0))
     assert found.sentences()[0] == "AFF on 15 s, off 60 s, probing 25 s"
 
 
-def test_an_aff_at_its_limit_is_named_with_what_is_taken_for_sent():
+def test_an_aff_at_its_limit_is_named_with_what_the_record_holds():
     sent = at(0.0, 100.0, 0.05)
     bits = columns(state_bits=at(10.0, 14.0, float(StateBits.SATURATED)))
     ratio = columns(limit_ratio_unwind_m_s=at(10.0, 14.0, 0.8, 1.0))
     for told in (bits, ratio):
-        found = phases_of(told, [sent], SPEED, STEP_S)
+        found = activity_of(told, [sent], SPEED, STEP_S)
         assert found.saturated_s == pytest.approx(4.0)
-        assert "AFF was at a limit for 4 s: what it sent is taken as sent" in found.sentences()
-    assert phases_of(bits, [np.zeros(ROWS)], SPEED, STEP_S).saturated_s == 0.0
+        assert "AFF was at a limit for 4 s: the record holds what went out" in found.sentences()
+    assert activity_of(bits, [np.zeros(ROWS)], SPEED, STEP_S).saturated_s == 0.0
 
 
 def test_shadow_is_off():
     told = columns(state=at(0.0, 30.0, float(State.SHADOW), float(State.READY)))
-    found = phases_of(told, [np.zeros(ROWS)], SPEED, STEP_S)
+    found = activity_of(told, [np.zeros(ROWS)], SPEED, STEP_S)
     assert (found.off_s, found.shadow_s) == pytest.approx((100.0, 30.0))
+    assert "off in shadow, computed and not sent: 30 s of the time off" in found.sentences()
+
+
+def test_shadow_in_which_something_acted_is_not_off():
+    told = columns(state=at(0.0, 30.0, float(State.SHADOW), float(State.READY)))
+    found = activity_of(told, [at(20.0, 40.0, 0.01)], SPEED, STEP_S)
+    assert (found.off_s, found.on_s, found.shadow_s) == pytest.approx((80.0, 20.0, 20.0))
 
 
 def test_a_ramp_is_where_the_speed_changes_and_ripple_is_none():

@@ -3,8 +3,8 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Outcome, StateBits, Status
 from sim_plant.servers.faults import FaultBoard, parse_fault
-from sim_plant.servers.lockstep import LockstepPlant
 from sim_plant.servers.plc import Plc
+from tests.doubles.lockstep_plant import LockstepPlant
 from tests.sim_plant.servers.fake_line import FakeLine, N_PER_m_s, default_map, write_block
 
 TICK_s = 0.005
