@@ -11,7 +11,7 @@ from aff_hmi.press_desk import PressDesk
 from aff_hmi.reason import explained
 from aff_hmi.sessions import Session, Sessions
 from aff_hmi.watch import Seen
-from aff_hmi.words import Say
+from aff_hmi.words import N_, Say
 from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.may import (
     WORDS,
@@ -32,6 +32,7 @@ from aff_runtime.base.signals import State
 FRESH_S = 0.7
 KEPT_MOMENTS = 64
 KEPT_TEXTS = 64  # of what sessions are told, while nothing of it changes
+SAID_AT_BUTTON = 3  # two of the person, one of the line: what a phone shows in three lines
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,7 +74,7 @@ class Hand:
         self._texts: dict[tuple[object, ...], str] = {}
         self._moments: deque[Moment] = deque(maxlen=KEPT_MOMENTS)
         self._state: State | None = None
-        self._blocked = ""
+        self._blocked, self._also_blocking = "", tuple[str, ...]()
         self._probing = self._trying = False
 
     def look(self, seen: Seen, number: int) -> None:
@@ -84,6 +85,7 @@ class Hand:
         is_fresh = seen.writer_lives and age_s is not None and age_s < FRESH_S
         self._state = seen.row.state if seen.row is not None and is_fresh else None
         self._blocked = seen.facts.blocked if seen.facts is not None else ""
+        self._also_blocking = seen.facts.also_blocking if seen.facts is not None else ()
         self._probing = seen.facts is not None and seen.facts.status.probing
         self._trying = seen.facts is not None and bool(seen.facts.status.trying)
         self._remote = seen.row is not None and seen.row.is_remote
@@ -137,10 +139,7 @@ class Hand:
         if key not in self._texts:
             if len(self._texts) >= KEPT_TEXTS:
                 self._texts.clear()
-            why = {
-                action.value: [said_in(one, say) for one in may(action, person, around)]
-                for action in Action
-            }
+            why = {action.value: shortened(may(action, person, around), say) for action in Action}
             self._texts[key] = json.dumps(
                 {**said, "why": why}, ensure_ascii=False, separators=(",", ":")
             )
@@ -158,6 +157,7 @@ class Hand:
         return Circumstances(
             state=self._state if self.desk.rules is not None else None,
             blocked=self._blocked,
+            also_blocking=self._also_blocking,
             ceiling=rules.ceiling,
             arms_from=rules.arms_from,
             hand_of=hand_of,
@@ -166,6 +166,15 @@ class Hand:
             remote=self._remote,
             bypass_from=self._bypass_from,
         )
+
+
+def shortened(reasons: tuple[Reason, ...], say: Say) -> list[str]:
+    """Return what a button says; its place is small, and the whole list stands with the state."""
+    texts = [said_in(one, say) for one in reasons]
+    if len(texts) <= SAID_AT_BUTTON:
+        return texts
+    more = say(N_("{count} more reasons, see State")).format(count=len(texts) - SAID_AT_BUTTON)
+    return [*texts[:SAID_AT_BUTTON], more]
 
 
 def said_in(reason: Reason, say: Say) -> str:

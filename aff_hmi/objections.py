@@ -36,6 +36,8 @@ SENTENCES = {
         "(counts per turn of the roll, gear), the radius or the channel"
     ): ENCODER,
 }
+MORE = N_("and {count} more")
+_MORE = re.compile(r"and (\d+) more")
 PREFIXED = "{actuator}: "
 BY_GUARD = {
     N_("REMOTE=1: the PLC arms, by its reset"): N_("arm at the PLC, or turn its key to local"),
@@ -45,6 +47,9 @@ BY_GUARD = {
 
 def translated(blocked: str, say: Say) -> tuple[str, str] | None:
     """Return an objection and what to do about it; None for a sentence that is not known."""
+    more = _MORE.fullmatch(blocked)
+    if more is not None:
+        return say(MORE).format(count=more[1]), say(N_("clear those that are listed first"))
     if blocked in BY_GUARD:
         return say(blocked) if "=1:" in blocked else blocked, say(BY_GUARD[blocked])
     for sentence, to_do in SENTENCES.items():

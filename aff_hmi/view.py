@@ -14,7 +14,7 @@ from itertools import groupby
 
 from aff_hmi.layout import Layout
 from aff_hmi.notices import RANK, Notice, is_probing, notices_of
-from aff_hmi.reason import SHAPES, STARTING, reason_of
+from aff_hmi.reason import SHAPES, STARTING, Reason, explained, reason_of
 from aff_hmi.watch import Seen
 from aff_hmi.window import WINDOW_S
 from aff_hmi.words import N_, Say
@@ -32,6 +32,7 @@ SHOWN_EVENTS = 6
 TURNS = 2.0  # over which a law listens to one order
 GONE = "GONE"
 LOW = RANK[Priority.LOW]
+NOT_IN_THE_WAY = (GONE, STARTING, State.ACTIVE.name, State.ARMED.name)
 GOES_OUT = (State.ACTIVE, State.FADING)
 DOUBT = N_("the service does not believe it: stuck, no number, or out of range")
 _IMPLAUSIBLE = re.compile(
@@ -66,6 +67,7 @@ class View:
     facts_age_s : since the supervisor spoke.
     plc_late_s, plc_dead_s : ages at which the service holds, and gives up.
     state, word, shape, why, to_do : the guard's state, in words; ``word`` is translated.
+    also : all that stands against an armed output besides ``why``.
     heart : heartbeat value of the PLC; what moves on the screen moves by it.
     values : numbers by slot. ``notes`` : words beside numbers, by slot.
     doubted : slots of what the guard does not believe now; they are not shown as alive.
@@ -82,6 +84,7 @@ class View:
     shape: str = ""
     why: str = ""
     to_do: str = ""
+    also: tuple[Reason, ...] = ()
     heart: int = 0
     config: str = ""
     values: dict[str, float | None] = field(default_factory=dict)
@@ -129,6 +132,7 @@ def view_of(
         shape=SHAPES.get(state, "?"),
         why=why,
         to_do=to_do,
+        also=tuple(_also(seen, state, say)),
         heart=int(_finite(row.number("plc_heartbeat"))) if row is not None else 0,
         config=facts.status.config_hash[:8] if facts is not None else "",
         values=values,
@@ -195,6 +199,15 @@ def _why(
         state, seen.row.alarm if seen.row is not None else 0, blocked, say, standing
     )
     return reason.why, reason.to_do
+
+
+def _also(seen: Seen, state: str, say: Say) -> Iterator[Reason]:
+    """Yield what else stands against an armed output, where ``why`` says what does first."""
+    if seen.facts is None or state in NOT_IN_THE_WAY or is_probing(seen):
+        return
+    for text in seen.facts.also_blocking:
+        why, to_do = explained(printable(text, 200), say)
+        yield Reason(why=why, to_do=to_do)
 
 
 def rests(state: State) -> bool:

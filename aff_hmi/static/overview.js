@@ -69,6 +69,8 @@ function showFrame() {
   }
   put(byId("why"), frame.why);
   put(byId("to-do"), frame.to_do);
+  byId("also-part").hidden = frame.also.length === 0;
+  fill("also", frame.also, alsoItem, "");
   put(byId("config"), frame.config || words.none);
   root.dataset.state = frame.state;
   root.dataset.urgent = String(frame.alarms[0]?.rank ?? "");
@@ -100,6 +102,10 @@ function item(parts) {
 function comingItem({ text, radius_mm }) {
   const radius = `${number(inUnit(radius_mm, "mm"), digitsOf(0, "mm"))} ${unitName("mm")}`;
   return item([["span", "", text.replace("{radius}", radius)]]);
+}
+
+function alsoItem({ why, to_do }) {
+  return item([["span", "", why], ["span", "do", `${words.todo}: ${to_do}`]]);
 }
 
 function alarmItem(alarm) {
@@ -213,6 +219,7 @@ function blank() {
     shownLists.delete(name);
   }
   for (const name of ["why", "to-do", "was"]) put(byId(name), "");
+  byId("also-part").hidden = true;
   look();
 }
 

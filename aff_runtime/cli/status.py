@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from aff_runtime.app.report.block_status import BlockStatus
-from aff_runtime.app.report.status import headline
+from aff_runtime.app.report.status import explain, headline
 from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import LATCHED_STATES
@@ -50,9 +50,16 @@ def is_alarm(answer: StatusAnswer) -> bool:
     return answer.state in LATCHED and code not in NO_ALARM
 
 
+def _stands(answer: StatusAnswer) -> Iterator[str]:
+    """Yield the state with all that stands against an armed output."""
+    yield f"{answer.line}: {headline(answer)}"
+    for text in answer.live.also_blocking if answer.live is not None else ():
+        yield f"         and by {explain(text)}"
+
+
 def lines(answer: StatusAnswer) -> Iterator[str]:
     """Yield the status as text."""
-    yield f"{answer.line}: {headline(answer)}"
+    yield from _stands(answer)
     whole, site = answer.config_hash, answer.site_hash
     yield f"config   {whole[:12]}, PLC word 0x{whole[-4:]}; site file alone {site[:12]}"
     for text in answer.learned:

@@ -33,7 +33,7 @@ class Inbox:
         self._advice_every_ticks = advice_every_ticks
         self._pending_swap: Swap | None = None
         self._waiting: deque[Message] = deque()
-        self._last_blocked = ""
+        self._last_blocked: tuple[str, ...] = ()
 
     def listen(self, tick: int) -> None:
         """Obey every message there is; ask the law's side for advice now and then."""
@@ -95,7 +95,7 @@ class Inbox:
         advice = self._outside.advise(self.law)
         self._guard.objections = advice.objections
         self._guard.ripple_rose = advice.ripple_rose
-        blocked = self._guard.first_blocking()
+        blocked = self._guard.reasons()
         if blocked != self._last_blocked:
             self._last_blocked = blocked
             self._outside.blocked(blocked)

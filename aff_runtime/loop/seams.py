@@ -73,6 +73,10 @@ class GuardPort(Protocol):
         """Return what stands against an armed output, or ``''``."""
         ...
 
+    def reasons(self) -> tuple[str, ...]:
+        """Return all that stands against an armed output, the first one first."""
+        ...
+
     def drain_events(self) -> list[tuple[int, int]]:
         """Return (tick, code) since the last call."""
         ...
@@ -101,8 +105,8 @@ class Outside(Protocol):
         """Pass on the traceback of an internal fault."""
         ...
 
-    def blocked(self, text: str) -> None:
-        """Pass on what stands against an armed output, ``''`` when nothing does; on change."""
+    def blocked(self, reasons: tuple[str, ...]) -> None:
+        """Pass on all that stands against an armed output, the first one first; on change."""
         ...
 
     def poll(self) -> Sequence[Message]:

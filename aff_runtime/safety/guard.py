@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from aff_runtime.base.events import BY_CODE, BY_NAME
+from collections.abc import Iterator
+
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import (
     LATCHED_STATES,
     ActuatorStep,
@@ -21,6 +23,7 @@ from aff_runtime.safety.limits import Limiter, makes_sense
 from aff_runtime.safety.line_check import LineCheck
 from aff_runtime.safety.params import GuardParams
 from aff_runtime.safety.plc_reset import PlcReset
+from aff_runtime.safety.reasons import reasons
 from aff_runtime.safety.state_machine import Inputs, Standing, advance
 from aff_runtime.safety.state_word import state_word
 
@@ -29,6 +32,7 @@ _BYPASSED = BY_NAME["BYPASSED"].code
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
 _SECOND_MASTER = bit("SECOND_MASTER")
 _APPLIED_DIFFERS = bit("APPLIED_DIFFERS")
+_APPLIED_CODE = BY_NAME["APPLIED_DIFFERS"].code
 _OF_START = bit("PLC_STALE") | bit("OVERRUN")  # no news until there was a connection
 _IDLE_SCANS = 3  # of the PLC, without ACTIVE and FADING, before a new start
 _ZEROS_TO_SEND = 3  # commands with zero that still say FADING: the PLC holds what it last accepted
@@ -150,8 +154,12 @@ class Guard:
 
     def first_blocking(self) -> str:
         """Return ``blocked by <reason>`` for the first thing against an armed output, or ''."""
-        reason = self._first_reason()
+        reason = next(self._reasons(), "")
         return f"blocked by {reason}" if reason else ""
+
+    def reasons(self) -> tuple[str, ...]:
+        """Return all that stands against an armed output; the first is ``first_blocking``'s."""
+        return tuple(self._reasons())
 
     def drain_events(self) -> list[tuple[int, int]]:
         """Return (tick, event code) of everything since the last call."""
@@ -316,23 +324,20 @@ class Guard:
             self.standing = Standing(state=State.FAULT)
             self._first_cause = first_code(cause)
 
-    def _first_reason(self) -> str:
-        latching = self._causes & LATCHING
-        if latching:
-            name, detail = BY_CODE[first_code(latching)].name, self._line.unbelievable
-            if latching & -latching == _APPLIED_DIFFERS:
-                detail = self._applied.finding([a.name for a in self.params.actuators])
-            return f"{name} ({detail})" if detail else name
-        if self._causes & _PERMISSIVE_LOST:
-            return self._line.first_missing()
-        if self._causes & FADING:
-            return BY_CODE[first_code(self._causes & FADING)].name
-        if self.objections:
-            return self.objections[0]
-        if self._shadow:
-            return "SHADOW=1"
-        by_plc = self._plc_reset.remote and not self.standing.armed
-        return "REMOTE=1: the PLC arms, by its reset" if by_plc else ""
+    def _reasons(self) -> Iterator[str]:
+        return reasons(
+            self._causes,
+            detail=self._detail,
+            missing=self._line.missing() if self._causes & _PERMISSIVE_LOST else (),
+            objections=self.objections,
+            shadow=self._shadow,
+            by_plc=self._plc_reset.remote and not self.standing.armed,
+        )
+
+    def _detail(self, code: int) -> str:
+        if code == _APPLIED_CODE:
+            return self._applied.finding([a.name for a in self.params.actuators])
+        return self._line.unbelievable.get(code, "")
 
     def _alarm(self) -> int:
         state = self.standing.state

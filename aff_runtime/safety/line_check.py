@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from math import nan
 
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import Outcome, Snapshot, Status
 from aff_runtime.safety.causes import bit
 from aff_runtime.safety.params import GuardParams
@@ -12,6 +13,7 @@ from aff_runtime.safety.plausibility import ChannelCheck, RadiusCheck
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
 _SPLICE = bit("SPLICE")
 _RADIUS_JUMP = bit("RADIUS_JUMP")
+_RADIUS_CODE = BY_NAME["RADIUS_JUMP"].code
 _SPLICE_ACTIVE = int(Status.SPLICE_ACTIVE)  # a plain number: `&` of a flag costs 2 us a tick
 
 
@@ -24,7 +26,7 @@ class LineCheck:
     Attributes
     ----------
     gates : per actuator, whether the line is fast enough (with hysteresis).
-    unbelievable : name of the first channel that cannot be true; empty when all can.
+    unbelievable : first channel that cannot be true by the code of its event; empty when all can.
     believes : whether the law may use the last readings. A jump of a radius alone is no reason
         against that: the correction fades for it, and tension and speed are as good as before.
     """
@@ -36,7 +38,7 @@ class LineCheck:
         self._splice_until_ns: int | None = None
         self._judged_ns: int | None = None
         self.gates = [False] * len(params.actuators)
-        self.unbelievable = ""
+        self.unbelievable: dict[int, str] = {}
         self.believes = True
         self.adopt(params)
 
@@ -61,12 +63,9 @@ class LineCheck:
             radius.forget()
         self._signal_causes &= ~_RADIUS_JUMP
 
-    def first_missing(self) -> str:
-        """Return the first permissive that is missing, as ``WEB_INTACT=0``; empty when none is."""
-        for permissive in self._permissives:
-            if not self._status & permissive:
-                return f"{permissive.name}=0"
-        return ""
+    def missing(self) -> tuple[str, ...]:
+        """Return the permissives that are missing, as ``WEB_INTACT=0``."""
+        return tuple(f"{one.name}=0" for one in self._permissives if not self._status & one)
 
     def judge(self, snapshot: Snapshot, now_ns: int) -> int:
         """Return the causes present in the line at ``now_ns`` as a mask of event codes."""
@@ -102,12 +101,12 @@ class LineCheck:
         running = self._status & self._need == self._need and (was_fast_enough or self.fast_enough)
         causes = 0
         possible = True
-        unbelievable = ""
+        unbelievable: dict[int, str] = {}
         for channel in self._channels:
             value = _value(values, channel.params.channel)
             if not channel.is_plausible(value, elapsed_s, running):
                 causes |= 1 << channel.params.event
-                unbelievable = unbelievable or channel.params.name
+                unbelievable.setdefault(channel.params.event, channel.params.name)
             possible = possible and channel.is_possible(value)
         self.believes = causes == 0 and possible
         splicing = self._is_splicing(now_ns)
@@ -116,7 +115,7 @@ class LineCheck:
                 radius.forget()
             elif not radius.is_plausible(_value(values, radius.params.channel)):
                 causes |= _RADIUS_JUMP
-                unbelievable = unbelievable or radius.params.name
+                unbelievable.setdefault(_RADIUS_CODE, radius.params.name)
         self._signal_causes = causes
         self.unbelievable = unbelievable
 

@@ -69,7 +69,7 @@ class Listener:
         """Show what went wrong inside a tick."""
         print(text, file=sys.stderr)
 
-    def blocked(self, text: str) -> None:
+    def blocked(self, reasons: tuple[str, ...]) -> None:
         """Ignore what stands against arming."""
 
     def adopt(self, guard_params: object) -> None:

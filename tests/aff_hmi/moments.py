@@ -87,7 +87,7 @@ def facts(**more: object) -> Facts:
         meetings=(MEETING,),
         facts=LINE,
     )
-    named = {name: more.pop(name) for name in ("blocked", "wire") if name in more}
+    named = {name: more.pop(name) for name in ("blocked", "also_blocking", "wire") if name in more}
     return Facts(status=replace(status, **more), **named)  # type: ignore[arg-type]
 
 

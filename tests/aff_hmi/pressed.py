@@ -124,9 +124,11 @@ class Pressed:
         self.frame = 0
         self.show(State.READY)
 
-    def show(self, state: State, blocked: str = "", **more: float) -> None:
+    def show(
+        self, state: State, blocked: str = "", also: tuple[str, ...] = (), **more: float
+    ) -> None:
         """Make a frame in which the guard has a state."""
-        told = facts(blocked=blocked)
+        told = facts(blocked=blocked, also_blocking=also)
         seen = Seen(
             facts=replace(told, status=replace(told.status, trying=self._trying)),
             facts_age_s=0.1,

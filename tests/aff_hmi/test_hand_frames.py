@@ -93,6 +93,28 @@ def test_each_socket_shows_its_own_session_as_it_is_now(
     assert {one["state"] for one in frames[3:]} == {"ACTIVE"}
 
 
+def test_a_button_says_the_first_reasons_and_counts_the_others_which_the_state_lists(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    quick(monkeypatch)
+    at = Pressed(tmp_path)
+    anna = at.browser("anna")
+
+    async def play() -> dict[str, Any]:
+        socket = Socket(at.gate, anna.cookie)
+        await socket.begin()
+        at.show(State.OFF, "LINE_RUN=0", tuple(f"unwind: unknown {i}" for i in range(5)))
+        found = await socket.frame()
+        await socket.end()
+        return found
+
+    frame = asyncio.run(play())
+    why = frame["own"]["why"]["arm"]
+    assert why[:2] == ["take the hand first", "blocked by LINE_RUN=0: the line does not run"]
+    assert why[-1] == f"{1 + 1 + 5 - (len(why) - 1)} more reasons, see State"
+    assert [one["why"] for one in frame["also"]] == [f"unwind: unknown {i}" for i in range(5)]
+
+
 def test_a_screen_for_looking_only_shows_no_session(tmp_path: Path) -> None:
     app, hub = screen(tmp_path, VirtualClock(1))
 

@@ -58,7 +58,7 @@ def test_every_sentence_is_one_that_law_or_guard_can_say() -> None:
         "core/blocks/bank.py",
         "core/shape/confidence.py",
         "core/shape/law.py",
-        "safety/guard.py",
+        "safety/reasons.py",
     )
     for sentence in (*SENTENCES, *BY_GUARD):
         fixed = max(re.split(r"\{\w+\}", sentence), key=len)
@@ -70,6 +70,13 @@ def test_a_name_of_the_site_file_cannot_become_a_place_for_another_text() -> Non
         "{roll}: {0.__class__}: its roll does not turn, or its angle is not known", ENGLISH
     ) or ("", "")
     assert english.startswith("{roll}: {0.__class__}: its roll")
+
+
+def test_how_many_more_there_are_is_told_too() -> None:
+    assert translated("and 12 more", GERMAN) == (
+        "und 12 weitere",
+        "zuerst das beseitigen, was in der Liste steht",
+    )
 
 
 def test_what_is_no_known_sentence_is_left_as_it_is() -> None:

@@ -256,6 +256,29 @@ def test_an_encoder_that_is_not_believed_asks_for_somebody(
     assert conditions_of(without, "ACTIVE") == ()
 
 
+def test_all_that_stands_in_the_way_is_shown_each_with_what_to_do() -> None:
+    others = ("WEB_INTACT=0", "SPLICE", "SHADOW=1", "unwind: no measured response; run the probe")
+    moment = seen(row(State.OFF), facts=facts(blocked="LINE_RUN=0", also_blocking=others))
+    view = shown(moment)
+    assert view.why == "blocked by LINE_RUN=0: the line does not run"
+    assert [one.why.split(":")[0] for one in view.also] == [
+        "WEB_INTACT=0",
+        "SPLICE",
+        "SHADOW=1",
+        "unwind",
+    ]
+    assert all(one.to_do for one in view.also)
+    german = view_of(moment, layout(seen()), say_in("de"))
+    assert not {one.why for one in view.also[:2]} & {one.why for one in german.also[:2]}
+    assert not {one.to_do for one in view.also} & {one.to_do for one in german.also}
+
+
+@pytest.mark.parametrize("state", [State.ACTIVE, State.ARMED])
+def test_what_an_armed_output_leaves_to_the_law_is_not_in_its_way(state: State) -> None:
+    told = facts(blocked="unwind: a", also_blocking=("unwind: b",))
+    assert shown(seen(row(state), facts=told)).also == ()
+
+
 def test_an_alarm_names_the_signal_that_the_guard_names() -> None:
     code = BY_NAME["TENSION_IMPLAUSIBLE"].code
     for blocked, name in (

@@ -86,8 +86,8 @@ class Outside:
     def fault_text(self, text: str) -> None:
         self.faults.append(text)
 
-    def blocked(self, text: str) -> None:
-        self.blocked_by = text
+    def blocked(self, reasons: tuple[str, ...]) -> None:
+        self.blocked_by = "; ".join(reasons)
 
     def poll(self) -> Sequence[Message]:
         messages, self.inbox = self.inbox, []

@@ -120,7 +120,7 @@ class Around:
     def fault_text(self, text: str) -> None:
         pass
 
-    def blocked(self, text: str) -> None:
+    def blocked(self, reasons: tuple[str, ...]) -> None:
         pass
 
     def poll(self) -> Sequence[Message]:

@@ -44,7 +44,8 @@ class ServiceBench(MatrixBench):
     """The matrix's bench, with the control process's own outside and a link to it."""
 
     def __init__(self) -> None:
-        self.blocked, self.asked, self.replies = "", 0, dict[int, replies.Reply]()
+        self.blocked, self.others = "", tuple[str, ...]()
+        self.asked, self.replies = 0, dict[int, replies.Reply]()
         self.probed: messages.Probed | None = None
         super().__init__("modbus")
         kept = self.cycle
@@ -76,7 +77,7 @@ class ServiceBench(MatrixBench):
     def hear(self) -> None:
         while (message := self.link.receive()) is not None:
             if isinstance(message, messages.Blocked):
-                self.blocked = message.text.removeprefix("blocked by ")
+                self.blocked, self.others = message.text, message.others
             elif isinstance(message, replies.Reply):
                 self.replies[message.id] = message
             elif isinstance(message, messages.Probed):
@@ -234,7 +235,9 @@ def test_what_may_says_of_arm_is_what_the_service_answers(
     assert bench.guard.state is state
     shows(bench, spec)
     before = bench.guard.state
-    now = Circumstances(state=before, blocked=bench.blocked, ceiling=Role.OPERATE)
+    now = Circumstances(
+        state=before, blocked=bench.blocked, also_blocking=bench.others, ceiling=Role.OPERATE
+    )
     reasons = may(Action.ARM, OWN, now)
     answer = bench.reply()
     if not reasons:
@@ -256,7 +259,9 @@ def test_what_may_says_of_probe_is_what_comes_of_it(
     WAYS[state](bench)
     shows(bench, lasting(spec))
     before = bench.guard.state
-    now = Circumstances(state=before, blocked=bench.blocked, ceiling=Role.COMMISSION)
+    now = Circumstances(
+        state=before, blocked=bench.blocked, also_blocking=bench.others, ceiling=Role.COMMISSION
+    )
     reasons = may(Action.PROBE, CARL, now)
     error = bench.probe_error()
     if not reasons:
@@ -276,7 +281,7 @@ def test_bypass_is_never_refused_and_always_done(
 ) -> None:
     WAYS[state](bench)
     shows(bench, spec)
-    now = Circumstances(state=bench.guard.state, blocked=bench.blocked)
+    now = Circumstances(state=bench.guard.state, blocked=bench.blocked, also_blocking=bench.others)
     assert may(Action.BYPASS, Person(role=Role.VIEW, place=Place.NETWORK), now) == ()
     bench.bypass()
     bench.run(0.05)
@@ -291,7 +296,9 @@ def test_what_may_says_of_shadow_is_what_comes_of_it(
     WAYS[state](bench)
     shows(bench, lasting(spec))
     before = bench.guard.state
-    now = Circumstances(state=before, blocked=bench.blocked, ceiling=Role.OPERATE)
+    now = Circumstances(
+        state=before, blocked=bench.blocked, also_blocking=bench.others, ceiling=Role.OPERATE
+    )
     reasons = may(Action.SHADOW, OWN, now)
     bench.link.send(messages.Shadow(id=99, on=True))
     bench.run(0.1)
@@ -318,7 +325,9 @@ def test_what_may_says_of_forgetting_is_what_the_service_answers(
     WAYS[state](bench)
     shows(bench, lasting(spec))
     before, is_quiet = bench.guard.state, bench.guard.quiet
-    now = Circumstances(state=before, blocked=bench.blocked, ceiling=Role.OPERATE)
+    now = Circumstances(
+        state=before, blocked=bench.blocked, also_blocking=bench.others, ceiling=Role.OPERATE
+    )
     reasons = may(Action.FORGET, OWN, now)
     bench.asked += 1
     bench.link.send(messages.Forget(id=bench.asked))

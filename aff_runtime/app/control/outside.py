@@ -120,9 +120,9 @@ class ControlOutside:
         for line in text[-4000:].split("\n"):
             self._say(line)
 
-    def blocked(self, reason: str) -> None:
+    def blocked(self, reasons: tuple[str, ...]) -> None:
         """Tell the supervisor what stands against an armed output, for ``status``."""
-        self._link.send(messages.Blocked(text=reason))
+        self._link.send(messages.Blocked.by(reasons))
 
     def adopt(self, settings: object) -> None:
         """Hand new settings to the guard."""

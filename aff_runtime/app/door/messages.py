@@ -45,12 +45,14 @@ class Facts:
     Attributes
     ----------
     status : the answer to ``status`` with ``live`` None.
-    blocked : what stands against an armed output, in the control process's words.
+    blocked : what stands against an armed output, in the control process's words;
+        ``also_blocking`` : what else does.
     wire : what is wrong with the wire.
     """
 
     status: StatusAnswer
     blocked: str = ""
+    also_blocking: tuple[str, ...] = ()
     wire: tuple[str, ...] = ()
 
 
@@ -72,8 +74,9 @@ class DoorMessageError(ValueError):
 def encode(message: DoorMessage) -> bytes:
     """Return a message as one packet."""
     match message:
-        case Facts(status=status, blocked=blocked, wire=wire):
-            said = {"push": "facts", "status": status.to_json(), "blocked": blocked, "wire": wire}
+        case Facts(status=status, blocked=blocked, also_blocking=also, wire=wire):
+            said = {"push": "facts", "status": status.to_json(), "wire": wire}
+            said |= {"blocked": blocked, "also_blocking": also}
         case RingPassed():
             said = {"push": "ring"}
         case _:
@@ -97,6 +100,7 @@ def decode(packet: bytes) -> DoorMessage:
                 return Facts(
                     status=read_answer(said["status"]),
                     blocked=str(said["blocked"]),
+                    also_blocking=tuple(map(str, said.get("also_blocking", ()))),
                     wire=tuple(map(str, said["wire"])),
                 )
             case "hello":

@@ -170,6 +170,7 @@ class Circumstances:
     ----------
     state : of the guard; None where no fresh tick is known.
     blocked : the guard's first reason against an armed output, empty for none; REMOTE is one.
+    also_blocking : its others.
     ceiling : the most that a screen may do here.
     arms_from : the farthest place to arm from.
     hand_of : account that has the hand, empty for none.
@@ -182,6 +183,7 @@ class Circumstances:
 
     state: State | None
     blocked: str = ""
+    also_blocking: tuple[str, ...] = ()
     ceiling: Role = Role.VIEW
     arms_from: Place = Place.PANEL
     hand_of: str = ""
@@ -189,6 +191,11 @@ class Circumstances:
     trying: bool = False
     remote: bool = False
     bypass_from: Place | None = None
+
+    @property
+    def against(self) -> tuple[str, ...]:
+        """The guard's reasons, the first one first."""
+        return (self.blocked, *self.also_blocking) if self.blocked else ()
 
 
 _OF_LAW = re.compile(r"[a-z][A-Za-z0-9_]*: ")
@@ -261,10 +268,13 @@ def _of_guard(action: Action, now: Circumstances) -> tuple[Reason, ...]:
     """Return what the guard would say, from its own words."""
     if now.state is None:
         return (Reason(code=Code.SILENT),)
-    blocked = now.blocked and not _is_confirmed_by_arming(now)
-    if blocked and not (action is Action.PROBE and _OF_LAW.match(now.blocked)):
-        return (Reason(code=Code.GUARD, name=now.blocked),)
-    return (Reason(code=Code.FADING),) if now.state is State.FADING else ()
+    reasons = tuple(
+        Reason(code=Code.GUARD, name=one)
+        for one in now.against
+        if not _is_confirmed_by_arming(one, now.state)
+        and not (action is Action.PROBE and _OF_LAW.match(one))
+    )
+    return reasons or ((Reason(code=Code.FADING),) if now.state is State.FADING else ())
 
 
 def _of_rest(action: Action, now: Circumstances) -> tuple[Reason, ...]:
@@ -277,12 +287,13 @@ def _of_rest(action: Action, now: Circumstances) -> tuple[Reason, ...]:
         Code.PROBING: now.probing,
         Code.SHADOWED: action is Action.SHADOW and is_shadow,
         Code.NO_SHADOW: action is Action.END_SHADOW
-        and not (is_shadow or now.blocked == WANTS_SHADOW),
+        and not (is_shadow or WANTS_SHADOW in now.against),
         Code.GOES_OUT: action is Action.FORGET and now.state in (State.ACTIVE, State.FADING),
     }
     reasons = [Reason(code=code) for code, stands in against.items() if stands]
-    if action is Action.SHADOW and now.state in LATCHED_STATES and _is_latching(now.blocked):
-        reasons.append(Reason(code=Code.GUARD, name=now.blocked))
+    if action is Action.SHADOW and now.state in LATCHED_STATES:
+        latching = filter(_is_latching, now.against)
+        reasons += [Reason(code=Code.GUARD, name=one) for one in latching]
     return tuple(reasons)
 
 
@@ -292,6 +303,6 @@ def _is_latching(blocked: str) -> bool:
     return event is not None and event.reaction is Reaction.FADE_AND_LATCH
 
 
-def _is_confirmed_by_arming(now: Circumstances) -> bool:
+def _is_confirmed_by_arming(reason: str, state: State) -> bool:
     """Whether to arm is itself what ends the reason: another roll is confirmed by it."""
-    return now.state in LATCHED_STATES and now.blocked.split(" ", maxsplit=1)[0] == "RADIUS_JUMP"
+    return state in LATCHED_STATES and reason.split(" ", maxsplit=1)[0] == "RADIUS_JUMP"

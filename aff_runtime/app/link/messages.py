@@ -6,14 +6,17 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 from pydantic import TypeAdapter
 
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.replies import ProbeResult, Reply
 from aff_runtime.telemetry.header import Right
+
+MOST_REASONS = 16  # what fits a screen; a law may have three times as many orders
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,9 +89,18 @@ class RingMade:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Blocked:
-    """What stands against an armed output."""
+    """What stands against an armed output, empty for nothing, and what else does."""
 
     text: str
+    others: tuple[str, ...] = ()
+
+    @classmethod
+    def by(cls, reasons: Sequence[str]) -> Self:
+        """Return what is told of all reasons, the first one first."""
+        told, left = list(reasons[:MOST_REASONS]) or [""], len(reasons) - MOST_REASONS
+        if left > 0:
+            told.append(f"and {left} more")
+        return cls(text=told[0], others=tuple(told[1:]))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

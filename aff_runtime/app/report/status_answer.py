@@ -54,6 +54,7 @@ class Live:
     signals : every column of the record by name, None for NaN.
     blocks : every order of every law.
     comm : outcome of the last exchange. ``wire`` : what is wrong with the wire.
+    blocked_by : what stands against an armed output; ``also_blocking`` : what else does.
     meta : what the control process says of itself (versions, rights, start).
     """
 
@@ -63,6 +64,7 @@ class Live:
     blocks: tuple[BlockStatus, ...] = ()
     wire: tuple[str, ...] = ()
     blocked_by: str = ""
+    also_blocking: tuple[str, ...] = ()
     meta: RunMeta = field(default_factory=RunMeta)
 
     @property
@@ -165,6 +167,7 @@ def _live(said: Any) -> Live:
         blocks=tuple(_block(block) for block in said.get("blocks", ())),
         wire=tuple(said.get("wire", ())),
         blocked_by=said.get("blocked_by", ""),
+        also_blocking=tuple(said.get("also_blocking", ())),
         meta=RunMeta.from_json(said.get("meta", {})),
     )
 

@@ -67,7 +67,7 @@ class Processes:
         self.parameters = parameters
         self.control: ControlChild | None = None
         self.ring: RingReader | None = None
-        self.blocked = ""
+        self.blocked, self.also_blocking = "", tuple[str, ...]()
         self.troubles: tuple[str, ...] = ()
         self.gave_up = False
         self.restarts = 0
@@ -81,7 +81,7 @@ class Processes:
         """Start the control process; its first messages say when there is a ring."""
         self._restart_at_ns = None
         self._started_at_ns = self._clock.now_ns()
-        self.blocked = ""
+        self.blocked, self.also_blocking = "", tuple[str, ...]()
         self.troubles = ()
         self._shape_texts = self.shapes.load(self.parameters)
         self.parameters = self.revised(self.parameters)

@@ -179,6 +179,7 @@ class Supervisor:
                     self._announce_ready(message)
                 case Blocked():
                     self._processes.blocked = message.text
+                    self._processes.also_blocking = message.others
                     self._door.hurry()
                 case WireTroubles():
                     self._processes.troubles = message.troubles
@@ -306,7 +307,8 @@ class Supervisor:
             live = replace(
                 live,
                 wire=processes.troubles,
-                blocked_by=processes.blocked.removeprefix("blocked by "),
+                blocked_by=processes.blocked,
+                also_blocking=processes.also_blocking,
                 meta=processes.ring.header.meta,
             )
         return replace(standing, state=state, live=live)
@@ -316,7 +318,8 @@ class Supervisor:
         processes = self._processes
         return Facts(
             status=self._standing(),
-            blocked=processes.blocked.removeprefix("blocked by "),
+            blocked=processes.blocked,
+            also_blocking=processes.also_blocking,
             wire=processes.troubles,
         )
 

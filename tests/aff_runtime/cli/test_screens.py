@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from aff_runtime.app.report.block_status import BlockStatus
+from aff_runtime.app.report.status import explain
 from aff_runtime.app.report.status_answer import read_answer
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.cli.status import block_lines, is_alarm, lines
@@ -94,6 +95,16 @@ def test_the_alarm_code_is_for_alarms_only() -> None:
 def test_the_status_says_what_works_the_law_out() -> None:
     said = {**answer(0), "meta": {"versions": {"arithmetic": "compiled"}}}
     assert "law      by compiled" in list(lines(read_answer(said)))
+
+
+def test_all_that_stands_against_an_armed_output_is_told_and_what_it_means() -> None:
+    said = {**answer(0), "state": "OFF", "blocked_by": "LINE_RUN=0"}
+    said["also_blocking"] = ["WEB_INTACT=0", "SPLICE"]
+    first, *others = list(lines(read_answer(said)))[:3]
+    assert "blocked by LINE_RUN=0" in first
+    assert [one.strip() for one in others] == [
+        f"and by {explain(name)}" for name in ("WEB_INTACT=0", "SPLICE")
+    ]
 
 
 def test_lost_rows_and_a_differing_file_are_told() -> None:

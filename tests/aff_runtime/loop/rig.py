@@ -116,7 +116,7 @@ class Memory:
         self.records: list[tuple[float, ...]] = []
         self.events: list[str] = []
         self.faults: list[str] = []
-        self.reasons: list[str] = []
+        self.reasons: list[tuple[str, ...]] = []
         self.inbox: list[Message] = []
         self.advice = Advice()
         self.publish_trouble: Exception | None = None
@@ -133,8 +133,8 @@ class Memory:
     def fault_text(self, text: str) -> None:
         self.faults.append(text)
 
-    def blocked(self, text: str) -> None:
-        self.reasons.append(text)
+    def blocked(self, reasons: tuple[str, ...]) -> None:
+        self.reasons.append(reasons)
 
     def poll(self) -> Sequence[Message]:
         messages, self.inbox = self.inbox, []

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import Outcome, Snapshot, Status
 from aff_runtime.safety.causes import bit
 from aff_runtime.safety.line_check import LineCheck
@@ -46,7 +47,7 @@ def test_a_healthy_line_has_no_cause_and_is_moving() -> None:
     line = Line()
     assert line.see() == 0
     assert line.judge.gates == [True, True]
-    assert line.judge.first_missing() == ""
+    assert line.judge.missing() == ()
 
 
 @pytest.mark.parametrize(
@@ -62,13 +63,14 @@ def test_a_healthy_line_has_no_cause_and_is_moving() -> None:
 def test_each_missing_permissive_is_a_cause_and_is_named(missing: Status) -> None:
     line = Line()
     assert line.see(status=ALL_WELL & ~missing) == bit("PERMISSIVE_LOST")
-    assert line.judge.first_missing() == f"{missing.name}=0"
+    assert line.judge.missing() == (f"{missing.name}=0",)
 
 
-def test_the_first_missing_permissive_is_named_in_the_order_of_the_site_file() -> None:
+def test_all_missing_permissives_are_named_in_the_order_of_the_site_file() -> None:
     line = Line()
     line.see(status=0)
-    assert line.judge.first_missing() == "LINE_RUN=0"
+    assert line.judge.missing() == tuple(f"{one.name}=0" for one in PARAMS.permissives.all_bits)
+    assert line.judge.missing()[0] == "LINE_RUN=0"
 
 
 def test_speed_opens_and_closes_with_hysteresis_per_actuator() -> None:
@@ -94,7 +96,7 @@ def test_a_line_that_stands_still_may_show_a_slack_web() -> None:
     line = Line()
     assert line.see(tension_N=0.0, speed_m_s=0.0) == 0
     assert line.see(tension_N=0.0, speed_m_s=1.0) == bit("TENSION_IMPLAUSIBLE")
-    assert line.judge.unbelievable == "unwind_tension_N"
+    assert line.judge.unbelievable == {BY_NAME["TENSION_IMPLAUSIBLE"].code: "unwind_tension_N"}
 
 
 def test_an_absurd_speed_backwards_does_not_hide_behind_the_closed_gate() -> None:

@@ -242,6 +242,7 @@ class HandDesk:
         circumstances = Circumstances(
             state=now.state,
             blocked=now.blocked,
+            also_blocking=now.also_blocking,
             ceiling=self._rules.ceiling,
             arms_from=self._rules.arms_from,
             probing=now.probing,

@@ -17,7 +17,8 @@ class Now:
     Attributes
     ----------
     state : of the guard; None without a tick.
-    blocked : the guard's first reason against an armed output, empty for none.
+    blocked : the guard's first reason against an armed output, empty for none; ``also_blocking`` :
+        its others.
     tick, config : number of the tick that this was read from, and the revision in force.
     bypassed_ns : when anybody last took the correction back, by the monotonic clock.
     probing : a probe is under way.
@@ -26,6 +27,7 @@ class Now:
 
     state: State | None
     blocked: str = ""
+    also_blocking: tuple[str, ...] = ()
     tick: int = 0
     config: str = ""
     bypassed_ns: int = 0

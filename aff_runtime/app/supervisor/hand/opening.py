@@ -52,7 +52,8 @@ class ServiceEnd:
         return Now(
             remote=latest is not None and latest.is_remote,
             state=latest.state if latest is not None and self._is_fresh(latest) else None,
-            blocked=processes.blocked.removeprefix("blocked by "),
+            blocked=processes.blocked,
+            also_blocking=processes.also_blocking,
             tick=int(latest.number("tick")) if latest is not None else 0,
             config=processes.parameters.config_hash[:SHORT],
             bypassed_ns=processes.bypassed_ns,

@@ -35,7 +35,9 @@ class Stand:
         self.clock = time or VirtualClock(1)
         self.columns, self.meta = columns, meta or RunMeta(config_hash="3f9a")
         self.said = said or Facts(
-            status=StatusAnswer(line="L", state="READY"), blocked="WEB_INTACT=0"
+            status=StatusAnswer(line="L", state="READY"),
+            blocked="WEB_INTACT=0",
+            also_blocking=("SPLICE",),
         )
         self.selector = selectors.DefaultSelector()
         self.path = folder / "door.sock"

@@ -59,7 +59,7 @@ def test_a_visitor_hears_hello_the_ring_and_the_facts(stand: Stand) -> None:
     assert hello.may == ("view",)
     assert isinstance(gone, RingGone)
     assert isinstance(facts, Facts)
-    assert facts.blocked == "WEB_INTACT=0"
+    assert (facts.blocked, facts.also_blocking) == ("WEB_INTACT=0", ("SPLICE",))
     assert facts.status.line == "L"
     ring = ring_of([passed])
     stand.writer.write((0.005, 88.9))

@@ -104,6 +104,19 @@ def test_another_roll_is_confirmed_by_arming_and_only_from_rest() -> None:
     assert codes(Action.ARM, OWN, Circumstances(state=State.OFF, **jumped)) == [Code.GUARD]
 
 
+def test_every_reason_of_the_guard_is_told_and_each_is_left_out_for_what_ends_it() -> None:
+    of_law = "unwind: no measured response; run the probe"
+    now = replace(
+        FREE, state=State.FAULT, blocked="RADIUS_JUMP (r)", also_blocking=("WEB_INTACT=0", of_law)
+    )
+    named = {one: [reason.name for reason in may(one, CARL, now)] for one in Action}
+    assert named[Action.ARM] == ["WEB_INTACT=0", of_law]
+    assert named[Action.PROBE] == ["WEB_INTACT=0"]
+    assert named[Action.SHADOW] == ["RADIUS_JUMP (r)"]
+    late = replace(now, also_blocking=("SHADOW=1",))
+    assert Code.NO_SHADOW not in codes(Action.END_SHADOW, CARL, late)
+
+
 def test_every_reason_has_its_words_and_names_what_it_is_about() -> None:
     assert set(WORDS) == set(Code)
     assert (

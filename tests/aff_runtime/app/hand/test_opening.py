@@ -88,7 +88,8 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
     bypassed, replies = [], list[Reply]()
     processes = SimpleNamespace(
         control=None,
-        blocked="blocked by X=0",
+        blocked="X=0",
+        also_blocking=("Y=0",),
         parameters=SimpleNamespace(config_hash="3f9a" * 16),
         bypassed_ns=0,
         bypass=lambda: bypassed.append(1),
@@ -97,7 +98,7 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
     end.probe(replies.append)
     assert replies.pop() == Reply(id=0, ok=False, message="not running yet")
     assert end.now().state is None
-    assert end.now().blocked == "X=0"
+    assert (end.now().blocked, end.now().also_blocking) == ("X=0", ("Y=0",))
     end.arm(replies.append)
     assert "not running" in replies[0].message
     end.shadow(True, replies.append)
@@ -134,6 +135,7 @@ def test_the_state_of_a_tick_that_is_old_is_not_known(age_s: float, is_fresh: bo
         ring=SimpleNamespace(header=SimpleNamespace(meta=SimpleNamespace(start_ns=start_ns))),
         latest=lambda: TickRow(tick),
         blocked="",
+        also_blocking=(),
         parameters=SimpleNamespace(config_hash="3f9a" * 16),
         bypassed_ns=0,
     )

@@ -21,7 +21,7 @@ SAID = [
     messages.ConfigDiffers(),
     messages.Stop(),
     messages.RingMade(rights=(messages.Right(granted=False, text="FIFO: no"),)),
-    messages.Blocked(text="LINE_RUN=0"),
+    messages.Blocked(text="LINE_RUN=0", others=("WEB_INTACT=0",)),
     messages.WireTroubles(troubles=("a", "b")),
     messages.LogLine(text="\u00e9"),
     messages.Probed(error="aborted"),
@@ -37,6 +37,16 @@ SAID = [
     replies.Reply(id=6, ok=True, state="ARMED"),
     replies.Reply(id=7, ok=True, duration_s=47.5),
 ]
+
+
+def test_all_reasons_are_told_or_how_many_more_there_are() -> None:
+    assert messages.Blocked.by(()) == messages.Blocked(text="")
+    assert messages.Blocked.by(("a", "b")) == messages.Blocked(text="a", others=("b",))
+    many = tuple(f"order {i}" for i in range(40))
+    told = messages.Blocked.by(many)
+    *named, last = told.text, *told.others
+    assert tuple(named) == many[: len(named)]
+    assert last == f"and {len(many) - len(named)} more"
 
 
 @pytest.mark.parametrize("said", SAID, ids=lambda said: type(said).__name__)
