@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import secrets
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
@@ -15,6 +16,7 @@ from aff_hmi.commission.link import Commission
 from aff_hmi.counts import Counts
 from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout, layout_of
+from aff_hmi.machine import Machine
 from aff_hmi.metrics import Metrics
 from aff_hmi.see.kept import Kept
 from aff_hmi.sources import Sources
@@ -22,6 +24,7 @@ from aff_hmi.view import view_of
 from aff_hmi.watch import Seen, Watch
 from aff_hmi.words import say_in
 from aff_runtime.app.report.metrics.readings import Sample, Spread
+from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
 
 FRAME_S = 0.1
@@ -96,6 +99,7 @@ class Hub:
     hand : None on a screen for looking only.
     kept : history, and the pages of it; None on a screen with the overview alone.
     commission : the way to the commissioner; None on a screen without one.
+    machine : that the screen runs on; None: one without certificates.
 
     Attributes
     ----------
@@ -111,8 +115,10 @@ class Hub:
         hand: Hand | None = None,
         kept: Kept | None = None,
         commission: Commission | None = None,
+        machine: Machine | None = None,
     ) -> None:
         self._watch = watch
+        self._machine = machine or Machine(clock, kept.wall if kept is not None else wall_time_s)
         self.commission = commission
         self.kept = kept
         self.hand = hand
@@ -148,7 +154,14 @@ class Hub:
                 self.sources.listen(self._watch.news)
             if self.hand is not None:
                 self.hand.desk.poll()
-            self.make_frames(self._watch.seen())
+            self._machine.look()
+            self.make_frames(
+                replace(
+                    self._watch.seen(),
+                    clock_step_s=self._machine.clock_step_s,
+                    certificate_s=self._machine.certificate_s,
+                )
+            )
             alive()
 
     async def _until(self, due_ns: int) -> int:

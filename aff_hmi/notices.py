@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache
 from urllib.parse import quote
 
+from aff_hmi.condition import LASTS_S, RANK, ROLLS, TIMING, Condition
+from aff_hmi.upkeep import upkeep
 from aff_hmi.watch import Seen
 from aff_hmi.words import N_, Say
 from aff_runtime.app.report.alarm_table import PRIORITIES, Priority
@@ -21,7 +23,6 @@ from aff_runtime.telemetry.recorder_messages import RecorderReport
 FACTS_OLD_S = 2.0
 MOST = 8
 FEW = 3
-LASTS_S = 60.0
 OF_WIRE = (
     N_("no reply within {seconds} s"),
     N_("no connection within {seconds} s"),
@@ -29,32 +30,6 @@ OF_WIRE = (
     N_("a reply broke the protocol"),
 )
 ENCODER_S = 5.0  # a glitch is over sooner
-TIMING, ROLLS = "/timing", "/rolls"
-RANK = {Priority.HIGH: 1, Priority.MEDIUM: 2, Priority.LOW: 3}
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Condition:
-    """Something that stands and asks for a person; words are English, still to be translated.
-
-    Attributes
-    ----------
-    key : the same as long as it stands. ``rank`` : 1 is the most urgent.
-    values : put into ``text`` where it says ``{name}``; words of others come by them.
-    delay_s : for how long it stands before it is an alarm: what comes and goes is none.
-    code : of the event that it is; 0 where it is none of the event table.
-    page : where this screen shows more of it, path and place; empty for nowhere.
-    """
-
-    key: str
-    rank: int
-    name: str
-    text: str
-    to_do: str
-    values: Mapping[str, str] = field(default_factory=dict)
-    delay_s: float = 0.0
-    code: int = 0
-    page: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -95,7 +70,13 @@ def notices_of(
 
 def conditions_of(seen: Seen, state: str) -> tuple[Condition, ...]:
     """Return what stands now, the most urgent first."""
-    conditions = [*_alarm(seen), *_service(seen), *_encoders(seen), *_resting(seen, state)]
+    conditions = [
+        *_alarm(seen),
+        *_service(seen),
+        *upkeep(seen),
+        *_encoders(seen),
+        *_resting(seen, state),
+    ]
     return tuple(sorted(conditions, key=lambda one: one.rank))
 
 

@@ -18,6 +18,7 @@ from aff_hmi.gate import Gate, Rates
 from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.listening import Listening
+from aff_hmi.machine import Machine
 from aff_hmi.pages import Pages
 from aff_hmi.see.kept import Kept
 from aff_hmi.watch import Watch
@@ -146,7 +147,10 @@ async def serve(
 
     ``ready`` is called once browsers are heard, ``alive`` with every frame.
     """
-    hub = Hub(watch, MonotonicClock(), hand, kept, commission)
+    clock = MonotonicClock()
+    files = tuple(one for one in (listening.certificate, listening.client_ca) if one is not None)
+    machine = Machine(clock, kept.wall, files)
+    hub = Hub(watch, clock, hand, kept, commission, machine)
     server = Unhurried(config_of(listening, hub, language))
     polling = asyncio.create_task(hub.run(alive))
     serving = asyncio.create_task(server.serve())

@@ -12,8 +12,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import groupby
 
+from aff_hmi.condition import RANK
 from aff_hmi.layout import Layout
-from aff_hmi.notices import RANK, Notice, is_probing, notices_of
+from aff_hmi.notices import Notice, is_probing, notices_of
 from aff_hmi.reason import SHAPES, STARTING, Reason, explained, reason_of
 from aff_hmi.watch import Seen
 from aff_hmi.window import WINDOW_S

@@ -43,6 +43,8 @@ class Seen:
     unread : ticks of the ring that were overwritten before they were read here.
     events : (code, argument, age in s), the newest first.
     trouble : why there is no door, in words.
+    clock_step_s : by which the wall clock was set lately; 0 when it was not.
+    certificate_s : until the first certificate of this screen ends; None without any.
     """
 
     facts: Facts | None = None
@@ -55,6 +57,8 @@ class Seen:
     unread: int = 0
     events: tuple[tuple[int, float, float], ...] = ()
     trouble: str = ""
+    clock_step_s: float = 0.0
+    certificate_s: float | None = None
 
     @property
     def site(self) -> LineFacts | None:

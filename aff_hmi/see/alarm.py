@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
-from aff_hmi.notices import Condition
+from aff_hmi.condition import Condition
 
 
 class Life(StrEnum):

@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from aff_hmi.notices import Condition
+from aff_hmi.condition import Condition
 from aff_hmi.see.alarm import Alarm, Follower, Leader, Life
 from aff_runtime.app.report.alarm_table import EVENTS, PRIORITIES
 from aff_runtime.base.events import BY_CODE, Reaction

@@ -71,6 +71,7 @@ class Journal:
         self._since: dict[str, tuple[str, int]] = {}
         self._missed = math.nan
         self._missed_ns = 0
+        self._stepped_s = 0.0
         self._pruned_ns: int | None = None
         self.number = store.now(newest)
 
@@ -134,6 +135,7 @@ class Journal:
     def look(self, seen: Seen) -> None:
         """Compare with the last look what the facts and the newest tick say; then keep it all."""
         self._hear(seen)
+        self._clock_steps(seen.clock_step_s)
         if seen.facts is not None:
             self._compare(seen.facts)
         if seen.row is not None and seen.writer_lives:
@@ -160,6 +162,13 @@ class Journal:
                 values={"number": f"{roll_id:.0f}"},
             )
         self._state, self._roll_id = state, roll_id
+
+    def _clock_steps(self, step_s: float) -> None:
+        """Tell of a clock that was set; entries before it have the other time."""
+        if step_s and step_s != self._stepped_s:
+            text = N_("the gateway's clock was set by {seconds} s")
+            self.add(Kind.SERVICE, "CLOCK", text, seconds=f"{step_s:+.1f}")
+        self._stepped_s = step_s
 
     def _hear(self, seen: Seen) -> None:
         heard = seen.facts is not None and not seen.trouble

@@ -9,8 +9,9 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, TypeAlias
 
+from aff_hmi.condition import RANK, Condition
 from aff_hmi.layout import Layout, label_of
-from aff_hmi.notices import RANK, Condition, conditions_of
+from aff_hmi.notices import conditions_of
 from aff_hmi.see import events
 from aff_hmi.see.alarm_book import AlarmBook
 from aff_hmi.see.alarm_part import KINDS, AlarmPart, alarm_part

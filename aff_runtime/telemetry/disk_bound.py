@@ -24,13 +24,16 @@ def used_bytes(directory: Path) -> int:
     return sum(_folder_bytes(folder) for folder in _run_folders(directory))
 
 
-def free_bytes(directory: Path) -> int | None:
-    """Return what a service may still write where ``directory`` is, bytes; None: not known."""
+def free_bytes(directory: Path) -> tuple[int, int] | None:
+    """Return what a service may still write where ``directory`` is, and the size of that disk.
+
+    Both in bytes; None when it is not known.
+    """
     try:
         disk = os.statvfs(directory)
     except OSError:
         return None
-    return disk.f_bavail * disk.f_frsize
+    return disk.f_bavail * disk.f_frsize, disk.f_blocks * disk.f_frsize
 
 
 def delete_oldest(directory: Path, *, max_bytes: int, keep: Path) -> int:

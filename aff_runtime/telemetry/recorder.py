@@ -67,6 +67,7 @@ def record(ring: RingReader, folder: RunFolder, notes: Lines) -> None:
 
 def _report(ring: RingReader, folder: RunFolder) -> None:
     """Say on standard output how recording goes; dropped when nobody listens."""
+    left, size = folder.free_bytes()
     report = RecorderReport(
         folder=str(folder.path),
         rows=folder.signals.rows_written,
@@ -75,7 +76,8 @@ def _report(ring: RingReader, folder: RunFolder) -> None:
         error=folder.signals.last_error,
         kept_bytes=folder.kept_bytes,
         max_bytes=folder.max_bytes,
-        free_bytes=folder.free_bytes(),
+        free_bytes=left,
+        disk_bytes=size,
     )
     with contextlib.suppress(OSError):
         os.write(1, report.encode())

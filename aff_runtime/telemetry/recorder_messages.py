@@ -68,8 +68,8 @@ class RecorderReport:
     Attributes
     ----------
     kept_bytes : of all runs, as last added up; `NOT_SAID` until a segment has ended.
-    max_bytes, free_bytes : what all runs may take; what the disk has left. `NOT_SAID` of a
-        recorder that cannot say.
+    max_bytes, free_bytes, disk_bytes : what all runs may take; what the disk has left; its size.
+        `NOT_SAID` of a recorder that cannot say.
     """
 
     folder: str = ""
@@ -81,6 +81,7 @@ class RecorderReport:
     kept_bytes: int = NOT_SAID
     max_bytes: int = NOT_SAID
     free_bytes: int = NOT_SAID
+    disk_bytes: int = NOT_SAID
 
     @property
     def lost(self) -> int:

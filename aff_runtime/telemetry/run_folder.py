@@ -72,10 +72,9 @@ class RunFolder:
         )
         self.kept_bytes = used_bytes(self._directory)
 
-    def free_bytes(self) -> int:
-        """Return what the disk of the runs has left, bytes; `NOT_SAID` when it does not say."""
-        left = free_bytes(self._directory)
-        return NOT_SAID if left is None else left
+    def free_bytes(self) -> tuple[int, int]:
+        """Return what the disk of the runs has left, and its size, bytes; else `NOT_SAID`."""
+        return free_bytes(self._directory) or (NOT_SAID, NOT_SAID)
 
     def add_events(self, records: Sequence[Sequence[float]], start_ns: float) -> None:
         """Append event records (tick, t_ns, code, argument) of the ring."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from aff_hmi.notices import Condition
+from aff_hmi.condition import Condition
 from aff_hmi.see.alarm import Follower, Leader, Life
 from aff_hmi.see.alarm_book import FLOOD, MOST, MOST_EVENTS, AlarmBook, Refusal
 from aff_runtime.base.events import BY_NAME

@@ -168,6 +168,15 @@ def test_a_service_that_is_not_heard_any_more_is_told_once(told: Told) -> None:
     assert texts == ["the service is not heard any more", "the service is heard"]
 
 
+def test_a_clock_that_was_set_is_told_once_for_each_step(told: Told) -> None:
+    for step_s in (0.0, 3.0, 3.0, -2.5, 0.0):
+        told.look(seen(clock_step_s=step_s))
+    assert [(e.name, e.values["seconds"]) for e in told.said(kind="service")] == [
+        ("CLOCK", "+3.0"),
+        ("CLOCK", "-2.5"),
+    ]
+
+
 def test_missed_ticks_are_told_once_a_minute(told: Told) -> None:
     told.look(seen(row(missed_count=5.0)))
     for n in range(10):

@@ -152,7 +152,7 @@ def test_the_recorder_reports_about_itself_and_others_see_whether_it_lives() -> 
     )
     assert report.encode() == (
         b'{"folder": "/r/x", "rows": 10, "rows_lost": 2, "ring_overruns": 1, "error": "full", '
-        b'"kept_bytes": -1, "max_bytes": -1, "free_bytes": 900}\n'
+        b'"kept_bytes": -1, "max_bytes": -1, "free_bytes": 900, "disk_bytes": -1}\n'
     )
     assert report_of(report.encode()) == report
     assert report.seen(alive=True) == replace(report, alive=True)
