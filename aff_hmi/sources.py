@@ -22,6 +22,7 @@ from aff_hmi.timing.timing import Timing
 from aff_hmi.waiting import Waiting
 from aff_hmi.watch import News, Seen
 from aff_hmi.windows.desk import WindowDesk
+from aff_hmi.windows.of_alarms import AlarmWindows
 from aff_hmi.windows.routes import tick_routes
 from aff_hmi.words import Say
 from aff_runtime.app.report.metrics.readings import Sample, Spread
@@ -62,6 +63,7 @@ class Sources:
         self.kept = kept
         self.scope = Scope(kept.wall)
         self.windows = WindowDesk(self.scope, kept.store, kept.journal)
+        self._of_alarms = AlarmWindows(kept.book, self.windows, clock)
         self.timing = Timing(clock, counts, hand, kept.store)
         self.tallies = Tallies(clock)
         self.support = SupportDesk(kept, self.timing, clock, metrics)
@@ -85,7 +87,10 @@ class Sources:
         if self.kept.is_due:
             for news in self._waiting.take():
                 self.kept.listen(news)
-        sources = (self.kept, self.scope, self.windows, self.timing, self.tallies, self.support)
+        sources = (
+            *(self.kept, self.scope, self.windows, self._of_alarms),
+            *(self.timing, self.tallies, self.support),
+        )
         for source in sources:
             source.look(seen, layout)
 

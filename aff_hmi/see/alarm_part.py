@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from aff_hmi.notices import filled
@@ -138,10 +139,14 @@ def _led_by(alarm: Alarm, say: Say) -> str:
 
 def _page(alarm: Alarm, cycle_s: float) -> str:
     """Return where more is shown: of an event, the ticks around it."""
-    if alarm.tick is None or not cycle_s > 0.0:
-        return alarm.condition.page
-    end = alarm.tick + round(AROUND_S / cycle_s)
-    return f"/scope?end={end}&tick={alarm.tick}&at={alarm.since_s:.3f}"
+    return ticks_page(alarm.tick, alarm.since_s, cycle_s) or alarm.condition.page
+
+
+def ticks_page(tick: int | None, utc_s: float, cycle_s: float) -> str:
+    """Return where the ticks around an event are shown; empty where it has none."""
+    if tick is None or not cycle_s > 0.0:
+        return ""
+    return f"/scope?end={tick + round(AROUND_S / cycle_s)}&tick={tick}&at={utc_s:.3f}"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -156,10 +161,11 @@ class EventLine:
     name: str
     text: str
     who: str
+    page: str
 
 
-def event_line(entry: Entry, say: Say) -> EventLine:
-    """Return an event in the reader's language."""
+def event_line(entry: Entry, say: Say, cycle_s: float = math.nan) -> EventLine:
+    """Return an event in the reader's language; ``cycle_s`` : NaN where it is not known."""
     return EventLine(
         number=entry.number,
         utc_s=entry.utc_s,
@@ -169,4 +175,5 @@ def event_line(entry: Entry, say: Say) -> EventLine:
         name=entry.name,
         text=filled(entry.text, entry.values, say),
         who=entry.who,
+        page=ticks_page(entry.tick, entry.utc_s, cycle_s),
     )

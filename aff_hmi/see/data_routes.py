@@ -61,7 +61,10 @@ class Data:
             entries = await self._kept.store.ask(lambda c: events.select(c, wanted))
         except (sqlite3.Error, BlockingIOError):
             return refused(503, say(NOT_NOW))
-        return JSONResponse({"ok": True, "events": [asdict(event_line(e, say)) for e in entries]})
+        cycle_s = self._kept.cycle_s
+        return JSONResponse(
+            {"ok": True, "events": [asdict(event_line(e, say, cycle_s)) for e in entries]}
+        )
 
     async def events_file(self, request: Request) -> Response:
         """Return events as a file for a spreadsheet, times in UTC."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -17,6 +18,7 @@ from aff_hmi.watch import News, Seen
 from aff_hmi.words import N_
 from aff_runtime.app.door.messages import Facts
 from aff_runtime.app.report.alarm_table import PRIORITIES
+from aff_runtime.app.report.status_answer import OperatorNote
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
@@ -29,6 +31,7 @@ LONGEST = 200  # characters of a value
 MISSED_NS = 60_000_000_000  # between two sentences about ticks that never happened
 _S = 1e-9
 NEEDED, ROLL_ID = ("time_s", "tick", "state"), "roll_id"
+_TRIED_BY = re.compile(r" by (?P<who>.+): ")
 ROLL_EVENTS = ("SPLICE", "RADIUS_JUMP")
 
 
@@ -72,6 +75,7 @@ class Journal:
         self._missed = math.nan
         self._missed_ns = 0
         self._stepped_s = 0.0
+        self._operators: tuple[OperatorNote, ...] = ()
         self._pruned_ns: int | None = None
         self.number = store.now(newest)
 
@@ -190,6 +194,7 @@ class Journal:
             shapes=status.shapes,
             wire=facts.wire,
         )
+        self._consoles(status.operators)
         if before is None:
             return
         settings, service = Kind.SETTINGS, Kind.SERVICE
@@ -201,7 +206,8 @@ class Journal:
             self.add(settings, "CONFIG_DIFFERS", text, why=now.differs)
         if now.trying != before.trying:
             text = N_("a try of other settings begins") if now.trying else N_("the try has ended")
-            self.add(settings, "TRY", text)
+            who = _TRIED_BY.search(status.trying)
+            self.add(settings, "TRY", text, who=who["who"] if who is not None else "")
         if now.probing != before.probing:
             begins, ends = N_("the probe begins"), N_("the probe has ended")
             self.add(service, "PROBE", begins if now.probing else ends)
@@ -216,6 +222,24 @@ class Journal:
             self.add(Kind.ROLL, "SHAPE", "{said}", said=said)
         for said in [one for one in now.wire if one not in before.wire][:2]:
             self.add(service, "WIRE", "{said}", said=said)
+
+    def _consoles(self, notes: tuple[OperatorNote, ...]) -> None:
+        """Tell who commanded what on the console; also what came before this screen began."""
+        for note in notes:
+            if note in self._operators:
+                continue
+            self._write(
+                Entry(
+                    utc_s=note.utc_s,
+                    kind=Kind.PERSON,
+                    name="CONSOLE",
+                    text=N_("on the console: {did}"),
+                    values={"did": printable(note.did, LONGEST)},
+                    who=printable(note.who, 60),
+                    unique_key=f"console {note.utc_s} {note.did}",
+                )
+            )
+        self._operators = notes
 
     def _orders(self, seen: Seen) -> None:
         """Tell of orders that begin to rest, and of those that work again."""

@@ -63,6 +63,14 @@ PEOPLE = {
     "bypass: refused": N_("a bypass was refused"),
     "arm: done": N_("armed"),
     "arm: refused": N_("arming was refused"),
+    "probe: done": N_("began a probe"),
+    "probe: refused": N_("a probe was refused"),
+    "shadow: done": N_("began shadow operation"),
+    "shadow: refused": N_("shadow operation was refused"),
+    "end-shadow: done": N_("ended shadow operation"),
+    "end-shadow: refused": N_("the end of shadow operation was refused"),
+    "forget: done": N_("had what was learned of a roll forgotten"),
+    "forget: refused": N_("forgetting was refused"),
 }
 
 Part: TypeAlias = Any  # a dataclass; every source has its own
@@ -201,6 +209,10 @@ class Kept:
 
     def alarms(self, say: Say) -> AlarmPart:
         """Return what is shown of alarms."""
+        return alarm_part(self.book, self.journal.number, self.store.trouble, self.cycle_s, say)
+
+    @property
+    def cycle_s(self) -> float:
+        """Period of the control cycle, s; NaN before it is known."""
         site = self._seen.site
-        cycle_s = site.cycle_s if site is not None else math.nan
-        return alarm_part(self.book, self.journal.number, self.store.trouble, cycle_s, say)
+        return site.cycle_s if site is not None else math.nan

@@ -152,6 +152,18 @@ function wanted() {
   return { kind: byId("kind").value, roll: byId("roll").value };
 }
 
+/** The tick of an event leads to the ticks around it. */
+function tickOf(one) {
+  const cell = part("td", "figure", one.tick === null || one.page ? "" : number(one.tick, 0));
+  if (one.tick === null) cell.textContent = "—";
+  if (!one.page) return cell;
+  const to = link(one);
+  to.className = "";
+  to.textContent = number(one.tick, 0);
+  cell.append(to);
+  return cell;
+}
+
 function row(one) {
   const line = part("tr");
   line.append(
@@ -160,7 +172,7 @@ function row(one) {
     part("td", "", one.roll),
     part("td", "", `${one.name}: ${one.text}`),
     part("td", "", one.who),
-    part("td", "figure", one.tick === null ? "—" : number(one.tick, 0)),
+    tickOf(one),
   );
   return line;
 }

@@ -4,7 +4,7 @@ import { legendLine } from "/static/curves.js";
 import { laidOver, savePicture } from "/static/overlay.js";
 import { HIGH, apartOf, holed, lookOf, marks, options } from "/static/picture.js";
 import { orderTable, readOut } from "/static/readout.js";
-import { at, byId, number, press, put, words } from "/static/see.js";
+import { ask, at, byId, number, press, put, words } from "/static/see.js";
 import { fetchShot } from "/static/ticks.js";
 import { factorOf, unitName } from "/static/units.js";
 import { listWindows } from "/static/windows.js";
@@ -77,11 +77,30 @@ function isOfLink({ head, t }) {
   return n >= 0 && n < head.n && Math.abs(head.utc_s + t[n] - about.at_s) < 1;
 }
 
-/** Show the ticks of a link, or say that they are gone; nothing else is taken for them. */
-function tookLink(found) {
+/** The window that was kept of the ticks of a link, if there is one. */
+async function keptOfLink({ tick, at_s }) {
+  const found = await ask("/data/windows", {});
+  const isOfIt = (one) => {
+    const share = (tick - one.first) / Math.max(1, one.last - one.first);
+    return share >= 0 && share <= 1 && Math.abs(one.utc_s + share * one.seconds - at_s) < 1;
+  };
+  return found?.ok ? found.windows.find(isOfIt) : undefined;
+}
+
+/** Show the ticks of a link, those that were kept, or say that they are gone. */
+async function tookLink(found) {
   if (found.head.n < 2 || !isOfLink(found)) {
-    put(byId("shot"), words.goneTicks);
+    const link = about;
     about = ended = null;
+    const one = await keptOfLink(link);
+    if (one === undefined) {
+      put(byId("shot"), words.goneTicks);
+      return;
+    }
+    await showKept(one);
+    const share = (link.tick - one.first) / Math.max(1, one.last - one.first);
+    byId("cursor-a").value = String(Math.round(1000 * share));
+    read();
     return;
   }
   const n = about.tick - found.head.first;

@@ -26,7 +26,7 @@ function line(one, of) {
   made.append(part("strong", "", one.name));
   if (one.note) made.append(part("p", "", one.note));
   const when = words.of.replace("{seconds}", number(one.seconds, 1)).replace("{time}", at(one.utc_s));
-  made.append(part("p", "note", when.replace("{name}", one.who)));
+  made.append(part("p", "note", when.replace("{name}", one.who || words.itself)));
   const where = words.where.replace("{run}", one.run || "—").replace("{first}", String(one.first));
   made.append(part("p", "note", where.replace("{last}", String(one.last)).replace("{config}", one.config || "—")));
   const buttons = part("p", "buttons");

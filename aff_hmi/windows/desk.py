@@ -13,7 +13,18 @@ from aff_hmi.see.events import Kind
 from aff_hmi.see.journal import Journal
 from aff_hmi.see.store import Store
 from aff_hmi.watch import Seen
-from aff_hmi.windows.rows import SHARE, FullError, Window, begin, delete, keep, listed, ticks_of
+from aff_hmi.windows.rows import (
+    SHARE,
+    SHARE_OF_ALARMS,
+    FullError,
+    Window,
+    begin,
+    delete,
+    keep,
+    keep_of_alarm,
+    listed,
+    ticks_of,
+)
 from aff_hmi.words import N_
 from aff_runtime.app.door.messages import Facts
 from aff_runtime.base.printable import printable
@@ -38,11 +49,15 @@ class WindowDesk:
 
     Parameters
     ----------
-    scope : whose ticks they are. ``store``, ``journal`` : where they are kept and written down.
+    store, journal : where they are kept and written down.
+
+    Attributes
+    ----------
+    scope : whose ticks they are.
     """
 
     def __init__(self, scope: Scope, store: Store, journal: Journal) -> None:
-        self._scope = scope
+        self.scope = scope
         self._store = store
         self._journal = journal
         self._line = self._config = self._run = ""
@@ -65,11 +80,30 @@ class WindowDesk:
         note = printable(str(said["note"]).strip(), LONGEST_NOTE)
         if len(name) < LEAST_NAME:
             return NO_NAME
-        is_same_ring = said["ring"] == self._scope.ticks.ident
+        is_same_ring = said["ring"] == self.scope.ticks.ident
         cut = self._cut(int(said["first"]), int(said["last"])) if is_same_ring else None
         if cut is None:
             return NO_TICKS
-        window = Window(
+        window = self._window(cut, name=name, note=note, who=who)
+        most = round(SHARE * self._store.most_bytes)
+        try:
+            await self._store.change(lambda c: keep(c, window, cut, most))
+        except FullError:
+            return FULL
+        except (sqlite3.Error, BlockingIOError):
+            return NOT_KEPT
+        self._tell(KEPT, name, who)
+        return ""
+
+    def keep_of(self, alarm: str, cut: Cut) -> None:
+        """Keep the ticks around an alarm; the oldest of their kind make room."""
+        name = printable(alarm, LONGEST_NAME)
+        window = self._window(cut, name=name, note="", who="", alarm=name)
+        most = round(SHARE_OF_ALARMS * self._store.most_bytes)
+        self._store.put(lambda c: keep_of_alarm(c, window, cut, most))
+
+    def _window(self, cut: Cut, *, name: str, note: str, who: str, alarm: str = "") -> Window:
+        return Window(
             name=name,
             note=note,
             who=who,
@@ -80,16 +114,8 @@ class WindowDesk:
             run=printable(self._run, LONGEST_NAME),
             config=self._config,
             line=self._line,
+            alarm=alarm,
         )
-        most = round(SHARE * self._store.most_bytes)
-        try:
-            await self._store.change(lambda c: keep(c, window, cut, most))
-        except FullError:
-            return FULL
-        except (sqlite3.Error, BlockingIOError):
-            return NOT_KEPT
-        self._tell(KEPT, name, who)
-        return ""
 
     async def delete(self, said: Mapping[str, str | int | bool], who: str) -> str:
         """Delete a window."""
@@ -119,13 +145,13 @@ class WindowDesk:
 
     def _cut(self, first: int, last: int) -> Cut | None:
         """Return the ticks of a span; None for none, too many, or a beginning that is gone."""
-        cycle_s = self._scope.ticks.cycle_s
+        cycle_s = self.scope.ticks.cycle_s
         if not 0 <= first <= last or cycle_s <= 0.0:
             return None
         most = min(MOST_TICKS, round(MOST_S / cycle_s) + 1)
         if last - first >= most:
             return None
-        cut = self._scope.ticks.cut(first, last - first + 1)
+        cut = self.scope.ticks.cut(first, last - first + 1)
         inside = cut.part(0, int((cut.ticks <= last).sum()))
         is_whole = len(inside) > 1 and inside.ticks[0] - first < LOST_SHARE * most + 2
         return inside if is_whole else None

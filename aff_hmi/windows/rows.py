@@ -18,6 +18,10 @@ SCHEMA = (
 )
 MOST = 100
 SHARE = 0.2  # of the store
+MOST_OF_ALARMS = 60
+SHARE_OF_ALARMS = 0.1
+_ALARM = "coalesce(json_extract(said, '$.alarm'), '')"
+_SIZES = f"SELECT id, length(data) FROM kept WHERE ({_ALARM} = '') = ? ORDER BY id"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,6 +33,7 @@ class Window:
     utc_s : wall time of its first tick. ``first``, ``last`` : numbers of its ticks.
     run : name of the run folder that the service recorded it in, empty for none.
     config : revision of the settings. ``line`` : name of the line. ``size`` : bytes kept.
+    alarm : around which it was kept by itself; empty: a person kept it.
     """
 
     name: str
@@ -41,6 +46,7 @@ class Window:
     run: str
     config: str
     line: str
+    alarm: str = ""
     size: int = 0
     number: int = 0
 
@@ -63,11 +69,25 @@ def keep(connection: sqlite3.Connection, said: Window, cut: Cut, most_bytes: int
         When the share is full; nothing is deleted by itself.
     """
     head, data = packed(cut)
-    (count, size) = connection.execute(
-        "SELECT count(*), coalesce(sum(length(data)), 0) FROM kept"
-    ).fetchone()
-    if count >= MOST or size + len(data) > most_bytes:
+    sizes = [size for _, size in connection.execute(_SIZES, (True,))]
+    if len(sizes) >= MOST or sum(sizes) + len(data) > most_bytes:
         raise FullError
+    return _insert(connection, said, head, data)
+
+
+def keep_of_alarm(connection: sqlite3.Connection, said: Window, cut: Cut, most_bytes: int) -> None:
+    """Keep a window of an alarm; the oldest ones of alarms go for it, and no other."""
+    head, data = packed(cut)
+    there = list(connection.execute(_SIZES, (False,)))
+    while there and (
+        len(there) >= MOST_OF_ALARMS or sum(n for _, n in there) + len(data) > most_bytes
+    ):
+        connection.execute("DELETE FROM kept WHERE id = ?", (there.pop(0)[0],))
+    if len(data) <= most_bytes:
+        _insert(connection, said, head, data)
+
+
+def _insert(connection: sqlite3.Connection, said: Window, head: str, data: bytes) -> int:
     row = asdict(said) | {"size": len(data)}
     found = connection.execute(
         "INSERT INTO kept (said, head, data) VALUES (?, ?, ?)", (json.dumps(row), head, data)

@@ -74,6 +74,15 @@ class Live:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class OperatorNote:
+    """What somebody commanded on the console, and who; ``utc_s`` : wall time, s since 1970."""
+
+    utc_s: float
+    did: str
+    who: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class StatusAnswer:
     """How the service stands.
 
@@ -90,6 +99,7 @@ class StatusAnswer:
     audit_records : number of the newest line of the audit; `NOT_SAID` where none is kept.
     audit_ok : 1 while its chain holds and every line was written, else 0; `NOT_SAID` where no
         screen may do anything. ``commands`` : what was commanded since the service began.
+    operators : the last commands of the console with their time, the newest last.
     probes : how good and how old the responses in force are.
     shapes, crossings : what became of shapes; when orders of two rolls will meet.
     meetings : the crossings as numbers. ``facts`` : what a screen needs of the site.
@@ -111,6 +121,7 @@ class StatusAnswer:
     audit_records: int = NOT_SAID
     audit_ok: int = NOT_SAID
     commands: tuple[CommandCount, ...] = ()
+    operators: tuple[OperatorNote, ...] = ()
     probes: tuple[ProbeFacts, ...] = ()
     shapes: tuple[str, ...] = ()
     crossings: tuple[str, ...] = ()
@@ -150,6 +161,7 @@ def read_answer(said: Any) -> StatusAnswer:
         audit_records=said.get("audit_records", NOT_SAID),
         audit_ok=said.get("audit_ok", NOT_SAID),
         commands=tuple(CommandCount(**one) for one in said.get("commands", ())),
+        operators=tuple(OperatorNote(**one) for one in said.get("operators", ())),
         probes=tuple(ProbeFacts(**one) for one in said.get("probes", ())),
         shapes=tuple(said.get("shapes", ())),
         crossings=tuple(said.get("crossings", ())),

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import logging
+from collections import deque
 from collections.abc import Callable
 
 from aff_runtime.app.link.messages import Bypass, LogLine
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import own_process
+from aff_runtime.app.report.status_answer import OperatorNote
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.control_child import ControlChild
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
@@ -16,6 +18,7 @@ from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_s
 from aff_runtime.app.supervisor.restart_policy import RestartPolicy
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
+from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
 from aff_runtime.config.revision import SHORT
@@ -25,6 +28,7 @@ from aff_runtime.telemetry.ring import RingReader
 STOP_PATIENCE_S = 3.0
 RECORDER_PATIENCE_S = 5.0
 START_PATIENCE_NS = 15_000_000_000
+KEPT_OPERATORS = 8  # commands of the console that a screen is told of
 LOUD_NOTES = ("CONFIG_DIFFERS", "CONFIG_WARNING", "CONTROL_DIED")
 LOG = logging.getLogger("aff_runtime")
 
@@ -68,6 +72,7 @@ class Processes:
         self.control: ControlChild | None = None
         self.ring: RingReader | None = None
         self.blocked, self.also_blocking = "", tuple[str, ...]()
+        self.operators = deque[OperatorNote](maxlen=KEPT_OPERATORS)
         self.troubles: tuple[str, ...] = ()
         self.gave_up = False
         self.restarts = 0
@@ -223,6 +228,12 @@ class Processes:
         LOG.log(logging.WARNING if loud else logging.INFO, "%s: %s", name, text)
         if self._recorder is not None:
             self._recorder.note(name, text)
+
+    def note_operator(self, did: str, who: str) -> None:
+        """Put on record who commands what, and keep the last ones for who looks on."""
+        self.note("OPERATOR", f"{did} by {who}")
+        at_s = round(wall_time_s(), 3)
+        self.operators.append(OperatorNote(utc_s=at_s, did=printable(did), who=printable(who)))
 
     def latest(self) -> TickRow | None:
         """Return the newest row of the ring, None while there is none."""

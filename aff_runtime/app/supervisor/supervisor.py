@@ -251,7 +251,7 @@ class Supervisor:
     def _note_command(self, asked: Asked, *details: str) -> None:
         """Put on record who commands what."""
         said = " ".join((asked.request.do, *details))
-        self._processes.note("OPERATOR", f"{said} by {asked.who}")
+        self._processes.note_operator(said, asked.who)
 
     def _forget_files(self, reply: Reply) -> Done:
         """Forget in the files too once the control process has; a refusal leaves them alone."""
@@ -342,6 +342,7 @@ class Supervisor:
             audit_records=self._hand.audit_records if self._hand is not None else NOT_SAID,
             audit_ok=self._audit_ok(),
             commands=self._counts.rows(),
+            operators=tuple(processes.operators),
             probes=tuple(probes_of(parameters.responses)),
             shapes=tuple(processes.shapes.sentences),
             crossings=tuple(self._forecast.sentences()),
@@ -358,7 +359,7 @@ class Supervisor:
         """Take the correction back; a signal does not tell who sent it."""
         self._processes.bypass()
         self._counts.add("bypass", Via.SIGNAL, Result.DONE)
-        self._processes.note("OPERATOR", "bypass by SIGUSR1; who sent it is not known")
+        self._processes.note_operator("bypass", "SIGUSR1; who sent it is not known")
 
     # --- the end ----------------------------------------------------------------------------
 

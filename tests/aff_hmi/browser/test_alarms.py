@@ -12,6 +12,7 @@ from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.events import BY_NAME
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_hmi.browser.staged import PASSWORD, Stage, moment
+from tests.aff_hmi.scope.played import cut_of
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(300)]
 BEEPS = """window.beeps = 0;
@@ -79,5 +80,50 @@ def test_where_the_ticks_of_a_link_are_gone_no_others_are_shown(chromium, screen
         "() => document.getElementById('shot').textContent.includes('not kept any more')"
     )
     assert page.run("() => document.querySelector('#chart canvas')") is None
+    assert page.complaints == []
+    page.close()
+
+
+def test_a_link_to_ticks_that_are_gone_opens_the_window_that_was_kept_of_them(
+    chromium, stage: Stage
+) -> None:
+    """Of 500 ticks, the 300th brought the alarm: the cursor stands there and reads its number."""
+    sources = stage._hub.sources
+    assert sources is not None
+    stage.calm()
+    cut = cut_of(500, float)
+    sources.windows.keep_of("PLC_STALE", cut)
+    at_s = cut.utc_s + float(cut.time_s[300])
+    page = Page(chromium, f"{stage.url}scope?end=499&tick=300&at={at_s:.3f}", locale="en")
+    page.await_live()
+    page.page.wait_for_function(
+        "() => document.getElementById('shot').textContent.includes('kept window PLC_STALE')"
+    )
+    assert page.text("#windows strong") == "PLC_STALE"
+    assert "this screen, at an alarm" in page.text("#windows")
+    place = float(page.run("() => document.getElementById('cursor-a').value"))
+    assert round(place / 1000 * 499) == 300
+    assert page.complaints == []
+    page.close()
+
+
+@pytest.mark.parametrize(
+    ("language", "shown"), [("en", "WEB_INTACT=0: the PLC sees no web"), ("de", "WEB_INTACT=0")]
+)
+def test_all_that_stands_in_the_way_is_listed_under_the_state(
+    chromium, stage: Stage, pictures: Path, language: str, shown: str
+) -> None:
+    off = moment("OFF")
+    assert off.facts is not None
+    others = ("WEB_INTACT=0", "SPLICE", "unwind: no measured response; run the probe")
+    stage.show(replace(off, facts=replace(off.facts, blocked="LINE_RUN=0", also_blocking=others)))
+    page = Page(chromium, stage.url, locale=language, viewport={"width": 360, "height": 800})
+    page.await_live()
+    page.page.wait_for_function("() => document.querySelectorAll('#also li').length === 3")
+    assert shown in page.text("#also li")
+    assert page.run("() => document.documentElement.scrollWidth") <= 360
+    page.picture(pictures / f"all-reasons-{language}.png")
+    stage.calm()
+    page.page.wait_for_function("() => document.getElementById('also-part').hidden")
     assert page.complaints == []
     page.close()

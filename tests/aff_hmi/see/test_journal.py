@@ -11,6 +11,7 @@ from aff_hmi.see.events import SCHEMA, Entry, Wanted, select
 from aff_hmi.see.journal import Journal
 from aff_hmi.see.store import Store
 from aff_hmi.watch import News, Seen
+from aff_runtime.app.report.status_answer import OperatorNote
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from aff_runtime.core.monitor import Trend
@@ -175,6 +176,25 @@ def test_a_clock_that_was_set_is_told_once_for_each_step(told: Told) -> None:
         ("CLOCK", "+3.0"),
         ("CLOCK", "-2.5"),
     ]
+
+
+def test_who_commands_on_the_console_is_told_with_the_time_of_it_and_once(told: Told) -> None:
+    first = OperatorNote(utc_s=WALL_S - 60.0, did="arm", who="login anna (root)")
+    second = OperatorNote(utc_s=WALL_S, did="shadow on", who="login bert")
+    for operators in ((first,), (first,), (first, second)):
+        told.look(seen(facts=facts(operators=operators)))
+    told.journal = told.begun()  # another start of the screen hears of the same again
+    told.look(seen(facts=facts(operators=(first, second))))
+    assert [(e.utc_s, e.who, e.values["did"]) for e in told.said(kind="person")] == [
+        (WALL_S - 60.0, "login anna (root)", "arm"),
+        (WALL_S, "login bert", "shadow on"),
+    ]
+
+
+def test_a_try_names_who_began_it(told: Told) -> None:
+    told.look()
+    told.look(seen(facts=facts(trying="settings 0123 by carl: at the panel: 60 s left")))
+    assert [e.who for e in told.said(kind="settings")] == ["carl: at the panel"]
 
 
 def test_missed_ticks_are_told_once_a_minute(told: Told) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sqlite3
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +15,13 @@ from aff_hmi.see.trend_rows import SCHEMA as TREND_SCHEMA
 from aff_hmi.see.trend_rows import prune_trend
 from aff_hmi.windows.rows import (
     MOST,
+    MOST_OF_ALARMS,
     FullError,
     Window,
     begin,
     delete,
     keep,
+    keep_of_alarm,
     listed,
     packed,
     ticks_of,
@@ -80,6 +83,27 @@ def test_there_are_at_most_so_many(table: sqlite3.Connection) -> None:
         keep(table, SAID, cut, BOUND)
     with pytest.raises(FullError):
         keep(table, SAID, cut, BOUND)
+
+
+def test_windows_of_alarms_make_room_for_each_other_and_for_nothing_else(
+    table: sqlite3.Connection,
+) -> None:
+    cut = cut_of(200, float)
+    own = keep(table, SAID, cut, BOUND)
+    for n in range(MOST_OF_ALARMS + 3):
+        keep_of_alarm(table, replace(SAID, who="", alarm=f"A{n}"), cut, BOUND)
+    found = listed(table)
+    assert [one.alarm for one in found[:-1]] == [f"A{n}" for n in range(MOST_OF_ALARMS + 2, 2, -1)]
+    assert (found[-1].number, found[-1].alarm) == (own, "")
+    size = found[0].size
+    keep_of_alarm(table, replace(SAID, alarm="last"), cut, 3 * size + size // 2)
+    assert listed(table)[0].alarm == "last"
+    assert len(listed(table)) == 1 + 3
+    keep_of_alarm(table, replace(SAID, alarm="too large"), cut, size - 1)
+    assert [one.alarm for one in listed(table)] == [""]
+    keep(table, SAID, cut, 2 * size)  # what alarms take is not counted against a person
+    with pytest.raises(FullError):
+        keep(table, SAID, cut, 2 * size)
 
 
 def test_what_is_not_there_is_said(table: sqlite3.Connection) -> None:

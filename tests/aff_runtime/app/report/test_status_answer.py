@@ -7,7 +7,13 @@ import json
 import pytest
 
 from aff_runtime.app.report.status import live_status
-from aff_runtime.app.report.status_answer import Alarm, Live, StatusAnswer, read_answer
+from aff_runtime.app.report.status_answer import (
+    Alarm,
+    Live,
+    OperatorNote,
+    StatusAnswer,
+    read_answer,
+)
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
 from aff_runtime.core.monitor import Trend
@@ -38,6 +44,7 @@ LIVE = live_status(
             recorder=RECORDER,
             shapes=("s",),
             crossings=("c",),
+            operators=(OperatorNote(utc_s=1.8e9, did="arm", who="login anna"),),
             live=LIVE,
         ),
     ],
