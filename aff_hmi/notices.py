@@ -11,7 +11,7 @@ from urllib.parse import quote
 from aff_hmi.condition import LASTS_S, RANK, ROLLS, TIMING, Condition
 from aff_hmi.upkeep import upkeep
 from aff_hmi.watch import Seen
-from aff_hmi.words import N_, Say
+from aff_hmi.words import N_, Say, figures_in
 from aff_runtime.app.report.alarm_table import PRIORITIES, Priority
 from aff_runtime.app.report.block_status import SHAPE, SHAPE_WHY, WHY, WORDS
 from aff_runtime.base.events import BY_CODE
@@ -84,7 +84,7 @@ def filled(text: str, values: Mapping[str, str], say: Say) -> str:
     """Return a text in the reader's language, with its values; empty stays empty."""
     found = say(text) if text else ""
     for name, value in values.items():
-        found = found.replace(f"{{{name}}}", value)
+        found = found.replace(f"{{{name}}}", figures_in(value, say))
     return found
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from functools import cache
 
-from aff_hmi.words import N_, Say
+from aff_hmi.words import N_, Say, figures_in
 
 PROBE = N_("run the probe with the line at its speed: page Commissioning, or aff-runtime probe")
 PROBE_HERE = N_("probe at this speed and radius")
@@ -57,7 +57,8 @@ def translated(blocked: str, say: Say) -> tuple[str, str] | None:
         if found is not None:
             named = found.groupdict()
             actuator = named.pop("actuator")
-            return f"{actuator}: {say(sentence).format(**named)}", say(to_do)
+            told = {name: figures_in(value, say) for name, value in named.items()}
+            return f"{actuator}: {say(sentence).format(**told)}", say(to_do)
     return None
 
 

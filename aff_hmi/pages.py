@@ -17,7 +17,7 @@ from aff_hmi.hand_routes import HandRoutes, place_of
 from aff_hmi.hub import Hub
 from aff_hmi.see.alarm_desk import AlarmDesk
 from aff_hmi.sources import PAGES as SEEN
-from aff_hmi.words import LANGUAGES, NAMES, Say, language_of, say_in
+from aff_hmi.words import LANGUAGES, NAMES, Say, figures_in, language_of, say_in
 from aff_runtime import __version__
 from aff_runtime.app.report.metrics.exposition import CONTENT_TYPE
 from aff_runtime.base.ports import Clock
@@ -113,6 +113,7 @@ class Pages:
         language = self._language_of(request)
         page = self._templates.get_template(name).render(
             _=say_in(language),
+            figures=lambda text: figures_in(text, say_in(language)),
             language=language,
             path=path,
             back=self._back(request),

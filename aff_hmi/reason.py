@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 from aff_hmi.objections import translated
-from aff_hmi.words import N_, Say
+from aff_hmi.words import N_, Say, figures_in
 from aff_runtime.app.report.status import BYPASSED, PERMISSIVES, POWER_UP
 from aff_runtime.base.events import BY_CODE, BY_NAME, Event
 from aff_runtime.base.signals import State
@@ -94,7 +94,7 @@ def _resting(event: Event, blocked: str, say: Say, name: str) -> Reason:
     text = say(event.text)
     why = text if event.name in CALM else f"{name}: {text}"
     if blocked.split(" ", maxsplit=1)[0] == event.name:
-        return Reason(why=f"{blocked}: {text}", to_do=say(event.action))
+        return Reason(why=f"{figures_in(blocked, say)}: {text}", to_do=say(event.action))
     if not blocked:
         over = "" if event.name in CALM else f" ({say(N_('over now'))})"
         return Reason(why=f"{why}{over}", to_do=say(event.action))
@@ -107,7 +107,7 @@ def explained(blocked: str, say: Say) -> tuple[str, str]:
     name = blocked.split(" ", maxsplit=1)[0]
     if name in BY_NAME:
         event = BY_NAME[name]
-        return f"{blocked}: {say(event.text)}", say(event.action)
+        return f"{figures_in(blocked, say)}: {say(event.text)}", say(event.action)
     lacks = name.removesuffix("=0")
     if lacks in PERMISSIVES:
         to_do = say(N_("it comes from the PLC: look there for what is missing"))

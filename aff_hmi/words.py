@@ -7,6 +7,7 @@ order) is translated by the same catalogue, as a whole sentence; names of the si
 from __future__ import annotations
 
 import gettext
+import re
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -18,9 +19,31 @@ NAMES = {"en": "English", "de": "Deutsch"}
 Say = Callable[[str], str]
 
 
+# one that a unit follows is a number: an address, a version or a word.bit is none
+_FIGURE = re.compile(
+    r"(?<![\w,])(?:(?<!\.)|(?<=\.\.))([+-]?\d+)\.(\d+(?:e-?\d+)?)"
+    r"(?=\.\.\d| (?:s|ms|m|mm|N|N m|m/s|mm/s|m/min|Hz|deg|MB|dB|times|%)(?![\w/]))"
+)
+_WHOLE = re.compile(r"[+-]?\d+\.\d+(?:e-?\d+)?")
+
+
 def N_(text: str) -> str:
     """Mark a text for translation."""
     return text
+
+
+FIGURE = N_("0.0")
+"""How a number is written: what stands between its digits is the language's decimal mark."""
+
+
+def figures_in(text: str, say: Say) -> str:
+    """Return a text with the reader's decimal mark: a number, or numbers with units in it."""
+    found = re.search(r"0(\D)0", say(FIGURE))
+    if found is None or found[1] == ".":
+        return text
+    if _WHOLE.fullmatch(text):
+        return text.replace(".", found[1])
+    return _FIGURE.sub(lambda one: f"{one[1]}{found[1]}{one[2]}", text)
 
 
 @cache

@@ -9,7 +9,7 @@ from aff_hmi.notices import filled
 from aff_hmi.see.alarm import Alarm, Life
 from aff_hmi.see.alarm_book import AlarmBook
 from aff_hmi.see.events import Entry, Kind
-from aff_hmi.words import N_, Say
+from aff_hmi.words import N_, Say, figures_in
 from aff_runtime.base.printable import printable
 
 AROUND_S = 5.0  # of ticks before an event and after it
@@ -103,6 +103,7 @@ def alarm_part(book: AlarmBook, newest: int, history: str, cycle_s: float, say: 
 def _line(alarm: Alarm, cycle_s: float, say: Say) -> AlarmLine:
     one = alarm.condition
     after = say(N_("{name} {seconds} s after"))
+    followers = [(f.name, figures_in(f"{f.after_s:.3f}", say)) for f in alarm.followers]
     shelved = say(N_("by {name}: {reason}"))
     return AlarmLine(
         key=one.key,
@@ -118,9 +119,7 @@ def _line(alarm: Alarm, cycle_s: float, say: Say) -> AlarmLine:
         times=alarm.times,
         is_first=alarm.is_first and alarm.led_by is None,
         led_by=_led_by(alarm, say),
-        followers=tuple(
-            after.format(name=f.name, seconds=f"{f.after_s:.3f}") for f in alarm.followers
-        ),
+        followers=tuple(after.format(name=name, seconds=late) for name, late in followers),
         seen_by=alarm.seen_by,
         shelved=shelved.format(name=alarm.shelved_by, reason=alarm.reason)
         if alarm.shelved_until_ns
@@ -134,7 +133,8 @@ def _led_by(alarm: Alarm, say: Say) -> str:
     if not alarm.is_first or alarm.led_by is None:
         return ""
     words = say(N_("the correction was taken out before it, by {name}, {seconds} s earlier"))
-    return words.format(name=alarm.led_by.name, seconds=f"{alarm.led_by.before_s:.3f}")
+    before = figures_in(f"{alarm.led_by.before_s:.3f}", say)
+    return words.format(name=alarm.led_by.name, seconds=before)
 
 
 def _page(alarm: Alarm, cycle_s: float) -> str:

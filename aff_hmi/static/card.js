@@ -40,7 +40,7 @@ function figures(rows) {
 
 function windows(rows) {
   const texts = rows.flatMap((one) => [
-    `${one.folder}, ${one.from_s.toFixed(2)} s – ${one.to_s.toFixed(2)} s`,
+    `${one.folder}, ${number(one.from_s, 2)} s – ${number(one.to_s, 2)} s`,
     ...one.segments.map((s) => `${s.name}, ${s.size} B, SHA-256 ${s.sha256}`),
   ]);
   return listed(words.window, texts);

@@ -1,5 +1,6 @@
 // From the box to ACTIVE: every step with what is known of it, and what is to be done next.
 import { ask, byId, number, part, put, words } from "/static/see.js";
+import { short as shortly } from "/static/curves.js";
 import { LONG_MS, act, lookAfter, post } from "/static/work.js";
 
 const LINE_MS = 3000;
@@ -129,7 +130,7 @@ function table(heads, rows) {
   return box;
 }
 
-const short = (value) => (value === null ? "—" : Number(value.toPrecision(3)).toString());
+const short = (value) => (value === null ? "—" : shortly(value, 3));
 
 function response(one) {
   const when = { actuator: one.actuator, when: one.measured_at, speed: short(one.speed_m_s) };

@@ -293,7 +293,7 @@ def test_an_alarm_names_the_signal_that_the_guard_names() -> None:
 @pytest.mark.parametrize(
     ("trouble", "told"),
     [
-        ("no reply within 0.05 s", "keine Antwort innerhalb von 0.05 s"),
+        ("no reply within 0.05 s", "keine Antwort innerhalb von 0,05 s"),
         ("no connection within 2 s", "keine Verbindung innerhalb von 2 s"),
         ("closed by the other side", "von der Gegenseite geschlossen"),
         ("[Errno 111] Connection refused", "[Errno 111] Connection refused"),

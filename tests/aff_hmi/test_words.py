@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import re
 import string
+from pathlib import Path
 
 import pytest
 
-from aff_hmi.words import LANGUAGES, language_of, say_in
+import aff_hmi
+from aff_hmi.words import LANGUAGES, figures_in, language_of, say_in
 from tests.aff_hmi.msgids import all_texts
 
 pytest.importorskip("babel")
@@ -44,6 +46,36 @@ def test_every_language_has_a_catalogue_and_speaks() -> None:
 
 
 @pytest.mark.parametrize(
+    ("text", "german"),
+    [
+        ("0.05", "0,05"),
+        ("-2.5", "-2,5"),
+        ("5e-05", "5e-05"),
+        ("1.5e-05", "1,5e-05"),
+        ("PLC_STALE 0.035 s, OVERRUN 1.200 s", "PLC_STALE 0,035 s, OVERRUN 1,200 s"),
+        ("31.40 Hz is outside 0.20..12.00 Hz", "31,40 Hz is outside 0,20..12,00 Hz"),
+        ("applied 0.012 m/s of 0.030 m/s", "applied 0,012 m/s of 0,030 m/s"),
+        # what only looks like a number: an address, a version, a word with its bit, a file
+        ("192.168.7.10", "192.168.7.10"),
+        ("no route to 10.0.0.5 since 1.5 s", "no route to 10.0.0.5 since 1,5 s"),
+        ("Python 3.11", "Python 3.11"),
+        ("word 20.7 inverted", "word 20.7 inverted"),
+        ("site.yaml:7.3 mm2", "site.yaml:7.3 mm2"),
+    ],
+)
+def test_numbers_have_the_comma_in_german_and_nothing_else_has(text: str, german: str) -> None:
+    assert figures_in(text, say_in("de")) == german
+    assert figures_in(text, say_in("en")) == text
+
+
+def test_no_german_text_has_a_number_with_a_point() -> None:
+    """But for an address and a word with its bit, which are typed so."""
+    typed = re.compile(r"192\.168\.7\.10|20\.7")
+    texts = [m.string for path in sources() for m in catalogue(path) if m.id]
+    assert [one for one in texts if re.search(r"\d\.\d", typed.sub("", one))] == []
+
+
+@pytest.mark.parametrize(
     ("wanted", "accepted", "language"),
     [
         ("de", "en", "de"),
@@ -61,3 +93,10 @@ def test_the_readers_language_is_found(wanted: str, accepted: str, language: str
 def _places(text: str) -> set[str]:
     assert not re.search(r"{\d*}", text)
     return {name for _, name, _, _ in string.Formatter().parse(text) if name}
+
+
+def test_no_script_writes_a_number_that_is_read_but_in_the_readers_language() -> None:
+    """Attributes of a drawing have points; they are of ``recent.js`` alone."""
+    scripts = Path(aff_hmi.__file__).parent.joinpath("static").glob("*.js")
+    pointed = re.compile(r"\.toFixed\(|\.toPrecision\(")
+    assert [p.name for p in scripts if pointed.search(p.read_text())] == ["recent.js"]
