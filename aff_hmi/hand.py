@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from aff_runtime.app.hand.may import (
     may,
 )
 from aff_runtime.app.hand.messages import VALID_NS, Notice, Welcome
+from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
@@ -50,6 +52,7 @@ class Hand:
     Parameters
     ----------
     bypass_from : the farthest place from which who has not logged in may bypass; None: nowhere.
+    wall : returns wall time, s since 1970.
 
     Attributes
     ----------
@@ -63,12 +66,13 @@ class Hand:
         clock: Clock,
         *,
         bypass_from: Place | None = Place.PANEL,
+        wall: Callable[[], float] = wall_time_s,
     ) -> None:
         self._clock = clock
         self._bypass_from = bypass_from
         self._remote = False
         self.accounts = Accounts(accounts)
-        self.sessions = Sessions(self.accounts, clock, self._note)
+        self.sessions = Sessions(self.accounts, clock, self._note, wall)
         self.desk = PressDesk(socket, clock)
         self._of_nobody: dict[tuple[Place, Say], str] = {}
         self._texts: dict[tuple[object, ...], str] = {}
@@ -132,6 +136,7 @@ class Hand:
             "has_hand": person.has_hand,
             "hand_of": held.session.account.name if held is not None else "",
             "hand_from": held.session.place if held is not None else "",
+            "hand_since_s": held.since_s if held is not None else 0.0,
             "lost_to": session.lost_to if session is not None else "",
             "hears": self.desk.rules is not None,
         }

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 from aff_runtime.app.hand.accounts import Account, Accounts
 from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.app.hand.may import Person, Place, Role
+from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
 
 MINUTE_NS = 60_000_000_000
@@ -44,10 +45,11 @@ class Session:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Holder:
-    """The session that has the hand, since when."""
+    """The session that has the hand, since when: monotonic, and wall time in s since 1970."""
 
     session: Session
     since_ns: int
+    since_s: float
 
 
 class Sessions:
@@ -55,6 +57,7 @@ class Sessions:
 
     Parameters
     ----------
+    wall : returns wall time, s since 1970.
     told : called with a notice and a session when one ends, or its hand, without a press.
     """
 
@@ -63,7 +66,9 @@ class Sessions:
         accounts: Accounts,
         clock: Clock,
         told: Callable[[str, Session], None] = lambda what, session: None,
+        wall: Callable[[], float] = wall_time_s,
     ) -> None:
+        self._wall = wall
         self._accounts = accounts
         self._clock = clock
         self._told = told
@@ -150,7 +155,9 @@ class Sessions:
         held = self.holder()
         if held is not None and held.session is session:
             return ""
-        self._holder = Holder(session=session, since_ns=self._clock.now_ns())
+        self._holder = Holder(
+            session=session, since_ns=self._clock.now_ns(), since_s=round(self._wall(), 1)
+        )
         if held is None:
             return ""
         held.session.lost_to = session.account.name

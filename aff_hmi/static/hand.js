@@ -30,9 +30,11 @@ function put(element, text) {
   if (element && element.textContent !== text) element.textContent = text;
 }
 
-/** What became of a press, and when: it stays until the next one. */
-function tell(text) {
-  put(byId("hand-said"), text && `${new Date().toLocaleTimeString(root.lang)} ${text}`);
+/** What became of a press, and when: it stays until the next one; `isBad`: nobody saw it done. */
+function tell(text, isBad = false) {
+  const told = byId("hand-said");
+  put(told, text && `${new Date().toLocaleTimeString(root.lang)} ${text}`);
+  told.classList.toggle("unconfirmed", isBad);
 }
 
 function newId() {
@@ -87,14 +89,24 @@ function show() {
   }
   bypass.disabled = own.why.bypass.length > 0;
   put(byId("bypass-why"), own.why.bypass.join("; "));
-  const other = own.hand_of ? words.other.replace("{name}", own.hand_of) : words.none;
   const lost = own.lost_to ? words.lost.replace("{name}", own.lost_to) : "";
-  put(byId("hand-of"), lost || (own.has_hand ? words.mine : other));
+  put(byId("hand-of"), lost || held(own));
   byId("hand-of")?.classList.toggle("lost", lost !== "");
   if (byId("take")) {
     byId("take").hidden = own.has_hand;
     byId("release").hidden = !own.has_hand;
   }
+}
+
+/** Who has the hand, since when, and from where. */
+function held(own) {
+  if (!own.hand_of) return words.none;
+  const since = new Date(1000 * own.hand_since_s);
+  const day = since.toDateString() === new Date().toDateString() ? {} : { day: "numeric", month: "short" };
+  const time = since.toLocaleTimeString(root.lang, { ...day, hour: "2-digit", minute: "2-digit", hourCycle: "h23" });
+  const said = (own.has_hand ? words.mine : words.other).replace("{name}", own.hand_of);
+  const place = own.hand_from === "panel" ? words.panel : words.network;
+  return said.replace("{time}", time).replace("{place}", place);
 }
 
 function confirmPress() {
@@ -104,7 +116,7 @@ function confirmPress() {
     if (awaited.action === "bypass") navigator.vibrate?.(200);
     awaited = null;
   } else if (performance.now() > awaited.until_ms) {
-    tell(`${called(awaited.action)}: ${words.unseen}`);
+    tell(`${called(awaited.action)}: ${words.unseen}`, true);
     awaited = null;
   }
 }
@@ -150,7 +162,7 @@ async function act(action, seen, number) {
       tell(answer.text); // nothing of it shows in the line
     }
   } catch {
-    tell(words.failed);
+    tell(`${called(action)}: ${words.failed}`, true);
   }
 }
 

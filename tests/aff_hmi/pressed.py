@@ -98,7 +98,7 @@ class Pressed:
         write_accounts(
             self.file, [Account(name=n, role=r, secret=secret) for n, r in NAMES.items()]
         )
-        self.hand = Hand(folder / "hand.sock", self.file, self.clock)
+        self.hand = Hand(folder / "hand.sock", self.file, self.clock, wall=lambda: self.wall_s)
         self.service = Service(
             rules=Welcome(version="1", ceiling=Role.OPERATE, arms_from=Place.PANEL)
         )

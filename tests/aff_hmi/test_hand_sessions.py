@@ -49,6 +49,22 @@ def test_one_has_the_hand_the_other_is_told_and_takes_it_over_knowingly(at: Pres
     assert at.service.notices[-1] == "hand taken over bert"
 
 
+def test_everybody_sees_who_has_the_hand_since_when_and_from_where(at: Pressed) -> None:
+    anna = at.browser("anna")
+    nobody = at.browser()
+    assert (own(at, nobody)["hand_of"], own(at, nobody)["hand_since_s"]) == ("", 0.0)
+    at.wall_s = 1.8e9 + 77.0
+    anna.take()
+    at.wall_s += 600.0
+    at.clock.advance_ns(600_000_000_000)
+    anna.take()  # once more changes nothing
+    at.show(State.READY)
+    for browser in (anna, nobody):
+        shown = own(at, browser)
+        assert (shown["hand_of"], shown["hand_from"]) == ("anna", "panel")
+        assert shown["hand_since_s"] == 1.8e9 + 77.0
+
+
 def test_only_its_owner_releases_the_hand(at: Pressed) -> None:
     anna, bert = armed(at), at.browser("bert")
     bert.take("release")

@@ -12,7 +12,7 @@ from aff_runtime.app.hand.may import Action
 from aff_runtime.app.hand.messages import NOBODY
 from tests.aff_hmi.browser.axe import grave_findings
 from tests.aff_hmi.browser.eyes import Page
-from tests.aff_hmi.browser.sights import CLIPPED, OVERLAPS, SMALL
+from tests.aff_hmi.browser.sights import CLIPPED, CONTRAST, MIN_CONTRAST, OVERLAPS, SMALL
 from tests.aff_hmi.browser.staged import PASSWORD, Stage, moment
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(300)]
@@ -79,6 +79,42 @@ def test_the_page_of_the_login_fits_with_its_bypass(
         assert page.run(found) == []
     assert grave_findings(page.page) == []
     page.close()
+
+
+def test_a_press_that_the_line_does_not_show_is_told_by_shape_word_and_colour(
+    chromium, stage: Stage, pictures: Path
+) -> None:
+    """The service says yes, and the line stays as it was: nothing was confirmed."""
+    stage.show(moment("ACTIVE"))
+    page = logged_in(chromium, stage, "anna", locale="en", color_scheme="light")
+    assert page.text("#hand-of") == "nobody has the hand"
+    page.page.click("#take")
+    page.page.wait_for_function(
+        "() => /^you have the hand, since \\d\\d:\\d\\d, at the panel$/"
+        ".test(document.getElementById('hand-of').textContent)"
+    )
+    page.page.keyboard.press("F9")
+    said(page, "BYPASS: NOT CONFIRMED: use the switch at the line")
+    look = """() => { const told = document.getElementById('hand-said');
+      const high = getComputedStyle(document.documentElement).getPropertyValue('--high').trim();
+      const one = document.createElement('i'); one.style.color = high; document.body.append(one);
+      const { color, borderTopColor, borderTopWidth } = getComputedStyle(told);
+      return [color === getComputedStyle(one).color, color === borderTopColor, borderTopWidth,
+        getComputedStyle(told, '::before').content]; }"""
+    assert page.run(look) == [True, True, "4px", '"✖ "']
+    assert page.run(CONTRAST)[0] >= MIN_CONTRAST
+    page.picture(pictures / "not-confirmed.png")
+    stage.show(moment("BYPASS"))
+    page.page.keyboard.press("F9")
+    said(page, "BYPASS: done, and seen in the line")
+    assert page.run("() => document.getElementById('hand-said').className") == ""
+    other = logged_in(chromium, stage, "bert", locale="de-DE")
+    other.page.wait_for_function(
+        "() => /^anna hat die Hand, seit \\d\\d:\\d\\d, am Bedienfeld$/"
+        ".test(document.getElementById('hand-of').textContent)"
+    )
+    page.close()
+    other.close()
 
 
 @pytest.mark.parametrize("in_the_hold", [False, True])
