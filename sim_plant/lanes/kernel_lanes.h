@@ -113,10 +113,18 @@ EACH double modulo_float(double a, double b) {
     return copysign(0.0, b);
 }
 /* rare: lane by lane */
-static inline floats modulo_floats(floats a, floats b) {
+static inline floats far_rests(floats a, floats b) {
     floats found = {0};
     for (int lane = 0; lane < LANES; lane++) found[lane] = modulo_float(a[lane], b[lane]);
     return found;
+}
+/* What is smaller than its divisor is its own rest, one of the other sign that and the divisor,
+   and nothing has the divisor's sign. */
+EACH floats modulo_floats(floats a, floats b) {
+    if (any(~(integers)(absolutes(a) < absolutes(b)))) return far_rests(a, b);
+    integers other = (integers)(((integers)a ^ (integers)b) < 0);
+    floats nothing = (floats)((integers)b & INT64_MIN);
+    return choose_floats((integers)(a == 0.0), nothing, choose_floats(other, a + b, a));
 }
 
 /* the next whole number, ties to even; 1.5 * 2^52 has no room for a fraction */

@@ -21,6 +21,10 @@ WAVES = """
 #define APPLY(name) void apply_##name(floats *x, int64_t n) \\
     { for (int64_t i = 0; i < n; i++) x[i] = lanes_##name(x[i]); }
 APPLY(sin) APPLY(cos) APPLY(exp) APPLY(tanh) APPLY(floor)
+void apply_turn(floats *x, int64_t n)
+    { for (int64_t i = 0; i < n; i++) x[i] = modulo_floats(x[i], each_float(6.283185307179586)); }
+void apply_back(floats *x, int64_t n)
+    { for (int64_t i = 0; i < n; i++) x[i] = modulo_floats(x[i], each_float(-6.283185307179586)); }
 """
 
 
@@ -119,8 +123,22 @@ def test_a_floor_is_a_floor(mathematics: ctypes.CDLL) -> None:
     assert np.array_equal(applied(mathematics, "floor", values), np.floor(values))
 
 
+@pytest.mark.parametrize(("name", "divisor"), [("turn", 2.0 * np.pi), ("back", -2.0 * np.pi)])
+@pytest.mark.parametrize("reach", [6.28, 100.0])
+def test_a_rest_is_pythons_to_the_last_bit(
+    name: str, divisor: float, reach: float, mathematics: ctypes.CDLL
+) -> None:
+    values = np.random.default_rng(8).uniform(-reach, reach, 4000)
+    ends = (0.0, -0.0, 5e-324, -5e-324, 1e-17, -1e-17, divisor, -divisor, reach, 1.0, -1.0, 3.0)
+    values[: len(ends)] = ends
+    found = applied(mathematics, name, values)
+    exact = np.array([value % divisor for value in values.tolist()])
+    assert found.tobytes() == exact.tobytes()  # zeros with their signs
+
+
 def test_no_number_stays_none_and_disturbs_no_neighbour(mathematics: ctypes.CDLL) -> None:
     values = np.array([np.nan, 1.0, np.inf, 2.0])
+    assert np.isnan(applied(mathematics, "turn", values)[::2]).all()
     for name in ("sin", "exp", "tanh"):
         found = applied(mathematics, name, values)
         assert np.isnan(found[0])
