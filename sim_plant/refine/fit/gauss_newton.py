@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -293,15 +293,16 @@ def _shortened(
     *,
     slopes: bool = False,
 ) -> _Point | None:
-    """Return the first point along ``step`` that costs less, or None."""
-    split = objective.projector.nuisances.shape[1]
-    for share in SHARES:
-        values = _moved(hypotheses, here.values, share * step[split:])
-        shifts = _moved_shifts(objective, here.shifts, share * step[:split])
-        if values == here.values and shifts == here.shifts:
-            return None
-        if _astray(objective, here.shifts, shifts):
-            continue
+    """Return the first point along ``step`` that costs less, or None.
+
+    Where the whole step does not, its shares are simulated together: three lines side by side
+    take little longer than one, and mostly none of them costs less.
+    """
+    trials = list(_trials(objective, hypotheses, here, step))
+    for at, (share, values, shifts) in enumerate(trials):
+        if at == 1:
+            rest = [case_of(hypotheses, v, s, quick) for _, v, s in trials[1:]]
+            objective.pool.run(rest)
         try:
             first = slopes and share == SHARES[0]
             there = _simulated(objective, hypotheses, values, shifts, quick, slopes=first)
@@ -310,6 +311,20 @@ def _shortened(
         if there.cost < here.cost:
             return there
     return None
+
+
+def _trials(
+    objective: Objective, hypotheses: Sequence[Hypothesis], here: _Point, step: Array
+) -> Iterator[tuple[float, Values, dict[str, float]]]:
+    """Yield shares of a step with the numbers and shifts there, until none is moved any more."""
+    split = objective.projector.nuisances.shape[1]
+    for share in SHARES:
+        values = _moved(hypotheses, here.values, share * step[split:])
+        shifts = _moved_shifts(objective, here.shifts, share * step[:split])
+        if values == here.values and shifts == here.shifts:
+            return
+        if not _astray(objective, here.shifts, shifts):
+            yield share, values, shifts
 
 
 def _moved(hypotheses: Sequence[Hypothesis], values: Values, change: Array) -> Values:

@@ -87,6 +87,22 @@ def test_a_number_that_would_imitate_a_small_part_of_something_else_stays_where_
     assert gauss_newton_fit(objective, (), (), {}).shifts == {}
 
 
+def test_where_a_whole_step_costs_more_its_shares_are_simulated_together(monkeypatch):
+    objective = bent_line(SLOPE * 20 * SD)  # what is linear is explained where it is: bends cost
+    together, run = [], objective.pool.run
+
+    def counted(cases, keep=True):
+        together.append([shift_of(case) for case in cases])
+        return run(cases, keep)
+
+    monkeypatch.setattr(objective.pool, "run", counted)
+    assert gauss_newton_fit(objective, (), (), {}, rounds=1).shifts == {}
+    zero = objective.residual([np.zeros((1, SAMPLES))])
+    estimate = np.linalg.lstsq(objective.projector.nuisances, zero, rcond=None)[0][0]
+    (shares,) = [shifts for shifts in together if len(shifts) > 1]
+    assert shares == pytest.approx([0.4 * estimate, 0.15 * estimate, 0.05 * estimate], rel=1e-6)
+
+
 def test_a_number_within_its_tolerance_goes_whatever_else_there_is():
     true = 2.7 * SD
     record = SLOPE * true + BEND * true**2 + 30.0 * np.sin(0.3 * TIME)
