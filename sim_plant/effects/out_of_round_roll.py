@@ -102,6 +102,13 @@ def profile(radius_m: float, parameters: Mapping[str, Value]) -> Shape:
     PlantError
         On numbers that no roll has.
     """
+    return _profile(radius_m, tuple(parameters.items()))
+
+
+@lru_cache(maxsize=64)
+def _profile(radius_m: float, numbers: tuple[tuple[str, Value], ...]) -> Shape:
+    """Return the profile of these parameters; a search puts one on a hundred lines in turn."""
+    parameters = dict(numbers)
     kind, size_m = str(parameters["shape"]), float(parameters["size_m"])
     formed_m = _formed_m(radius_m, parameters)
     angle_rad, flat_width_m = float(parameters["angle_rad"]), float(parameters["flat_width_m"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,8 +32,11 @@ class ShapeTable:
     curvature_m: Floats
 
 
+@lru_cache(maxsize=64)
 def tabulate(shape: Shape, points: int = DEFAULT_POINTS) -> ShapeTable:
     """Return the table of ``shape``; exact at the nodes (band-limited data, inverse FFT).
+
+    Made once of a shape object; nobody writes in it.
 
     Raises
     ------
@@ -56,4 +60,6 @@ def _samples(coefficients: NDArray[np.complex128], points: int) -> Floats:
     spectrum = np.zeros(points // 2 + 1, dtype=np.complex128)
     spectrum[1 : coefficients.size + 1] = 0.5 * points * coefficients
     wave = np.fft.irfft(spectrum, n=points)
-    return np.ascontiguousarray(np.append(wave, wave[0]))
+    samples = np.ascontiguousarray(np.append(wave, wave[0]))
+    samples.setflags(write=False)
+    return samples

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -30,6 +31,7 @@ class WoundMass:
     inertia_kg_m2: float
 
 
+@lru_cache(maxsize=64)
 def wound_mass(
     shape: Shape, *, core_radius_m: float, density_kg_m3: float, width_m: float
 ) -> WoundMass:
@@ -39,6 +41,7 @@ def wound_mass(
     hold only for an origin at the rotation centre, which is what the shape is given round. The
     area integrals are taken along the profile: with normal psi and contact point x(psi),
     A = 1/2 int h rho, first moment 1/3 int x h rho, polar moment 1/4 int |x|^2 h rho.
+    Of the same shape object it is taken once.
 
     Raises
     ------

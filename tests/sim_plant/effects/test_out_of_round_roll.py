@@ -40,6 +40,15 @@ def test_orders_add_to_the_named_profile() -> None:
     assert both - flat == pytest.approx(low, abs=1e-12)
 
 
+def test_a_profile_is_made_once_of_the_same_numbers() -> None:
+    oval = profile(0.2, OVAL)
+    assert profile(0.2, dict(OVAL)) is oval
+    assert profile(0.21, OVAL).mean_radius_m == pytest.approx(oval.mean_radius_m + 0.01, rel=1e-5)
+    assert profile(0.2, {**OVAL, "size_m": 0.004}).deviation_m[1] == pytest.approx(
+        2.0 * oval.deviation_m[1], rel=0.01
+    )
+
+
 def test_a_profile_formed_at_another_radius_keeps_its_deviations() -> None:
     formed = profile(0.15, {**EFFECT.parameters, "size_m": 0.01, "formed_radius_m": 0.2})
     fresh = profile(0.2, {**EFFECT.parameters, "size_m": 0.01})

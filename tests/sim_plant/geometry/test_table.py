@@ -54,3 +54,12 @@ def test_circle_has_no_deviation() -> None:
 def test_table_too_coarse_for_the_orders_is_refused() -> None:
     with pytest.raises(PlantError, match="cannot hold 256 orders"):
         tabulate(flat_spot(0.012, 0.2032), points=512)
+
+
+def test_a_table_is_made_once_of_a_shape_and_nobody_writes_in_it() -> None:
+    shape = ellipse(0.205, 0.199)
+    table = tabulate(shape)
+    assert tabulate(shape) is table
+    assert tabulate(shape.turned(0.1)) is not table
+    with pytest.raises(ValueError, match="read-only"):
+        table.support_m[0] = 1.0
