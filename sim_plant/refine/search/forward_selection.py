@@ -241,13 +241,13 @@ def next_extensions(
     progress(f"cost {cost:.0f}, noise alone {objective.expected_cost:.0f}")
     left = cost - min(objective.expected_cost, cost - ACCEPTANCE.least_excess)
     names = {h.effect.name for h in library}
-    conflicts = fit_conflicts(objective, selection.fit, names, progress)
     complete: list[Extension] = []
     partial: list[Extension] = []
     wander = wander_of(objective, selection)
     apart = set_apart(objective, selection, at_spectral_lines=False, wander=wander)
     for group in (plain, resonant, others):
         if group is others:
+            conflicts = fit_conflicts(objective, selection.fit, names, progress)
             apart = set_apart(objective, selection, at_spectral_lines=True, wander=wander)
             weigh = objective if apart is None else apart.objective
             needed = ACCEPTANCE.later_score if selection.accepted else ACCEPTANCE.score
