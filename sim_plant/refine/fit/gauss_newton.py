@@ -296,7 +296,7 @@ def _shortened(
     """Return the first point along ``step`` that costs less, or None.
 
     Where the whole step does not, its shares are simulated together: three lines side by side
-    take little longer than one, and mostly none of them costs less.
+    take little longer than one.
     """
     trials = list(_trials(objective, hypotheses, here, step))
     for at, (share, values, shifts) in enumerate(trials):
