@@ -98,10 +98,10 @@ def jacobian(
     values: Values,
     shifts: dict[str, float],
 ) -> Array:
-    """Return the columns of all numbers; always from quick runs: only their zero matters.
+    """Return the whitened derivatives (rows, numbers) by all numbers, from quick runs always.
 
     Where the line does not run a step further on (a web that cannot follow a shape), the step is
-    taken back instead.
+    taken the other way.
     """
     steps = _increments(hypotheses, values)
 
@@ -123,7 +123,7 @@ def jacobian(
 
 
 def _increments(hypotheses: Sequence[Hypothesis], values: Values) -> list[tuple[int, int, float]]:
-    """Return the finite-difference steps: effect, number of it, step."""
+    """Return the finite-difference steps: place of the effect, of its number, and increment."""
     return [
         (at, k, increment)
         for at, (h, v) in enumerate(zip(hypotheses, values, strict=True))
@@ -211,7 +211,7 @@ def _simulated(
     *,
     slopes: bool = False,
 ) -> _Point:
-    """Return a point; with ``slopes`` what its slopes need is simulated beside it.
+    """Return a point; with ``slopes`` the runs that its `jacobian` needs are made beside it.
 
     One line alone takes nearly as long as four in lanes, and a point that is kept needs them next.
     """
@@ -238,10 +238,10 @@ def _stepped(
 ) -> _Point | None:
     """Return the first point along ``step`` (nuisances, then numbers) that costs less, or None.
 
-    Declared numbers that would go, together, where no tolerance takes them stay: what they would
-    explain counts linearly, and what it is they imitate is found from where the line is declared.
-    They go where linearly nothing is left beyond noise, or where going explains a fair share of
-    what is: then it is they.
+    A step that takes declared numbers, together, beyond their tolerances is compared with the same
+    step without them: they stay where they are, what they would explain counts linearly, and an
+    effect that they imitate can still be found. They move where nothing is left then beyond noise,
+    or where moving them explains ``fair_share`` of what is left: then they are the cause.
     """
     there = _shortened(objective, hypotheses, here, step, quick, slopes=slopes)
     split = objective.projector.nuisances.shape[1]
@@ -252,7 +252,7 @@ def _stepped(
     still = _shortened(objective, hypotheses, here, held, quick)
     stay = here if still is None else still
     rest = objective.projector.project(stay.residual)
-    price = float(np.sum(rest[objective.rows :] ** 2))  # of tolerances, which no going saves
+    price = float(np.sum(rest[objective.rows :] ** 2))  # of the shifts, by their tolerances
     left = objective.excess(stay.cost - price, rest)
     left -= COMPLETENESS.sure_sd * objective.cost_standard_deviation
     fair = COMPLETENESS.fair_share * max(left, 0.0)
@@ -260,9 +260,9 @@ def _stepped(
 
 
 def _within_tolerances(objective: Objective, shifts: Mapping[str, float], change: Array) -> bool:
-    """Return whether shifted declared numbers, moved by ``change``, are together a tolerance.
+    """Return whether shifts, moved by ``change``, are together within what tolerances admit.
 
-    Effective radii do not count: the angle of a roll that is recorded tells them by itself.
+    Effective radii do not count: the recorded angle of a roll fixes its own.
     """
     rows = zip(objective.nuisances, change, objective.prior_sd, strict=False)
     z = np.array(
@@ -276,9 +276,9 @@ def _within_tolerances(objective: Objective, shifts: Mapping[str, float], change
 
 
 def is_tolerance(z: Array) -> bool:
-    """Return whether shifts of declared numbers, in prior standard deviations, are together one.
+    """Return whether shifts (n,), in prior standard deviations, are what tolerances admit.
 
-    Equation: z' z < n + k sqrt(2 n).
+    Equation: z' z < n + k sqrt(2 n), k ``joint_sd``.
     """
     widest = CRITERIA.search.degeneracy.joint_sd
     return not z.size or float(z @ z) < z.size + widest * math.sqrt(2.0 * z.size)
@@ -350,6 +350,7 @@ def _moved_shifts(
 
 
 def _astray(objective: Objective, shifts: dict[str, float], trial: dict[str, float]) -> bool:
+    """Return whether a step moves a declared number by more than ``astray_sd``."""
     rows = zip(objective.nuisances, objective.prior_sd, strict=True)
     return any(
         abs(trial.get(n.name, 0.0) - shifts.get(n.name, 0.0)) > FIT.astray_sd * sd

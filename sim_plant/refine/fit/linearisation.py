@@ -15,7 +15,7 @@ from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
 
 RIPPLE_M = 2e-5
-"""Size of order 1 of the ripple that a free shape's response is taken from; order n has 1/n."""
+"""Size of order 1 of the ripple that a free shape's response is taken from, m; order n has 1/n."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,9 +30,9 @@ class Linearisation:
     free_bodies : bodies whose shape is free in its low orders.
     shape_changes : per free body, order and component (cos, sin), the change by a typical ripple.
     wander_changes : slow changes of effects whose size is not quite constant.
-    wander_sd : how large each of them is, standard deviation; none where they are free.
-    start_changes : per number that a run's line may begin with otherwise, the change by the
-        largest that may be; none where the line rested before every record.
+    wander_sd : standard deviation of the size of each of them; none where the sizes are free.
+    start_changes : per start offset (`start_offsets`), the change by the largest that may be; none
+        where the line rested before every record.
     """
 
     point: Case
@@ -55,7 +55,7 @@ def linearised_at(
     free_bodies: Sequence[int] = (),
     start_changes: tuple[Changes, ...] | None = None,
 ) -> Linearisation:
-    """Simulate the line at ``case`` and what changes there.
+    """Simulate the line at ``case``, and what declared numbers, shapes and starts change there.
 
     ``nuisance_changes`` and ``start_changes`` are taken over from elsewhere when given.
 

@@ -36,9 +36,10 @@ class Objective:
     pool : simulates the twins of the records.
     measured : channels of every record (channels, samples).
     nuisances : declared numbers with a tolerance.
-    linearisation : where responses were taken, and they.
+    linearisation : the point where responses were taken, with these responses.
     whitening : how the channels are weighed.
-    projector : takes out what tolerances, free zeros and free shapes explain.
+    projector : takes out what nuisances explain: shifts within tolerances, zeros of angles, free
+        shapes, wander and start states.
     """
 
     pool: SimulationPool
@@ -84,12 +85,12 @@ class Objective:
 
         How much the steps of a coarse word leave depends on the rate at which they pass, which
         the speed of the true line decides: of a channel of such words only what is beyond
-        ``coarse_power`` of the expected counts.
+        ``coarse_power`` times what is expected counts.
         """
         return cost - self.expected_cost - self.doubt(residual)
 
     def doubt(self, residual: Array) -> float:
-        """Return the part of a residual's cost that the steps of coarse words may as well be."""
+        """Return the part of a residual's cost that the steps of coarse words alone may leave."""
         unsure = 0.0
         rows = zip(self.whitening.noise, self.split(residual), strict=True)
         for noise, part in rows:
@@ -171,12 +172,13 @@ def declared_objective(pool: SimulationPool, measured: Sequence[Array]) -> Objec
 def relinearised_at(
     objective: Objective, case: Case, *, keep_nuisance_changes: bool = False
 ) -> Objective:
-    """Return the objective with runs at the quick tick put right at ``case``.
+    """Return the objective linearised at ``case``: there, quick runs are corrected exactly.
 
-    Before that they were put right at the declaration. A quick tick is some percent off in what
-    an effect does; from here on only changes are.
-    Responses to declared numbers are taken anew there unless those there are kept, and the noise
-    as well where a delay, a filter or another web is there: the loops make other noise of it.
+    Until then they were so at the declared line. At the quick tick what an effect does is some
+    percent off; from here on only what it does beyond ``case`` is.
+    Responses to declared numbers and start states are taken anew there, or kept; noise is
+    simulated anew where an effect of ``case`` is not locked to an angle (a delay, a filter,
+    another web): the loops make other noise of it.
     Results of earlier simulations are dropped: a search does not come back to them.
     """
     pool, before = objective.pool, objective.linearisation
@@ -211,8 +213,8 @@ def with_wander(
     """Return the objective with these changes in it, each of one size in all channels.
 
     Without ``sd`` their sizes are free: what is then found must explain more than slow changes of
-    what is there already. With it each is there by chance, this large: what a size does where it
-    is large counts less than what it does where it is small.
+    what is there already. With it each size is random, of this standard deviation: where wander
+    is large the residual counts less than where it is small.
     """
     here = replace(objective.linearisation, wander_changes=tuple(changes), wander_sd=tuple(sd))
     return _projected(replace(objective, linearisation=here))
@@ -303,7 +305,7 @@ def _matrix(whitening: Whitening, changes: Sequence[Sequence[Array]], tolerances
 
 
 def _starts(whitening: Whitening, changes: Sequence[Sequence[Array]], length: int) -> Array:
-    """Return directions (k, length) of the start states, those of every record its own."""
+    """Return directions (k, length) of the start states, each in the rows of one record."""
     found, at = [], 0
     for t in range(len(changes[0])):
         own = whitening.rows(t, [change[t] for change in changes])
@@ -315,7 +317,7 @@ def _starts(whitening: Whitening, changes: Sequence[Sequence[Array]], length: in
 
 
 def _zeros(pool: SimulationPool, measured: Sequence[Array]) -> list[list[Array]]:
-    """Return free offsets of angle channels: their zero is the first row, with its noise."""
+    """Return an offset per angle channel: angles count from their first row, which has noise."""
     offsets = []
     for t, twin in enumerate(pool.twins):
         for c, name in enumerate(twin.channels):

@@ -11,9 +11,9 @@ from scipy.linalg import cho_factor, cho_solve
 from sim_plant.base.arrays import Array
 
 RIDGE = 1e-10
-"""Of a column's own power: keeps two that say the same apart from a division by nothing."""
+"""Share of a column's power that is added to it: two equal columns can still be solved for."""
 AT_ONCE = 64
-"""Columns that are looked at together: some 30 MB of a long record."""
+"""Columns that are multiplied together: some 30 MB of a long record."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -22,10 +22,10 @@ class LinearFit:
 
     Attributes
     ----------
-    chi2_reduction : fall of the cost, chi-square with q degrees of freedom when they are nothing.
+    chi2_reduction : fall of the cost, chi-square of q degrees of freedom if there is no effect.
     values : best parameters (q,), in units of the sensitivity columns.
     covariance : of the values (q, q), tolerances of declared numbers included.
-    distinct_share : share of the weakest column that nuisances cannot imitate, 0..1.
+    distinct_share : smallest share of a column's power that nuisances cannot imitate, 0..1.
     """
 
     chi2_reduction: float
@@ -75,10 +75,10 @@ class Projector:
     """Cost min over x of |r - A x|^2, and what further columns save on it.
 
     Priors are rows: ``A`` (rows, n) ends in one row per nuisance with a tolerance, see
-    ``Objective``. Rows of candidate columns are zero there. What is no part of the residual but
-    is known to be small has a ``precision`` (n,) instead, one over its variance. Nothing of the
-    length of a record is made for a number: r' P r = r' r - (A' r)' (A' A)^-1 (A' r), and so for
-    columns.
+    ``Objective``. Rows of candidate columns are zero there. A column whose size has a known
+    variance but no such row has a ``precision`` (n,) instead, one over that variance; others 0.
+    No vector of the length of a record is made for one number:
+    r' P r = r' r - (A' r)' (A' A)^-1 (A' r), and so for columns.
     """
 
     def __init__(self, nuisances: Array, precision: Array | float = 0.0) -> None:
@@ -92,7 +92,7 @@ class Projector:
         self._sizes: dict[int, Array] = {}
 
     def sizes(self, rows: int) -> Array:
-        """Return the size (n,) of what every nuisance does in the first ``rows``; made once."""
+        """Return the norm (n,) of every nuisance's first ``rows``; computed once per ``rows``."""
         if rows not in self._sizes:
             judged = self.nuisances[:rows]
             self._sizes[rows] = np.sqrt(np.einsum("ij,ij->j", judged, judged))
@@ -149,7 +149,7 @@ class Projector:
     def explained(self, residual: Array, columns: Array) -> Array:
         """Return what each of ``columns`` (rows, q) alone saves on the cost (q,).
 
-        0 for one that broke down or that nuisances imitate to 1e-9 of its power.
+        0 for one of a run that broke down, or that nuisances imitate to 1e-9 of its power.
         """
         along = self._unit.T @ columns
         taken = cho_solve(self._factor, along, check_finite=False)
@@ -190,7 +190,7 @@ class Projector:
         return sizes
 
     def _beside(self, columns: Array) -> tuple[Array, Array]:
-        """Return the normal matrix of nuisances and columns at unit size, and their sizes."""
+        """Return the normal matrix of nuisances and columns at unit norm, and their norms."""
         power = np.einsum("ij,ij->j", columns, columns)
         size = np.where(power > 0.0, np.sqrt(power), 1.0)
         beside = (self._unit.T @ columns) / size
@@ -199,7 +199,7 @@ class Projector:
         return normal, np.concatenate([self._scale, size])
 
     def cost_with_fixed(self, residual: Array, fixed: Sequence[int]) -> float:
-        """Return the least cost with all nuisances free but those ``fixed``."""
+        """Return the least cost with all nuisances free but those ``fixed`` at 0."""
         free = np.delete(np.arange(self._normal.shape[0]), list(fixed))
         along = (self._unit.T @ residual)[free]
         taken = np.linalg.solve(self._normal[np.ix_(free, free)], along)
@@ -209,11 +209,11 @@ class Projector:
 def _bundles(groups: Sequence[Array]) -> list[list[Array]]:
     """Return the groups in order, together as long as they have ``AT_ONCE`` columns at most."""
     bundles: list[list[Array]] = []
-    held = AT_ONCE
+    count = AT_ONCE
     for columns in groups:
-        if held + columns.shape[1] > AT_ONCE:
+        if count + columns.shape[1] > AT_ONCE:
             bundles.append([])
-            held = 0
+            count = 0
         bundles[-1].append(columns)
-        held += columns.shape[1]
+        count += columns.shape[1]
     return bundles

@@ -55,9 +55,9 @@ def synchronised(objective: Objective, fit: Fit) -> Fit:
 
 
 def recorded_angles(twin: Twin, channels: Array) -> dict[str, Array]:
-    """Return the angle (samples,), rad, of every roller that is recorded, by its effective radius.
+    """Return the recorded angles (samples,), rad, by the names of the rollers' effective radii.
 
-    Speeds are added up where no angle is recorded.
+    Speeds in rad/s are integrated where no angle is recorded.
     """
     angles: dict[str, Array] = {}
     for name, values in zip(twin.channels, channels, strict=True):
@@ -73,11 +73,14 @@ def recorded_angles(twin: Twin, channels: Array) -> dict[str, Array]:
 def _slope_errors(
     objective: Objective, runs: Sequence[Array], measured: Sequence[Mapping[str, Array]]
 ) -> dict[str, float]:
-    """Return how much (relative) each roll turns too fast, mean of records; none in step."""
+    """Return by what share each simulated roll turns too fast, mean of records; none in step.
+
+    Rolls go by the names of their effective radii.
+    """
     here = objective.linearisation
     known = {n.name for n in objective.nuisances}
     ahead: dict[str, list[float]] = {}
-    for run, declared, quick, twin, theirs, noise in zip(
+    for run, declared, quick, twin, recorded, noise in zip(
         runs,
         here.declared_tick,
         here.quick_tick,
@@ -86,15 +89,15 @@ def _slope_errors(
         objective.whitening.noise,
         strict=True,
     ):
-        ours = recorded_angles(twin, run + declared - quick)
-        for name in known & set(ours):
+        simulated = recorded_angles(twin, run + declared - quick)
+        for name in known & set(simulated):
             ahead.setdefault(name, []).append(
-                _slope_error(ours[name][noise.first :], theirs[name][noise.first :])
+                _slope_error(simulated[name][noise.first :], recorded[name][noise.first :])
             )
     return {name: float(np.mean(row)) for name, row in ahead.items() if np.any(row)}
 
 
-def _slope_error(ours: Array, theirs: Array) -> float:
-    """Return by how much (relative) ours turns faster, 0 where it hardly matters."""
-    slope = float(np.polyfit(theirs - theirs[0], ours - ours[0], 1)[0]) - 1.0
-    return slope if not abs(slope) * float(np.ptp(theirs)) < CRITERIA.fit.in_step_rad else 0.0
+def _slope_error(simulated: Array, recorded: Array) -> float:
+    """Return by what share a simulated angle grows faster; 0 within ``in_step_rad``."""
+    slope = float(np.polyfit(recorded - recorded[0], simulated - simulated[0], 1)[0]) - 1.0
+    return slope if not abs(slope) * float(np.ptp(recorded)) < CRITERIA.fit.in_step_rad else 0.0

@@ -10,7 +10,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 
 SPREAD = float(ndtri(0.5 + 0.5 * CRITERIA.report.confidence))
-"""Standard deviations on either side of a number between which it lies."""
+"""Standard deviations that the interval of a number reaches to either side."""
 
 
 def model_errors(fit: Fit) -> list[float]:

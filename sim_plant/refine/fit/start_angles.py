@@ -21,7 +21,7 @@ from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
 
 COARSE_ANGLES = 24
 """Tries round a turn, the first grid: every 15 deg, four tries or more in a period of what repeats
-up to six times per turn. Of such an effect the best one lies in the right valley of the cost."""
+up to six times per turn: the best try lies in the valley of the cost that holds the minimum."""
 ZOOMS = 3
 """Grids about the best try after the first one: over 15, 4.5 and 1.35 deg."""
 ZOOM_PARTS = (-0.5, -0.25, 0.0, 0.25, 0.5)
@@ -119,7 +119,7 @@ def costs_of(
     ----------
     pool : its first twin is that of the record.
     measured : (channels, samples) in channel units.
-    model : the noise of that twin; it says from which sample on is judged.
+    model : the noise of that twin, with the first judged sample.
     """
     zero = np.array([name.endswith("_angle_rad") for name in pool.twins[0].channels])
     found = []
@@ -170,8 +170,8 @@ def start_angles(
 def _lowest(grid: Array, values: Array) -> float:
     """Return where the fitted parabola has its vertex, rad, kept inside the grid.
 
-    Of a parabola that opens downwards, and where a line does not run at a try, the lowest try
-    stands in. ``grid`` (tries,) rad, ``values`` (tries,) the costs there.
+    Of a parabola that opens downwards, and where a line does not run at a try, the try of
+    least cost stands in. ``grid`` (tries,) rad, ``values`` (tries,) the costs there.
     """
     if not np.isfinite(values).all():
         return float(grid[int(np.argmin(values))])

@@ -20,8 +20,8 @@ Changes = tuple[Array, ...]
 def changes_by_starts(pool: SimulationPool, point: Case, run: Changes) -> tuple[Changes, ...]:
     """Simulate what every start offset, as large as may be, changes from ``run`` at ``point``.
 
-    Per offset (channels, samples) per record: nothing in one before which the line rested, and
-    no offsets at all where it did before every one.
+    Per offset and record (channels, samples): 0 in a record before which the line rested; no
+    offsets at all where it rested before every record.
     """
     if all(twin.rested for twin in pool.twins):
         return ()

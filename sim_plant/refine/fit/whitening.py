@@ -22,7 +22,7 @@ class Whitening:
     ----------
     realisations : noise alone, as the declaration makes it (runs, channels, samples).
     declared : filters and innovation sd of that noise.
-    noise : the same, level and colour put right by the data; these weigh.
+    noise : the same, level and colour put right by the data; these weigh residuals.
     basis : orthonormal free terms (judged samples, terms) taken out of every channel; or None.
     """
 
@@ -44,7 +44,7 @@ class Whitening:
     def matrix(self, changes: Sequence[Sequence[Array]], tolerances: int = 0) -> Array:
         """Return innovations of several changes, each per record, as columns (rows, changes).
 
-        Nothing in ``tolerances`` rows at the end. Every column lies together in memory.
+        0 in ``tolerances`` rows at the end. Every column is contiguous in memory.
         """
         parts = [self.rows(t, [change[t] for change in changes]) for t in range(len(self.noise))]
         parts.append(np.zeros((len(changes), tolerances)))

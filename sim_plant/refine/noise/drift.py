@@ -1,8 +1,8 @@
-"""Slow drift of the noise, which a short prediction filter cannot hold.
+"""Slow drift of the noise, which a short prediction filter cannot describe.
 
 Where no loop holds a tension, what the drives' noise and coarse words add to the web stays in the
-zone until the web has left it: seconds, against a quarter of a second that the filter remembers.
-A steady difference there is worth far less than its samples say.
+zone until the web has left it: seconds, where the filter spans a quarter of a second. A steady
+difference there proves far less than the number of its samples suggests.
 """
 
 from __future__ import annotations
@@ -15,13 +15,14 @@ import numpy as np
 from sim_plant.base.arrays import Array
 
 SLOW = 32
-"""Slowest cosines looked at: up to 0.4 Hz in a record of 40 s."""
+"""How many of the slowest cosines are looked at: up to 0.4 Hz in a record of 40 s."""
 OCTAVES = (0, 1, 2, 4, 8, 16, SLOW)
+"""Edges of the groups of cosines that share one level."""
 
 
 @lru_cache(maxsize=8)
 def cosines(samples: int) -> Array:
-    """Return the slowest orthonormal cosines (``SLOW``, samples) of a record; of one length once.
+    """Return the slowest orthonormal cosines (``SLOW``, samples) of a record; kept per length.
 
     Equation: DCT-II, orthonormal  [Ahmed, Natarajan, Rao 1974].
     """

@@ -18,7 +18,7 @@ from sim_plant.refine.noise.drift import drift_standard_deviations, drift_whiten
 
 NOISE = CRITERIA.noise
 SAME_RATIO = 1e-3
-"""A word of a whole number of steps is so to within this: scales are written with some digits."""
+"""A ratio of two steps this close to a whole number is one: scales are written with few digits."""
 
 
 def first_judged(samples: int, sample_time_s: float) -> int:
@@ -104,8 +104,8 @@ class NoiseModel:
         """Return the noise that ``residual`` (channels, samples) shows, close to this one.
 
         Late scans, another colour than declared, or the sawtooth of a coarse word that jitter
-        breaks up: all change level and colour by a little. Words that count by their quantum
-        stay as they are.
+        breaks up: all change level and colour by a little. Channels that are weighed by their
+        quantum alone (one tap) stay as they are.
         """
         filters, sd = list(self.filters), self.sd.copy()
         for c, choice in enumerate(self.words):
