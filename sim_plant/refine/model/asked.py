@@ -23,7 +23,7 @@ def asked_by(twins: Sequence[Twin]) -> Asked:
 def fastest_ramp(speed_m_s: Array, step_s: float) -> float:
     """Return the highest rate, m/s2, at which a reference (samples,) ramps; 0 where it does not.
 
-    A ramp changes as fast before as after; one that accelerates and brakes does at its fastest.
+    A ramp changes as fast before a sample as after it; one with rounded ends does at its steepest.
     """
     reach = max(1, round(MODEL.ramp_look_s / step_s))
     slowest = MODEL.ramp_slowest_share * float(np.max(np.abs(speed_m_s), initial=0.0))

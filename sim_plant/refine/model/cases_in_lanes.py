@@ -55,17 +55,19 @@ def in_groups(
 
 
 def _kind(job: Job) -> tuple[int, bool, bool]:
+    """Return what jobs side by side have in common: twin, drive tick, noise or none."""
     return job[0], job[1].quick, job[1].seed is None
 
 
 def _likeness(case: Case, place: Mapping[str, int]) -> tuple[object, ...]:
+    """Return what cases are sorted by: bodies with ripples, then effects and where they are."""
     bodies = sorted({body for body, *_ in case.ripples})
     effects = [(e.effect, place.get(e.location, -1), e.location) for e in case.effects]
     return bodies, effects
 
 
 def takes_lanes(twin: Twin) -> bool:
-    """Return whether a twin simulates as twins do; another way is asked one by one."""
+    """Return whether a twin's own `simulate` is that of `Twin`; others are run one by one."""
     return getattr(type(twin), "simulate", None) is Twin.simulate
 
 
@@ -96,6 +98,7 @@ def simulated(twin: Twin, number: int, cases: Sequence[Case]) -> list[Array]:
 def _side_by_side(
     twin: Twin, lanes: Lanes, cases: Sequence[Case], lines: Sequence[LineSimulation]
 ) -> list[Array]:
+    """Return the channels of each case, its line already made; all NaN where it breaks down."""
     settling = [
         line.settling(case.settle_s, quiet=case.seed is None)
         for line, case in zip(lines, cases, strict=True)
@@ -111,12 +114,12 @@ def _side_by_side(
         return [nothing_of(twin) for _ in cases]
     if len(running) < len(lines):
         runs = SideBySide(lanes.functions, lanes.width, running)
-    how = [line.measured(twin.channels) for line in running]
+    outputs = [line.measured(twin.channels) for line in running]
     given = twin.references(running[0])
-    logs = runs.run(given, how[0].columns, running[0].timing.frames_per_sample)
+    logs = runs.run(given, outputs[0].columns, running[0].timing.frames_per_sample)
     records = {
         id(line): columns.read(log)
-        for line, columns, log in zip(running, how, logs, strict=True)
+        for line, columns, log in zip(running, outputs, logs, strict=True)
         if np.isfinite(line.state.y).all()
     }
     return [

@@ -50,7 +50,7 @@ class Hypothesis:
 
     @property
     def key(self) -> EffectAt:
-        """What it claims, by name."""
+        """Its effect and location, by name."""
         return EffectAt(self.effect.name, self.location)
 
     @property
@@ -64,7 +64,7 @@ class Hypothesis:
 
     @property
     def highest(self) -> tuple[float, ...]:
-        """Values that a record can tell at the highest."""
+        """The highest values that records can tell from each other."""
         rows = zip(self.names, self.high, strict=True)
         return tuple(min(self.acts_below.get(name, high), high) for name, high in rows)
 
@@ -111,27 +111,28 @@ class Hypothesis:
         rows = [self.effect.accepts[name] for name in self.names[: self.strengths]]
         return any(not row.linear for row in rows)
 
-    def probes(self) -> list[Added]:
-        """Return one case per strength: that one at its typical size, the others absent.
+    def typical_effects(self) -> list[Added]:
+        """Return one effect per strength: that one at its typical size, the others absent.
 
         Of a curved effect only one, the whole of it.
         """
         if self.curved:
             return [self.added(self.start)]
-        cases = []
+        effects = []
         for at in range(self.strengths):
             values = list(self.absent)
             values[self.strengths :] = self.start[self.strengths :]
             values[at] = self.start[at]
-            cases.append(self.added(values))
-        return cases
+            effects.append(self.added(values))
+        return effects
 
     def increments(self, values: Sequence[float]) -> list[float]:
         """Return a finite-difference step per number, large against the chaos of quantised loops.
 
         A quarter of the value or of the typical size where the response is linear; else a
         twentieth of the value, or a hundredth of the typical size. At most a third of the way to
-        where the effect is idle, and away from there.
+        where the effect is idle, and away from there. An angle takes 0.02 rad, a parameter that
+        states a ``step`` that one.
         """
         steps = []
         for name, value, start, absent in zip(
@@ -153,7 +154,7 @@ class Hypothesis:
 
 
 def variants(effect: Effect) -> list[tuple[tuple[str, Value], ...]]:
-    """Return every combination of the values worth a candidate each."""
+    """Return every combination of the values to try, each a candidate of its own."""
     tried = [[(name, value) for value in p.tries] for name, p in effect.accepts.items() if p.tries]
     return [tuple(choice) for choice in itertools.product(*tried)]
 
@@ -165,9 +166,10 @@ def hypothesis(
     traced: Sequence[str] | None = None,
     line: Declaration | None = None,
 ) -> Hypothesis:
-    """Return one hypothesis; ``choice`` fixes options and starts searches elsewhere.
+    """Return one hypothesis; ``choice`` fixes options and replaces values to start from.
 
-    With ``line`` the bounds are narrowed to what is possible at this place of this line.
+    ``traced`` are the parameters to fit in place of those that the effect names. With ``line`` the
+    bounds are narrowed to what is possible at this place of this line.
     """
     picked = dict(choice)
     wanted = list(traced or effect.traced)
@@ -238,7 +240,7 @@ def library(
 ) -> list[Hypothesis]:
     """Return every hypothesis of the library on this line, effects in ``without`` left out.
 
-    With ``asked``, what the records ask of the line, those too that it makes worth a start.
+    With ``asked``, what the records ask of the line, those too that start where that is.
     """
     known = [
         hypothesis(effect, location, choice, line=line)
@@ -252,6 +254,7 @@ def library(
 
 
 def _asked_for(line: Declaration, without: Collection[str], asked: Asked) -> list[Hypothesis]:
+    """Return the hypotheses that start at what the records ask of the line."""
     arrays = build_arrays(line, timing_of(line, line.sample_time_s))
     return [
         replace(
@@ -283,8 +286,8 @@ def _possible(
 def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[str, Value]:
     """Return parameters of the same effect with its body turned ``angle_rad`` further at start.
 
-    Pairs are taken as orders 1, 2, 3 ... when there are several (or as the order they name), as
-    one free phase otherwise; those of a line in time as one.
+    The k-th pair of a cosine and a sine part is order k, or the order that it names; of an effect
+    that shows at a frequency in time every pair is order 1.
     """
     parameters = dict(values)
     for place, pair in enumerate(effect.quadratures, start=1):

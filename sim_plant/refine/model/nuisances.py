@@ -25,7 +25,7 @@ class Nuisance:
 
 
 def declared_nuisances(line: Declaration) -> list[Nuisance]:
-    """Return one nuisance per declared number that the record could feel."""
+    """Return one nuisance per declared number with a tolerance above 0."""
     rows = [(n.name, tolerance_of(line, n.name, n.kind)) for n in declared_numbers(line)]
     return [Nuisance(name=name, tolerance=known) for name, known in rows if known > 0.0]
 

@@ -131,6 +131,7 @@ def _acted(line: Declaration, record: Recording, unit: str) -> dict[str, Array]:
 
 
 def _plausible(line: Declaration, record: Recording) -> None:
+    """Refuse references, corrections and channels that this line cannot have had."""
     speed = record.columns["line_speed_ref_m_s"]
     tension = record.columns["tension_ref_N"]
     for name in REFERENCES:
@@ -221,6 +222,7 @@ def _within(record: Recording, name: str, low: float, high: float) -> None:
 
 
 def _compare(path: Path, name: str, values, expected, share: float) -> None:  # type: ignore[no-untyped-def]
+    """Refuse a speed that is off the expected one by more than ``share``, median while running."""
     moving = np.abs(expected) > MATCH.running_speed_share * np.max(np.abs(expected))
     ratio = float(np.median(values[moving] / expected[moving]))
     if abs(ratio - 1.0) > share:
@@ -238,7 +240,7 @@ def _causes(path: Path) -> str:
 
 
 def _compare_angle(record: Recording, name: str, expected: Array) -> None:
-    """Refuse an angle whose steps belong to another unit; steps back: the count starts over."""
+    """Refuse an angle whose steps belong to another unit; a step back is a new count."""
     steps = np.diff(record.columns[name])
     onward = steps * np.sign(np.median(steps)) >= 0.0
     turned = float(np.mean(steps[onward])) / record.sample_time_s

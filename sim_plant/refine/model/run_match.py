@@ -117,8 +117,8 @@ def _signal_behind(
 ) -> str:
     """Return what the actuator of the drive before this cell keeps quiet, if no loop acts on it.
 
-    That is the tension behind its roller; which it is, is told where the zone has one cell that is
-    not recorded by its name.
+    That is a tension of the zone behind its roller; which cell has it is clear only where the zone
+    has no more than one that is not recorded by its own name.
     """
     at = line.body(cell.roller)
     driven = sorted(line.body(d.roller) for d in line.control.drives)
@@ -161,7 +161,7 @@ def _speed_reference(
         if name and name in record.columns:
             return _acting(record, name), []
     straight, said = stand_in_speed(line, columns, record)
-    return acting(straight, 0.0), said  # a line through the moments of the rows
+    return acting(straight, 0.0), said  # linear between the moments of the rows
 
 
 def _acting(record: Recording, name: str) -> Array:
@@ -199,7 +199,7 @@ def _tension_reference(
 
 
 def _corrections(line: Declaration, record: Recording) -> dict[str, Array]:
-    """Return what acted on every driven roller as ``applied_`` columns; those that never did not.
+    """Return what acted on every driven roller as ``applied_`` columns; none that is 0 throughout.
 
     Raises
     ------

@@ -13,9 +13,9 @@ from sim_plant.line.declaration import Declaration, DriveSpeed, RollAngle, RollR
 from sim_plant.refine.records.recording import Recording
 
 START_S = 1.0
-"""A radius at the start comes from a straight line through this where no angle is recorded."""
+"""A line through this much of a recorded radius gives its start where no angle is recorded."""
 TURNING_S = 10.0
-"""The radius of a roll of which only the turning is recorded comes from this much of it."""
+"""The radius of a roll comes from this much of its turning where none is recorded."""
 LARGEST_CORES = 50.0
 """No roll is this many times as large as its core."""
 SPEED_REF = "line_speed_ref_m_s"
@@ -90,11 +90,11 @@ def _check_turning(line: Declaration, record: Recording, radii: Mapping[str, flo
 
 
 def word_steps(record: Recording, channels: Sequence[str]) -> dict[str, float]:
-    """Return one count of the words that channels came in, where it is not the sensor's own."""
+    """Return one count, SI, of each channel's word, angles and unknown ones left out."""
     if record.run is None:
         return {}
     steps = record.run.site.steps
-    angles = "_angle_rad"  # these are in the declaration, see ``at_run``
+    angles = "_angle_rad"  # their count is in the declaration, see ``at_run``
     return {
         name: steps[name]
         for name in channels
@@ -133,8 +133,8 @@ def _radius_at_start(line: Declaration, record: Recording, roller: str) -> float
 def _first_value(radius_m: Array, angle_rad: Array | None, step_s: float) -> float:
     """Return where a radius begins that changes evenly with the roll's angle.
 
-    All of it counts where the angle is recorded: a count of the word is 1e-4 of the radius, which
-    would put the roll out of step with its own encoder.
+    The whole record counts where the angle is recorded: a count of the word is 1e-4 of the
+    radius, which would put the roll out of step with its own encoder.
     """
     if angle_rad is not None and float(np.ptp(angle_rad)) > 2.0 * math.pi:
         return float(np.polyfit(angle_rad - angle_rad[0], radius_m, 1)[1])

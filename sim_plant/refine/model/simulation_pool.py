@@ -19,6 +19,7 @@ Group = tuple[int, tuple[Case, ...]]
 """Cases that run side by side, and the number of their twin."""
 
 _twins: list[Twin] = []
+"""Of this worker process."""
 
 
 def _adopt(twins: Sequence[Twin]) -> None:
@@ -44,7 +45,7 @@ def _name(group: Group) -> str:
 class SimulationPool:
     """Simulates cases on every twin, remembers results, uses ``workers`` processes.
 
-    ``responses`` is a shelf for what a search has learned of the line and needs again: what
+    ``responses`` keeps what a search has simulated of the line and needs again: what
     effects change, by whatever names them, (channels, samples) per case and record.
     Use as a context manager; one worker runs in this process. ``say`` reports a simulation
     that is repeated because its process was lost.

@@ -23,6 +23,7 @@ from sim_plant.refine.records.run_activity import box_mean, ramps
 SMOOTHED_S = 0.1
 """To either side, of the speed in a ramp."""
 SHORTEST_REST_S = 2.0
+"""The mean of a speed that rests for less is no level."""
 MARGIN_S = 0.8
 """To either side of a change, before the speed is taken to rest."""
 STRAIGHT_SHARE = 0.01
@@ -75,15 +76,15 @@ def _straight_parts(speed: Array, travel_m: Array, step_s: float) -> tuple[Array
     for k, part in enumerate(parts):
         length = part.stop - part.start
         if not changing[part.start] and length * step_s >= SHORTEST_REST_S:
-            run = float(travel_m[part.stop - 1] - travel_m[part.start])
-            levels[k] = straight[part] = run / ((length - 1) * step_s)
+            metres = float(travel_m[part.stop - 1] - travel_m[part.start])
+            levels[k] = straight[part] = metres / ((length - 1) * step_s)
     bent = 0
     for k, part in enumerate(parts):
         if changing[part.start]:
             ramp = None
             if k - 1 in levels and k + 1 in levels:
-                run = float(travel_m[part.stop] - travel_m[part.start])
-                ramp = _ramp(speed[part], run, (levels[k - 1], levels[k + 1]), step_s)
+                metres = float(travel_m[part.stop] - travel_m[part.start])
+                ramp = _ramp(speed[part], metres, (levels[k - 1], levels[k + 1]), step_s)
             bent += ramp is None
             straight[part] = straight[part] if ramp is None else ramp
     return straight, bent

@@ -36,7 +36,7 @@ class StartOffset:
     tension_N: float
 
     def put(self, line: LineSimulation) -> None:
-        """Let the line begin with it."""
+        """Put the offset on a line that has settled."""
         p, lay, state = line.arrays, line.layout, line.state
         if self.of == "drive":
             add_torque(p, lay, state, line.drive_index(self.roller), self.tension_N)

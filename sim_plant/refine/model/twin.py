@@ -35,8 +35,9 @@ QUICK_SETTLE_S = 10.0
 DECLARED_SETTLE_S = 20.0
 """How long a line runs before its record begins, at a quick and at the declared tick."""
 WORDS = 1
-"""Stream of random numbers that stands for the rounding of words."""
+"""Number of the random stream from which the rounding of words is drawn."""
 REFERENCES = ("line_speed_ref_m_s", "tension_ref_N")
+"""Columns of a record that the line runs under."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,11 +61,11 @@ class Added:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """One simulation: effects put on the line, declared numbers shifted, noise, step.
+    """One simulation: effects put on the line, declared numbers shifted, noise, drive tick.
 
     ``shifts`` are (nuisance name, amount); ``ripples`` are (body, order, cos_m, sin_m) of the
     support function, for shapes of any order. ``start``: what the record begins with otherwise
-    than at rest. ``quick`` takes the quick drive tick, longer
+    than at rest. ``seed`` of the noise; None: none. ``quick`` takes the quick drive tick, longer
     than the declared one: only differences between two such runs are used, never their level.
     """
 
@@ -77,7 +78,7 @@ class Case:
 
     @property
     def settle_s(self) -> float:
-        """How long the line runs before its record begins, s; with noise where that has some."""
+        """How long the line runs before its record begins, s; with noise if the case has it."""
         return QUICK_SETTLE_S if self.quick else DECLARED_SETTLE_S
 
 
@@ -219,9 +220,9 @@ class Twin:
 
 
 def modelled_channels(line: Declaration, columns: Sequence[str]) -> tuple[str, ...]:
-    """Return recorded channels that the declaration explains, one per sensor.
+    """Return recorded channels that the declaration explains, one per physical signal.
 
-    Two declared names of one physical signal (line speed is the lead roller's) count once.
+    Two declared names of one signal (line speed is the lead roller's) count once.
     """
     seen: set[tuple[str, str]] = set()
     channels = []

@@ -58,7 +58,7 @@ def best_episodes(objective: Objective, fit: Fit, c: Candidate, residual: Array)
     """
     h = c.hypothesis
     lasting = replace(h, start=(*h.start[: h.strengths], *with_episode(c, 0.0, FOREVER_S)[1:]))
-    case = replace(fit.case, effects=(*fit.case.effects, lasting.probes()[0]))
+    case = replace(fit.case, effects=(*fit.case.effects, lasting.typical_effects()[0]))
     base, run = objective.pool.run([fit.case, case], keep=False)
     change = [y - b for y, b in zip(run, base, strict=True)]
     if not all(np.isfinite(part).all() for part in change):

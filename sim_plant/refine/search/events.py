@@ -307,7 +307,7 @@ def _best_of_starts(
     cases = [
         replace(fit.case, effects=(*fit.case.effects, added))
         for each in tried
-        for added in each.probes()
+        for added in each.typical_effects()
     ]
     base, *runs = objective.pool.run([fit.case, *cases], keep=False)
     best = replace(c, chi2_reduction=-math.inf)

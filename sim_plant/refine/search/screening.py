@@ -135,13 +135,17 @@ def sensitivities(objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesi
     shelf = objective.pool.responses
     fresh = [h for h in hypotheses if h.effect.order_locked or _name(h) not in shelf]
     case = fit.case
-    cases = [replace(case, effects=(*case.effects, added)) for h in fresh for added in h.probes()]
+    cases = [
+        replace(case, effects=(*case.effects, added))
+        for h in fresh
+        for added in h.typical_effects()
+    ]
     start, *runs = objective.pool.run([case, *cases], keep=False)
     rest = iter(runs)
     for h in fresh:
         shelf[_name(h)] = [
             [(y - b).astype(np.float32) for y, b in zip(next(rest), start, strict=True)]
-            for _ in h.probes()
+            for _ in h.typical_effects()
         ]
     if not hypotheses:
         return []

@@ -19,10 +19,10 @@ def with_aliases(
     travels: Sequence[Travel],
     spectra: Sequence[Sequence[SpectralLines]],
 ) -> list[Hypothesis]:
-    """Return the library with effects of a frequency where the strongest lines may come from.
+    """Return the library with mains effects at the frequencies that the strongest lines may be of.
 
-    A line at f in records at rate f_s is also k f_s +- f; kept are those near whole multiples of
-    the frequencies that the effect names.
+    A spectral line at f in a record of sample rate f_s may come from k f_s +- f; kept is what is
+    near whole multiples of the frequencies that the effect names.
     """
     rest = [h for h in library if not _named(h)]
     return [
@@ -48,11 +48,12 @@ def origins_Hz(
     travels: Sequence[Travel],
     spectra: Sequence[Sequence[SpectralLines]],
 ) -> list[float]:
-    """Return the frequency from which the strongest line in time of each record may come.
+    """Return the frequency from which the strongest line in time of each record may come, Hz.
 
-    The lowest: the others fold to the same line and answer with the same sizes, so no record
-    tells them apart, and harmonics of mains are weaker. Not of a slow line: what goes with speed
-    or tension has lines there too, and mains wander more.
+    Of several the lowest: all fold to the same line with the same sizes, so no record tells them
+    apart, and higher harmonics of mains are weaker. A line of fewer than ``alias_cycles`` per
+    record is passed over: what goes with speed or tension has lines there too, and mains wander
+    more.
     """
     highest = h.effect.accepts[shows.parameter].high
     origins: list[float] = []
@@ -73,7 +74,7 @@ def with_orders(
     travels: Sequence[Travel],
     spectra: Sequence[Sequence[SpectralLines]],
 ) -> list[Hypothesis]:
-    """Return the library with the whole order of a body that the strongest line may be.
+    """Return the library with each effect of a free order also at that of the strongest line.
 
     Slots, teeth and pole pairs per turn are any whole number; no list holds them all.
     """
@@ -108,10 +109,12 @@ def whole_orders(
 
 
 def _near(frequency_Hz: float, shows: Frequency) -> bool:
+    """Return whether a frequency is near a whole multiple of one that the effect names."""
     multiples = [(max(1, round(frequency_Hz / f)) * f) for f in shows.harmonics_of_Hz]
     return any(abs(frequency_Hz / at - 1.0) < shows.width for at in multiples)
 
 
 def _named(h: Hypothesis) -> Frequency | None:
+    """Return where an effect shows that names the frequencies it is a harmonic of, else None."""
     shows = h.effect.shows
     return shows if isinstance(shows, Frequency) and shows.harmonics_of_Hz else None

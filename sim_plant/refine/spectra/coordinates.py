@@ -1,4 +1,4 @@
-"""Where a periodic effect shows as a line: in time, in web travel, or in a roll's angle."""
+"""Where a periodic effect shows as a spectral line: in time, web travel, or a roll's angle."""
 
 from __future__ import annotations
 
@@ -46,6 +46,7 @@ def travel_of(twin: Twin, measured: Array, case: Case, first: int) -> Travel:
         for k, r in enumerate(twin.declaration.rollers)
         if k not in ends and r.kind == "driven"
     ]
+    # travel is that of the first driven roller of fixed radius, else of the second roller
     time_s: Array = np.arange(first, measured.shape[1], dtype=np.float64) * step
     body, radius = fixed[0] if fixed else (1, twin.declaration.rollers[1].radius_m)
     return Travel(
@@ -59,10 +60,10 @@ def travel_of(twin: Twin, measured: Array, case: Case, first: int) -> Travel:
 
 
 def spectra(travel: Travel, whitened: Array) -> list[SpectralLines]:
-    """Return free-line spectra in time, travel and the angle of both material rolls.
+    """Return spectra of free lines in time, in travel and in the angles of unwind and rewind roll.
 
-    A line in time is one up to half the sample rate less as many cycles as the slowest has: mains
-    of 49.7 Hz in records of 10 ms are there.
+    In time they go up to half the sample rate less ``fewest_cycles`` per record: mains of 49.7 Hz
+    in records of 10 ms are there.
     """
     weights = speed_weights(travel.speed_m_s)
     nyquist = 0.5 / travel.sample_time_s
@@ -105,7 +106,10 @@ def spectra(travel: Travel, whitened: Array) -> list[SpectralLines]:
 def near(
     spectrum: SpectralLines, coordinate: float, width: float = SPECTRA.same_coordinate_share
 ) -> float:
-    """Return the highest drop within ``width`` (relative) of a coordinate, and one bin."""
+    """Return the largest chi-square reduction within ``width``, a share of the coordinate.
+
+    Two bins to either side at least.
+    """
     bin_width = float(spectrum.coordinate[1] - spectrum.coordinate[0])
     reach = max(2.0 * bin_width, width * coordinate)
     inside = np.abs(spectrum.coordinate - coordinate) <= reach
@@ -126,7 +130,7 @@ def orders_of(h: Hypothesis, radius_m: float) -> list[float]:
 
 
 def is_periodic(h: Hypothesis) -> bool:
-    """Return whether a hypothesis shows as lines: in time, in travel or in a roll's angle."""
+    """Return whether a hypothesis shows as spectral lines, in whatever coordinate."""
     return isinstance(h.effect.shows, Orders | Frequency)
 
 
@@ -151,7 +155,7 @@ def _radius_m(h: Hypothesis, travel: Travel) -> float:
 def line_at_body(
     h: Hypothesis, travel: Travel, found: Sequence[SpectralLines]
 ) -> tuple[float, float] | None:
-    """Return the strongest line over the turns of the hypothesis' body, and a bin; in orders."""
+    """Return order of the strongest line over the turns of the hypothesis' body, and bin width."""
     seen = _over_turns(h, travel, found) if h.location != "all" else None
     if seen is None:
         return None
@@ -178,7 +182,7 @@ def _over_turns(
 def periodic_support(
     h: Hypothesis, travel: Travel, found: Sequence[SpectralLines]
 ) -> float | None:
-    """Return how strong the free lines are where this hypothesis would show; None: not a line."""
+    """Return the chi-square reduction of a free line where a hypothesis shows; None: no line."""
     if not is_periodic(h):
         return None
     frequency_Hz = shown_Hz(h, travel)

@@ -86,18 +86,19 @@ def onset_scores(white: Array, response: Array, onset: int, window: int) -> Arra
 
     ``white`` (channels, samples) are innovations; ``response`` the same of an effect that begins
     at the sample ``onset``, taken to be the same later or earlier, for ``window`` samples.
+    0 where less than a tenth of its energy would lie in the record.
     Equation: (sum h w)^2 / sum h^2 over channels and the samples there are  [matched filter].
     """
     samples = white.shape[1]
     template = response[:, onset : onset + window]
     size = fft.next_fast_len(samples + template.shape[1] - 1, real=True)
-    turned = fft.rfft(white, size) * fft.rfft(template[:, ::-1], size)
-    against = fft.irfft(turned, size).sum(axis=0)[template.shape[1] - 1 :][:samples]
+    product = fft.rfft(white, size) * fft.rfft(template[:, ::-1], size)
+    against = fft.irfft(product, size).sum(axis=0)[template.shape[1] - 1 :][:samples]
     energy = np.cumsum(np.einsum("cs,cs->s", template, template))
     left = np.minimum(np.arange(samples, 0, -1), template.shape[1])
-    held = energy[left - 1]
-    scores: Array = against**2 / np.maximum(held, 1e-12 * max(float(energy[-1]), 1e-300))
-    return np.where(held > 0.1 * energy[-1], scores, 0.0)
+    inside = energy[left - 1]
+    scores: Array = against**2 / np.maximum(inside, 1e-12 * max(float(energy[-1]), 1e-300))
+    return np.where(inside > 0.1 * energy[-1], scores, 0.0)
 
 
 def peaks(scores: Array, apart: int, most: int) -> list[int]:
@@ -112,12 +113,12 @@ def peaks(scores: Array, apart: int, most: int) -> list[int]:
 
 
 def resampled(values: Array, coordinate: Array, grid: Array) -> Array:
-    """Return channels (channels, samples) at equal steps of another coordinate."""
+    """Return ``values`` (channels, samples at ``coordinate``) interpolated at ``grid``."""
     return np.stack([np.interp(grid, coordinate, row) for row in values])
 
 
 def later(change: Array, samples: int) -> Array:
-    """Return a change (channels, n) that begins so many samples later; earlier: its end lasts."""
+    """Return a change (channels, n) begun ``samples`` later; below 0: earlier, its end kept."""
     moved = np.zeros_like(change)
     if samples >= 0:
         moved[:, samples:] = change[:, : change.shape[1] - samples]

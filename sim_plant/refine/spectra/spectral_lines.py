@@ -10,6 +10,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 
 OVERSAMPLING = 8
+"""Cells of the grid per cycle of the highest coordinate, at least."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,7 +34,7 @@ class SpectralLines:
 
     @property
     def extent(self) -> float:
-        """How long the record is, in s, m or turns: by what the coordinate counts per."""
+        """How long the record is, in s, m or turns, as the kind has it."""
         return 0.5 / float(self.coordinate[1] - self.coordinate[0])
 
     @property
@@ -68,7 +69,7 @@ def speed_weights(speed_m_s: Array, count: int = 3) -> Array:
 
 def spectral_lines(
     whitened: Array,
-    phase_cycles: Array,
+    position: Array,
     weights: Array,
     *,
     kind: str,
@@ -76,20 +77,20 @@ def spectral_lines(
     highest: float,
     lowest: float,
 ) -> SpectralLines:
-    """Return the chi-square reduction of a line in ``phase_cycles`` (samples,).
+    """Return the chi-square reduction of a line over ``position`` (samples,): s, m or turns.
 
     Its size is free in every channel.
 
     Equation: D(k) = 2/N sum_channels sum_weights |sum_n w_n x_n exp(-2 pi j k u_n)|^2, by binning
     the samples on a grid of u fine enough for ``highest`` and one FFT per row (error below 2 %).
-    k: coordinate, n: sample, w: ``weights``, x: ``whitened``, u: ``phase_cycles``.
+    k: coordinate, n: sample, w: ``weights``, x: ``whitened``, u: ``position``.
     """
-    start = phase_cycles - phase_cycles[0]
-    extent = float(start[-1])
+    along = position - position[0]
+    extent = float(along[-1])
     cells = 1 << int(np.ceil(np.log2(max(16.0, 2.0 * OVERSAMPLING * highest * extent))))
     # pad to twice the extent: bins at half the resolution
     step = 2.0 * extent / cells
-    at = np.clip((start / step + 0.5).astype(np.int64), 0, cells - 1)
+    at = np.clip((along / step + 0.5).astype(np.int64), 0, cells - 1)
     chi2_reduction = np.zeros(cells // 2 + 1)
     samples = whitened.shape[1]
     for row in whitened:

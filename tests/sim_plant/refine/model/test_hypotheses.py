@@ -70,7 +70,7 @@ def test_a_limit_below_a_ramp_is_stepped_away_from_it_by_a_share_of_its_distance
 
 def test_a_probe_moves_one_strength_and_leaves_the_others_absent():
     h = hypothesis(BY_NAME["eccentric_roller"], "R6")
-    first, second = (dict(p.parameters) for p in h.probes())
+    first, second = (dict(p.parameters) for p in h.typical_effects())
     assert first["cos_m"] > 0.0 == first["sin_m"]
     assert second["sin_m"] > 0.0 == second["cos_m"]
 
