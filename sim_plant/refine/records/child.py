@@ -36,7 +36,8 @@ def main(kind: str, name: str, cpu_s: str, memory_bytes: str) -> None:
 def limit(cpu_s: int, memory_bytes: int) -> None:
     """Take away what a record's reading never needs; there is no way back for this process."""
     resource.setrlimit(resource.RLIMIT_AS, (memory_bytes, memory_bytes))
-    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))  # the first ends it with a word
+    # the first of the two limits ends it by SIGXCPU, which the parent names
+    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 5))
     resource.setrlimit(resource.RLIMIT_FSIZE, (LONGEST_OUTPUT_BYTES, LONGEST_OUTPUT_BYTES))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 

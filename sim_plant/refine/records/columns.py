@@ -19,8 +19,8 @@ Table = tuple[dict[str, Array], list[str]]
 
 
 def header_of(path: Path, taken: Mapping[str, Array], name: str, unit: str) -> str:
-    """Return name and unit as one header; PlantError when there is one like it."""
-    header = f"{name} [{unit}]" if unit else name  # a unit that is given beats the name
+    """Return name and unit as one header; PlantError when it is taken."""
+    header = f"{name} [{unit}]" if unit else name  # a unit of its own counts, not one in the name
     check_name(path, header)
     if header in taken:
         said = printable(header, 60)

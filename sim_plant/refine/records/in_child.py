@@ -25,8 +25,9 @@ values, 330 MB of Parquet or MDF, are read in it."""
 CPU_S = 60
 """The largest record that is taken needs some seconds; asammdf alone starts in 0.7 s."""
 WALL_S = 180.0
-"""Three times that, for a machine that does other things too."""
+"""Three times ``CPU_S``, for a machine that does other things too."""
 _HEAD_BYTES = 4 << 20
+"""Longest line of JSON with the headers that is taken from the child."""
 _SPARING = {
     "OMP_NUM_THREADS": "1",
     "OPENBLAS_NUM_THREADS": "1",

@@ -1,7 +1,7 @@
 """Formulas in MDF files: found wherever a conversion can sit, refused, and never evaluated.
 
 MDF lets a channel's conversion be an expression in text (MDF 4 algebraic, MDF 3 formula). asammdf
-hands it to numexpr, which compiles and runs it after a filter of characters that can be passed,
+hands it to numexpr, which compiles and runs it after a filter of characters that can be evaded,
 or to sympy where that is installed.
 """
 
@@ -62,9 +62,9 @@ def refusal(path: Path, formula: str, where: str = "") -> str:
 def nothing_evaluated(path: Path) -> Iterator[None]:
     """Take evaluation of text away from asammdf while one of its files is open.
 
-    The second line behind `refuse_formulas`, for a conversion it does not see or that runs while
-    a file is opened. asammdf goes on over an error of an evaluation and returns raw values, so
-    what it asked for is kept and refused at the end.
+    The second barrier behind `refuse_formulas`, for a conversion it does not see or that runs
+    while a file is opened. asammdf goes on over an error of an evaluation and returns raw values,
+    so what it asked for is kept and refused at the end.
 
     Raises
     ------

@@ -14,10 +14,11 @@ from sim_plant.base.arrays import Array
 
 RAMP_LOOK_S = 1.0
 RAMP_SHARE = 0.01
-"""A speed that changes by more than this share of its highest within a second is a ramp."""
+"""A speed that changes by more than this share of its highest in ``RAMP_LOOK_S`` is a ramp."""
 LIMITED_SHARE = 0.999
-"""A correction of which less goes out is cut by a limit."""
+"""A correction of which a smaller share goes out is cut by a limit."""
 LARGEST_STATE_BITS = 2.0**32 - 1.0
+"""All bits of ``state_bits`` set."""
 
 Flags = npt.NDArray[np.bool_]
 

@@ -53,6 +53,7 @@ def delivered(
     columns : whole table, all rows.
     count : correction in one count of the word; 0: not known.
     delay_s : declared time from a snapshot to its correction at the drive, or None.
+    cycle_s : period of the ticks.
     """
     shown = columns.get(f"plc_applied_{output}")
     if shown is not None and bool(np.isfinite(shown[rows]).all()):
@@ -69,7 +70,7 @@ def delivered(
             how="as sent, with the command that the PLC's echo names",
             known=True,
         )
-    # a declared delay counts the cycle in which the drive takes it, these cycles do not
+    # a declared delay includes the cycle in which the drive takes the correction
     cycles = USUAL_CYCLES if delay_s is None else max(0, round(delay_s / cycle_s) - 1)
     said = "the usual" if delay_s is None else "the site file's"
     return Delivered(

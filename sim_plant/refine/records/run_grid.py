@@ -17,10 +17,12 @@ from aff_runtime.base.signals import Outcome, Status
 from sim_plant.base.arrays import Array
 
 WORD = 1 << 16
+"""The heartbeat starts over after as many counts."""
 SAME_PERIOD_SHARE = 0.01
-"""A scan that differs by less from a whole number of cycles takes that."""
+"""A scan period this close to a whole number of cycles is taken for that."""
 LATE_S = 0.25
-"""Between two rows the heartbeat may be off the clock by this before the PLC has started anew."""
+"""Between two rows: a heartbeat further off the clock is a break. Rows further apart give no
+period of the scan."""
 MOST_SCANS = 500.0
 """Between two rows; a larger step of the heartbeat is no count of scans."""
 FILLED_SAMPLES = 4
@@ -30,8 +32,9 @@ LONGEST_HOLE_STEPS = FILLED_SAMPLES + 1.5
 piece; of a channel for the record alone it drops the channel."""
 
 COUNTS = ("tick", "periods_count", "plc_heartbeat", "status")
+"""Columns that a row shows nothing without, beside its channels."""
 SHORTEST_PERIOD_S = 1e-6
-"""No PLC scans, and no run goes on, in less."""
+"""A shorter scan or cycle is refused."""
 LARGEST = 1e15
 """No count and no reading is that large; a row with one shows nothing."""
 
@@ -41,7 +44,7 @@ Rows = npt.NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Break:
-    """Where no record may go on: row (of the good ones) that begins anew, and why."""
+    """Where no record may go on: the first good row after it, by its number, and why."""
 
     row: int
     why: str
@@ -119,7 +122,7 @@ def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
 
 
 def _cycle_s(columns: Mapping[str, Array]) -> float:
-    """Return the run's cycle: each row says of how many periods it is the end."""
+    """Return the run's cycle, s: time from row to row over the periods between them."""
     gone, periods = np.diff(columns["time_s"]), columns["periods_count"][1:]
     usable = (gone > 0.0) & (periods > 0.0)
     if not usable.any():
@@ -136,7 +139,7 @@ def _scan_s(gone_s: Array, moved: Array) -> float:
 
 
 def _long_enough(period_s: float) -> float:
-    """Return a period that is one."""
+    """Return the period; PlantError when it is too short for one."""
     if period_s < SHORTEST_PERIOD_S:
         raise PlantError("the times of the rows hardly go on; give another window")
     return period_s
@@ -162,7 +165,7 @@ def _losses(columns: Mapping[str, Array], good: Flags) -> list[str]:
 
 
 def _beyond_one(steps: Array) -> Array:
-    """Return by how much each step is more than one; 0 of what is no count."""
+    """Return by how much each step is more than one; 0 where it is no count."""
     return np.where(np.abs(steps) < LARGEST, np.maximum(steps - 1.0, 0.0), 0.0)
 
 

@@ -38,6 +38,7 @@ from sim_plant.refine.records.word_steps import counts_of
 READ_TIMEOUT_S = 300.0
 """To read a run that somebody sent: thousands of segments can be small and long to read."""
 MEMORY_BYTES = 4 << 30
+"""Most memory for that."""
 SHORTEST_PIECE_S = 20.0
 """A shorter piece is refused. Of a record as short as this the first quarter is not judged."""
 NEEDED = (
@@ -46,6 +47,7 @@ NEEDED = (
 )
 """Columns without which the rows of a run cannot be put in order."""
 EDITED = ("CONFIG_APPLIED", "EDIT")
+"""Events by which the site file changed during a run."""
 CORRECTION = "correction_"
 
 

@@ -98,9 +98,9 @@ def unwrapped(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str]
 
 
 def _one_stamp_off(steps: Array, step: float) -> Flags:
-    """Return per step (samples - 1,) whether with one of its neighbours it makes two.
+    """Return per step (samples - 1,) whether it and a neighbour are two usual steps together.
 
-    An odd step of that kind is one misplaced stamp. All steps at once: how many are odd is up to
+    Odd steps of that kind are one misplaced stamp. All steps at once: how many are odd is up to
     whoever wrote the file.
     """
     makes_two = np.abs(steps[1:] + steps[:-1] - 2.0 * step) < RECORDS.misplaced_stamp_share * step
@@ -167,7 +167,7 @@ def counts_seen(columns: Mapping[str, Array], words: Mapping[str, float]) -> dic
 
 
 def _smallest_step(levels: Array) -> float:
-    """Return the smallest step between sorted levels; 0 without one, rounding is none."""
+    """Return the smallest step between sorted levels, rounding left out; 0 without one."""
     steps = np.diff(levels)
     steps = steps[steps > SAME_LEVEL_SHARE * float(np.max(np.abs(levels)))]
     return float(np.min(steps)) if steps.size else 0.0
@@ -176,7 +176,8 @@ def _smallest_step(levels: Array) -> float:
 def count_spikes(values: Array, count: float = 0.0) -> int:
     """Return how many single samples stand far off their neighbours (Hampel).
 
-    One ``count`` of a coarse word to or fro is no spike.
+    Far is ``spike_sigma`` times the spread: 1.4826 of the median absolute deviation, half of the
+    standard deviation at least. One ``count`` of a coarse word to or fro is no spike.
     """
     deviation = (values - median_filter(values, 7))[3:-3]  # at its ends a ramp looks like a spike
     spread = max(
