@@ -37,7 +37,7 @@ class RealCovariance:
 
 
 def real_covariance(objective: Objective, columns: Array, residual: Array) -> RealCovariance:
-    """Return it from what numbers change, ``columns`` (rows, q), and leave, ``residual`` (rows,).
+    """Return the covariance of numbers that change ``columns`` (rows, q) and leave ``residual``.
 
     Three estimates of one variance, and the largest would be high by chance alone. The weighing
     is exact where noise is what it assumes, and knows the resolution of words; simulations of

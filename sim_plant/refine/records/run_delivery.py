@@ -29,7 +29,7 @@ class Delivered:
     ----------
     values : (scans,), SI.
     how : a sentence: what this rests on.
-    known : the PLC itself says it, or which command it took; False: the delay is taken for usual.
+    known : the PLC itself says it, or which command it took; False: a delay is assumed.
     """
 
     values: Array
