@@ -2,8 +2,8 @@
 
 Runs in its own short and bounded process because parsing would hold up anything that shares its
 interpreter. What the file names lies below its own folder or below STATE. With ``-`` the text on
-standard input is judged as if SITE.yaml said it. On standard output, with
-exit code 0 whatever the result: ``{"record": {...} or null, "findings": [...]}``.
+standard input is judged as if SITE.yaml said it. Standard output gets
+``{"record": {...} or null, "findings": [...]}``; the exit code is 0 whatever the result.
 """
 
 from __future__ import annotations
@@ -38,8 +38,10 @@ from aff_runtime.config.yaml_marks import MAX_BYTES
 from aff_runtime.core.compiled.binary import arithmetic_name
 from aff_runtime.core.response import Provenance, Response
 
-MAX_RECORD_BYTES = MAX_PACKET_BYTES - 4096  # what goes with it in one packet
-MAX_RESPONSE_BYTES = 16 * MAX_RECORD_BYTES  # shorter ones hold what passes in one packet
+MAX_RECORD_BYTES = MAX_PACKET_BYTES - 4096  # the rest of its packet is for what goes with it
+# A longer file is not read at all; a shorter one that fits no packet is refused by `_check_size`,
+# which says how much passes.
+MAX_RESPONSE_BYTES = 16 * MAX_RECORD_BYTES
 SAME_CYCLE_S = 1e-6
 
 
@@ -51,7 +53,7 @@ def check_result(
     Parameters
     ----------
     state : second folder, after the site file's own, that named files may lie in.
-    text : what the file might say instead; None: what it says.
+    text : checked in place of the content of the file; None: that content.
     """
     try:
         reading = read_site(path, state, text)
@@ -137,10 +139,10 @@ def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
     """Return the text of a learned response, None while it was never measured."""
     try:
         text = read_plain(file, MAX_RESPONSE_BYTES).decode("utf-8")
-        measured = Response.from_json(text).provenance
-        _of_this_place(measured, reading, actuator)
-        if abs(measured.cycle_s - reading.site.cycle_s) > SAME_CYCLE_S:
-            return None  # its delays were others; one without a cycle in it is taken as it is
+        provenance = Response.from_json(text).provenance
+        _check_ends(provenance, reading, actuator)
+        if abs(provenance.cycle_s - reading.site.cycle_s) > SAME_CYCLE_S:
+            return None  # its delays were others; one that names no cycle (NaN) passes
     except FileNotFoundError:
         return None
     except OSError as error:
@@ -159,7 +161,7 @@ def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
 
 
 def _outdated(reading: Reading, parameters: ParameterRecord) -> list[str]:
-    """Return a finding per response that is there and does not count: its cycle was another."""
+    """Return a finding per response that was measured at another cycle, and does not count."""
     return [
         _finding(reading, name, f"{file}: measured at another cycle_ms; run the probe again")
         for name, file in parameters.response_files.items()
@@ -167,12 +169,12 @@ def _outdated(reading: Reading, parameters: ParameterRecord) -> list[str]:
     ]
 
 
-def _of_this_place(measured: Provenance, reading: Reading, actuator: str) -> None:
+def _check_ends(provenance: Provenance, reading: Reading, actuator: str) -> None:
     """Refuse a response that was measured with another actuator or on another signal."""
     signal = reading.site.actuators[actuator].error.signal
-    if (measured.actuator, measured.signal) != (actuator, signal):
+    if (provenance.actuator, provenance.signal) != (actuator, signal):
         raise ConfigError(
-            f"measured from {measured.actuator} to {measured.signal}, not from {actuator} "
+            f"measured from {provenance.actuator} to {provenance.signal}, not from {actuator} "
             f"to {signal}; remove it and run the probe"
         )
 
@@ -195,7 +197,7 @@ def _versions() -> dict[str, str]:
 
 
 def main(arguments: list[str]) -> int:
-    """Print the result on one file, at less than it may cost."""
+    """Print the result on one file, within the bounds of ``check.limits``."""
     bound_this_process()
     site, state = (Path(argument) for argument in arguments[:2])
     said = None

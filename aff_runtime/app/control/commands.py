@@ -8,7 +8,9 @@ from aff_runtime.app.link.messages import Arm, Bypass, MeasureResponse, Message,
 from aff_runtime.app.link.packets import Link, LinkClosedError
 
 OPENING = (Arm, MeasureResponse)
+"""Requests after which a correction or an excitation may go out."""
 MAX_WAITING = 1024
+"""Messages that ``overtake`` reads ahead at most."""
 
 
 class Commands:
@@ -36,23 +38,24 @@ class Commands:
     def overtake(self) -> list[Arm | MeasureResponse]:
         """Return the requests that a bypass by signal has overtaken; the rest stays in line.
 
-        Whatever would open the output and was said before the bypass must not undo it; what was
-        said after it, counts.
+        Whatever would open the output and was sent before the bypass must not undo it. The signal
+        has no place among the messages: the last ``Bypass`` that waits stands for it, and without
+        one all that waits was sent before. What was sent after it counts.
         """
         try:
-            while len(self._kept) < MAX_WAITING and (said := self._receive()) is not None:
-                self._kept.append(said)
+            while len(self._kept) < MAX_WAITING and (message := self._receive()) is not None:
+                self._kept.append(message)
         except LinkClosedError:
             pass  # ``next`` meets it again
         waiting = list(self._kept)
-        bypasses = [i for i, said in enumerate(waiting) if isinstance(said, Bypass)]
+        bypasses = [i for i, message in enumerate(waiting) if isinstance(message, Bypass)]
         end = bypasses[-1] if bypasses else len(waiting)
-        overtaken = [said for said in waiting[:end] if isinstance(said, OPENING)]
-        self._kept = deque(said for said in waiting if not any(said is x for x in overtaken))
+        overtaken = [message for message in waiting[:end] if isinstance(message, OPENING)]
+        self._kept = deque(m for m in waiting if not any(m is x for x in overtaken))
         return overtaken
 
     def _receive(self) -> Message | None:
-        """Return the next message of the link; what is none is passed over, the tick goes on."""
+        """Return the next message of the link; a packet that is none is skipped."""
         while True:
             try:
                 return self._link.receive()

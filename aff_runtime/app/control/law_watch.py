@@ -1,4 +1,4 @@
-"""What the guard and the operator hear of the law: objections, rising ripple, held blocks."""
+"""Reports of the law to guard and operator: objections, rising ripple, held or resting blocks."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from aff_runtime.core.order_status import OrderStatus
 from aff_runtime.core.ripple_watch import RippleWatch
 from aff_runtime.loop.seams import Advice
 
-STEADY_ASKS = 10  # a block is held, or free again, after this many answers alike
+STEADY_ASKS = 10  # looks that must agree before a block counts as held, or as free again
 EVENT_OF = {Trend.CLAMPED: BY_NAME["BLOCK_CLAMPED"], Trend.HELD_PHASE: BY_NAME["PHASE_UNSURE"]}
 RESTING = Trend.DIVERGING
 RESTS_IN = "shape"  # the law whose orders rest when they do harm
-TOLD = {*EVENT_OF, RESTING}
+REPORTED = {*EVENT_OF, RESTING}
 
 
 class LawWatch:
@@ -50,7 +50,7 @@ class LawWatch:
 
         Parameters
         ----------
-        state, quiet : of the guard.
+        state : of the guard. ``quiet`` : every output is closed and zero.
         tick : number of the present tick.
         """
         elapsed_s, self._tick = (tick - self._tick) * site.cycle_s, tick
@@ -86,7 +86,7 @@ class LawWatch:
             if name not in self._unbelieved:
                 self._unbelieved.add(name)
                 signal = site.actuators[name].error.signal
-                now, before = ripple[1], watch.reference
+                before, now = watch.reference, ripple[1]
                 self._say(f"RIPPLE_ROSE {name}: {signal} {before:.3g} before, {now:.3g} now")
         return rose
 
@@ -112,25 +112,25 @@ class LawWatch:
 
 
 class HeldBlocks:
-    """Finds the moment in which a block becomes held, once per change and not per flicker."""
+    """Finds the moment in which a block becomes held or resting, once per lasting change."""
 
     def __init__(self) -> None:
         self._count: dict[tuple[str, str], int] = {}
-        self._told: dict[tuple[str, str], Trend | None] = {}
+        self._reported: dict[tuple[str, str], Trend | None] = {}
 
     def step(
         self, orders: Sequence[OrderStatus], *, is_open: bool = True
     ) -> list[tuple[OrderStatus, Trend]]:
-        """Return the blocks newly held, with their state; none while no output is open."""
+        """Return the blocks newly held or resting, with their state; none unless ``is_open``."""
         news: list[tuple[OrderStatus, Trend]] = []
         for order in orders:
             block = (order.actuator, order.name)
-            told = self._told.get(block)
-            held = order.state if is_open and order.state in TOLD else None
-            count = self._count.get(block, 0) + 1 if held is not told else 0
+            reported = self._reported.get(block)
+            held = order.state if is_open and order.state in REPORTED else None
+            count = self._count.get(block, 0) + 1 if held is not reported else 0
             if count >= STEADY_ASKS:
                 count = 0
-                self._told[block] = held
+                self._reported[block] = held
                 if held is not None:
                     news.append((order, held))
             self._count[block] = count

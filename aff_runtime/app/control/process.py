@@ -25,6 +25,7 @@ from aff_runtime.loop.realtime import RealtimeReport, RealtimeRequest, ask
 from aff_runtime.telemetry.header import Right, RunMeta
 
 START_PATIENCE_S = 10.0
+"""How long to wait for the supervisor's first message."""
 
 
 def main(arguments: list[str]) -> int:

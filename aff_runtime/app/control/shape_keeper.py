@@ -1,4 +1,4 @@
-"""Learned shapes across starts: what is there is tried before it is used, what is learned kept.
+"""Learned shapes across starts: saved ones are tried before use, newly learned ones are kept.
 
 Lives in the control process. Trying costs a lock-in per column and tick and happens only while
 nothing goes out; saving sends one message when an output has closed.
@@ -30,8 +30,8 @@ from aff_runtime.core.shape.law import ShapeLaw
 from aff_runtime.core.shape.profile import ShapeProfile
 from aff_runtime.core.shape.trial import Fit, ShapeTrial
 
-KEPT_AFTER_TURNS = 3.0
-RADIUS_UP, RADIUS_DOWN = 1.01, 0.85
+KEPT_AFTER_TURNS = 3.0  # with a correction, of the slowest roll
+RADIUS_UP, RADIUS_DOWN = 1.01, 0.85  # of the saved radius: beyond, it is another roll
 PerOrder = Mapping[tuple[str, int], complex]
 
 
@@ -48,12 +48,11 @@ class _Known:
 
 @dataclass(slots=True)
 class _Trial:
-    """One law that could start from a known shape, and the listening for it."""
+    """One law that could start from a known shape; ``fed_s`` : readings for its trial so far."""
 
     known: list[_Known]
-    heard_s: float = 0.0
+    fed_s: float = 0.0
     trial: ShapeTrial | None = None
-    refused: list[str] = field(default_factory=list)
 
 
 class ShapeKeeper:
@@ -82,7 +81,7 @@ class ShapeKeeper:
         self._trials: dict[str, _Trial] = {}
         self._used: set[str] = set()
         self._announced: set[str] = set()
-        self._refused: set[tuple[str, str]] = set()  # corrections of another response, as said
+        self._refused: set[tuple[str, str]] = set()  # (actuator, response) already logged
         self.follow(parameters)
 
     def follow(self, parameters: ParameterRecord) -> None:
@@ -133,9 +132,9 @@ class ShapeKeeper:
         return known
 
     def _correction(self, actuator: str, file: ShapeFile) -> PerOrder:
-        """Return what a file knows of P; nothing when it learned that over another response.
+        """Return a file's correction of P; nothing when it was learned over another response.
 
-        A correction of another response would be taken for a moved encoder by the trial.
+        The trial would take a correction of another response for a moved encoder.
         """
         if file.response and file.response == self._response[actuator]:
             return file.profile.correction
@@ -167,7 +166,7 @@ class ShapeKeeper:
                 self._drop(name)
                 continue
             if not (quiet and law.is_open):
-                self._trials[name].heard_s, self._trials[name].trial = 0.0, None
+                self._trials[name].fed_s, self._trials[name].trial = 0.0, None
             elif fresh:
                 self._listen(name, law, controller, values)
 
@@ -186,12 +185,12 @@ class ShapeKeeper:
         waiting = self._trials[name]
         params = controller.site
         signal, reference = _readings(params, name, values)
-        known = all(p.quality is Quality.GOOD for p in controller.phases.by_name.values())
-        if not known or not math.isfinite(signal - reference):
+        followed = all(p.quality is Quality.GOOD for p in controller.phases.by_name.values())
+        if not followed or not math.isfinite(signal - reference):
             return
-        waiting.heard_s += params.cycle_s
-        if waiting.heard_s < self._site.actuators[name].response_memory_s:
-            return  # the filter of the loop is still filling
+        waiting.fed_s += params.cycle_s
+        if waiting.fed_s < self._site.actuators[name].response_memory_s:
+            return  # the filter that ``law.seen`` returns is still filling
         if waiting.trial is None:
             waiting.trial = ShapeTrial(
                 [roll for roll, _ in law.keys], [order for _, order in law.keys], law.signal_sd

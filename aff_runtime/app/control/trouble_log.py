@@ -8,16 +8,17 @@ from typing import Final
 from aff_runtime.base.ports import Gateway
 
 EVERY_TICKS: Final = 100
+"""Between two looks; half a second at a cycle of 5 ms."""
 
 
 class TroubleLog:
-    """Looks at the gateway now and then; a node that is coming up need not be in the log.
+    """Looks at the gateway every ``EVERY_TICKS``; a trouble of less than two looks is not logged.
 
     Parameters
     ----------
     gateway : the wire.
     say : takes one sentence for the service's log.
-    show : takes what stands now, for ``status``.
+    show : takes the troubles as they are now, for ``status``.
     """
 
     def __init__(
@@ -33,7 +34,7 @@ class TroubleLog:
         self._said: tuple[str, ...] = ()
 
     def look(self, tick: int) -> None:
-        """Say what is wrong when it stood for two looks and has not been said yet."""
+        """Log the troubles when two looks in a row found the same and they are not logged yet."""
         if tick % EVERY_TICKS:
             return
         before, self._seen = self._seen, self._gateway.troubles

@@ -23,15 +23,14 @@ from aff_runtime.app.link.peer import uids_with
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.files import replace_text
 
-LEAST_CHARACTERS = 10
+LEAST_CHARACTERS, MOST_CHARACTERS = 10, 256  # of a password
 PIN_DIGITS = 6
-MOST_CHARACTERS = 256
-MAX_BYTES = 64 << 10
-OWNER = "aff-hmi"
-_N, _R, _P = 1 << 15, 8, 3
-_MOST_MEMORY = 64 << 20
+MAX_BYTES = 64 << 10  # of the file
+OWNER = "aff-hmi"  # the screen's user
+_N, _R, _P = 1 << 15, 8, 3  # cost, block size and parallelism of scrypt
+_MOST_MEMORY = 64 << 20  # bytes that scrypt may take
 _METHOD = "scrypt"
-_WORDS, _WORDS_WITH_PIN = 6, 8
+_PARTS, _PARTS_WITH_PIN = 6, 8  # of a secret, between colons
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -45,16 +44,16 @@ class Account:
     @property
     def has_pin(self) -> bool:
         """Whether a PIN lets it in at the panel."""
-        return self.secret.count(":") == _WORDS_WITH_PIN - 1
+        return self.secret.count(":") == _PARTS_WITH_PIN - 1
 
     @property
     def line(self) -> str:
-        """Return it as the file has it."""
+        """Return the account as a line of the file."""
         return f"{self.name}:{self.role.word}:{self.secret}"
 
 
 class Accounts:
-    """The file as it is now; looked at again whenever it is another one."""
+    """The accounts of a file; read again whenever the file has changed or was replaced."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -79,7 +78,7 @@ class Accounts:
 
         Parameters
         ----------
-        at_panel : a PIN counts as well; nowhere else it does.
+        at_panel : whether a PIN counts as well.
         """
         account = self.find(name)
         secret = (account or self._nobody).secret
@@ -104,7 +103,8 @@ def read_accounts(path: Path) -> list[Account]:
     Raises
     ------
     ConfigError
-        When it cannot be read, others could have written it or may read it, or a line is none.
+        When it cannot be read, others could have written it or may read it, or a line is no
+        account.
     """
     try:
         flags = os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC  # a pipe holds nobody up
@@ -146,8 +146,8 @@ def write_accounts(path: Path, accounts: Iterable[Account]) -> None:
 def secret_of(password: str) -> str:
     """Return what a file keeps of a password."""
     salt = secrets.token_bytes(16)
-    words = (_METHOD, str(_N), str(_R), str(_P), _text(salt), _text(_hash(password, salt)))
-    return ":".join(words)
+    parts = (_METHOD, str(_N), str(_R), str(_P), _text(salt), _text(_hash(password, salt)))
+    return ":".join(parts)
 
 
 def with_pin(secret: str, pin: str) -> str:
@@ -161,8 +161,8 @@ def is_pin(text: str) -> bool:
 
 
 def _secret_of_pin(secret: str) -> str:
-    words = secret.split(":")
-    return ":".join((*words[:4], *words[6:]))
+    parts = secret.split(":")
+    return ":".join((*parts[:4], *parts[6:]))
 
 
 def is_password(password: str, secret: str) -> bool:
@@ -185,11 +185,11 @@ def _check_ours(path: Path, found: os.stat_result) -> None:
 def _account(line: str, where: str) -> Account:
     name, _, rest = line.partition(":")
     role, _, secret = rest.partition(":")
-    words = secret.split(":")
+    parts = secret.split(":")
     try:
-        is_whole = words[:4] == [_METHOD, str(_N), str(_R), str(_P)]
-        is_whole = is_whole and len(words) in (_WORDS, _WORDS_WITH_PIN)
-        is_whole = is_whole and all(base64.b64decode(word, validate=True) for word in words[4:])
+        is_whole = parts[:4] == [_METHOD, str(_N), str(_R), str(_P)]
+        is_whole = is_whole and len(parts) in (_PARTS, _PARTS_WITH_PIN)
+        is_whole = is_whole and all(base64.b64decode(part, validate=True) for part in parts[4:])
     except ValueError:
         is_whole = False
     if not (is_account_name(name) and role in ROLES and is_whole):
@@ -198,8 +198,8 @@ def _account(line: str, where: str) -> Account:
 
 
 def _hash(password: str, salt: bytes) -> bytes:
-    said = password.encode("utf-8", "surrogatepass")
-    return hashlib.scrypt(said, salt=salt, n=_N, r=_R, p=_P, maxmem=_MOST_MEMORY, dklen=32)
+    encoded = password.encode("utf-8", "surrogatepass")
+    return hashlib.scrypt(encoded, salt=salt, n=_N, r=_R, p=_P, maxmem=_MOST_MEMORY, dklen=32)
 
 
 def _text(data: bytes) -> str:

@@ -20,11 +20,11 @@ from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.printable import printable
 
-MAX_BYTES = 8 << 20
+MAX_BYTES = 8 << 20  # of a file, after which another one begins
 KEPT_FILES = 8
-LONGEST_LINE = 8192
+LONGEST_LINE = 8192  # bytes
 NAME = "audit.jsonl"
-START = "0" * 64
+START = "0" * 64  # stands for the hash before the first line of all
 _FLAGS = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
 
 
@@ -36,7 +36,8 @@ class Entry:
     ----------
     what : a command or a notice. ``result`` : asked, done, refused, or noted.
     account, role, place : as the screen claims. ``peer`` : whose process it was, by the kernel.
-    seen, state : what the person saw, and what it was. ``config`` : revision in force.
+    seen, state : the guard's state that the person saw, and the true one. ``config`` : revision
+        in force.
     """
 
     what: str
@@ -138,7 +139,7 @@ class Audit:
         os.close(self._lock)
 
     def _continue(self) -> None:
-        """Go on after the last line; half a line, left by a loss of power, is cut off and told."""
+        """Go on after the last line; half a line (a loss of power) is cut off and noted."""
         longest = self._max_bytes + LONGEST_LINE
         content = os.pread(self._file, longest + 1, 0)
         whole, _, rest = content.rpartition(b"\n")
@@ -210,7 +211,7 @@ def follow(lines: list[bytes], before: Chain | None = None) -> Chain:
 
     Parameters
     ----------
-    before : chain that they go on from; None takes the first line's word for what was before.
+    before : chain that they go on from; None: the first line's number and ``prev`` are taken.
     """
     first, last = (before.first, before.last) if before else (0, 0)
     newest = before.newest if before else ""

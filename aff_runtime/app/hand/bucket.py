@@ -1,4 +1,4 @@
-"""So many things a second, and a few more at once."""
+"""A token bucket: so many things a second, and a few more at once after a pause."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from aff_runtime.base.ports import Clock
 
 
 class Bucket:
-    """Holds what may be done at once; it fills up again with time.
+    """Holds one token per thing that may be done now; fills up again with time.
 
     Parameters
     ----------
@@ -21,7 +21,7 @@ class Bucket:
         self._since_ns = clock.now_ns()
 
     def take(self) -> bool:
-        """Take one; False when there is none."""
+        """Take one token; False when there is none."""
         now_ns = self._clock.now_ns()
         self._left += self._per_s * (now_ns - self._since_ns) * 1e-9
         self._left, self._since_ns = min(self._burst, self._left), now_ns

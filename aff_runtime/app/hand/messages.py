@@ -16,9 +16,9 @@ from aff_runtime.base.signals import State
 
 PROTOCOL = 1
 MAX_PACKET_BYTES = 2048
-LONGEST_NAME = 200
+LONGEST_NAME = 200  # characters of what a reason names
 NOBODY = "nobody"  # account of a bypass for which nobody has logged in
-VALID_NS = 2_000_000_000
+VALID_NS = 2_000_000_000  # a press may be done until so long after what the person saw
 NOTICES = (
     "login",
     "login refused",
@@ -45,7 +45,7 @@ class HandMessageError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Welcome:
-    """What the service allows to a screen: the most that a role does, the farthest place."""
+    """What the service allows to a screen: highest role, and farthest place to arm from."""
 
     version: str
     ceiling: Role

@@ -1,4 +1,4 @@
-"""What the service answers to a request, as frozen records; `to_json` is their one encode."""
+"""What the service answers to a request, as frozen dataclasses, each with its JSON form."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Done:
     ----------
     message : why not. ``exit_code`` : what a command ends with; None leaves it to the command.
     more : further reasons, such as the findings of a site file after the first.
-    state : of the guard. ``duration_s`` : how long it will take.
+    state : of the guard. ``duration_s`` : how long what was asked will take.
     """
 
     ok: bool = True

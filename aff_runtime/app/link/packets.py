@@ -1,6 +1,6 @@
 """The socketpair between supervisor and control process: one message per packet.
 
-Packets keep their borders, so neither side ever reassembles. The end of the stream means that
+The kernel keeps packets apart, so neither side ever reassembles. The end of the stream means that
 the other process is dead, however it died.
 """
 
@@ -41,7 +41,7 @@ class Link:
         LinkClosedError
             When the other side has closed.
         MessageError
-            When it says what is no message.
+            When a packet is no message.
         """
         try:
             packet = self._socket.recv(MAX_PACKET_BYTES)
@@ -61,7 +61,7 @@ class Link:
         LinkClosedError
             When the other side has closed.
         MessageError
-            When it says what is no message.
+            When a packet is no message.
         """
         try:
             packet, passed, _, _ = self._socket.recvmsg(

@@ -17,8 +17,7 @@ _LEFT_OUT_EMPTY = ("site_text", "shapes")
 class ParameterRecord(BaseModel):
     """A checked site and everything that is read for it before the first tick.
 
-    `to_json` and `from_json` are its one encode and decode; what an older or newer service says
-    besides is left out.
+    `from_json` leaves out keys that an older or newer release has besides.
 
     Attributes
     ----------
@@ -77,7 +76,7 @@ class ParameterRecord(BaseModel):
 
     @property
     def version(self) -> str:
-        """Version of the runtime that checked the site; empty when it is not said."""
+        """Version of the runtime that checked the site; empty when the record has none."""
         return self.versions.get("aff-runtime", "")
 
     @property

@@ -60,7 +60,7 @@ def peer_of(connection: socket.socket, proc: Path = _PROC) -> Peer:
     raw = connection.getsockopt(socket.SOL_SOCKET, socket.SO_PEERCRED, _CREDENTIALS.size)
     pid, uid, _ = _CREDENTIALS.unpack(raw)
     login_uid = _login_uid(pid, uid, proc)
-    # asked after the look: its number was nobody else's then
+    # still alive after /proc was read: the pid cannot have been another process's there
     return Peer(uid=uid, pid=pid, login_uid=login_uid if _still_lives(connection) else None)
 
 
@@ -73,8 +73,8 @@ def own_process(proc: Path = _PROC) -> Peer:
 def _still_lives(connection: socket.socket) -> bool:
     """Return whether the process that connected is there; True where the kernel cannot tell.
 
-    The number of one that has ended may be another's by now. Kernels from 6.5 on hand out the
-    process itself.
+    The pid of one that has ended may be another's by now. Kernels from 6.5 on pass a descriptor
+    of the process itself.
     """
     try:
         raw = connection.getsockopt(socket.SOL_SOCKET, _SO_PEERPIDFD, _DESCRIPTOR.size)

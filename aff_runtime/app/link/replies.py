@@ -1,4 +1,4 @@
-"""What the control process answers, as frozen records that need no other package.
+"""What the control process answers, as frozen dataclasses that need no other package.
 
 Who only asks a service (`arm`, `bypass`, `status`) imports these and not the site's models.
 """

@@ -27,7 +27,7 @@ from aff_runtime.base.errors import AffError, RefusedError, WireError
 from aff_runtime.base.printable import printable
 
 MAX_ANSWER_BYTES = 1 << 22
-MAX_NAME_CHARACTERS = 40  # a service hears 64 characters of whom a command is for
+MAX_NAME_CHARACTERS = 40  # with the text around it within ``requests.MAX_BY_CHARACTERS``
 _TIMEVAL = struct.Struct("ll")
 
 
@@ -144,7 +144,7 @@ def _refusal(answer: Done) -> AffError:
 
 
 def login_behind(caller: Peer) -> str:
-    """Return whose login root commands by, as it says; empty for others, and without a login.
+    """Return the login from which root commands, for ``by``; empty for others, and without one.
 
     The installed service does not see the processes of root (ProtectProc=invisible), so it cannot
     look itself. Its own user's processes it sees.

@@ -22,13 +22,13 @@ from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.socket_file import identity, make_room, remove_own
 
-MAX_CALLERS = 16
-BACKLOG = 64
+MAX_CALLERS = 16  # that wait for no answer; above that the longest silent one goes
+BACKLOG = 64  # connections that the kernel keeps until they are accepted
 _ANOTHER = "name another --runtime-dir"
 
 
 class Caller:
-    """One connected caller: what it has said and not been answered, what it has not taken yet.
+    """One connected caller: its requests not yet done, and the answers that it has not taken yet.
 
     Attributes
     ----------
@@ -41,19 +41,19 @@ class Caller:
         self.connection = connection
         self.peer = peer
         self.owed = 0
-        self._heard = b""
+        self._begun_line = b""
         self._lines: deque[bytes] = deque()
         self._unsent = b""
 
     @property
     def has_more(self) -> bool:
-        """Whether it waits for us: to read more of a request, or to send the rest of an answer."""
+        """Whether whole requests of it wait to be done, or an answer to be sent to its end."""
         return bool(self._lines or self._unsent)
 
     @property
     def is_too_long(self) -> bool:
-        """Whether it says more than fits a request."""
-        return not self._lines and len(self._heard) > longest(self._heard)
+        """Whether the line that it has begun is already longer than a request may be."""
+        return not self._lines and len(self._begun_line) > longest(self._begun_line)
 
     def read(self) -> bool:
         """Take what has come; False when the caller has closed."""
@@ -63,14 +63,14 @@ class Caller:
             return True
         except OSError:
             return False
-        *lines, self._heard = (self._heard + chunk).split(b"\n")
+        *lines, self._begun_line = (self._begun_line + chunk).split(b"\n")
         self._lines.extend(lines)
         return bool(chunk)
 
     def next_line(self) -> bytes | None:
         """Return the next complete line; None without one, or while an answer is on its way.
 
-        Answers are so never more than the caller takes: who does not listen is not heard either.
+        So answers never pile up: a caller that takes no answer gets no further request done.
         """
         return self._lines.popleft() if self._lines and not self._unsent else None
 

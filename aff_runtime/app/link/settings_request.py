@@ -13,8 +13,8 @@ KEYS = ("act", "text", "seconds", "why", "version")
 START = b'{"do": "settings"'
 """How a line begins that may hold a whole site file."""
 MAX_BYTES = 1 << 19
-LEAST_S, MOST_S = 5.0, 3600.0
-LEAST_WHY, MOST_WHY = 8, 400
+LEAST_S, MOST_S = 5.0, 3600.0  # of a try
+LEAST_WHY, MOST_WHY = 8, 400  # characters of a reason
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,7 +43,7 @@ def settings_request(said: Any) -> SettingsRequest:
     Raises
     ------
     RefusedError
-        When one of them is none that there is, or is missing.
+        When one of them is unknown, missing or out of its range.
     """
     act = said.get("act")
     if act not in ACTS:
