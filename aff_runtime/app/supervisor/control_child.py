@@ -37,7 +37,7 @@ class ControlChild:
                 ],
                 pass_fds=[theirs.fileno()],
                 stdin=subprocess.DEVNULL,
-                # a product shared by two threads waits, at real-time priority, for the one without
+                # a matrix product of two threads would wait for the one without real-time priority
                 env=os.environ | ONE_THREAD,
             )
         except OSError:
@@ -65,8 +65,8 @@ class ControlChild:
     def replies(self) -> list[Message]:
         """Return what the process has said since the last call.
 
-        What is no message is told as a line for the log: the service was updated in place and
-        this process is of the new installation; what it can be told still, zero first, goes on.
+        A packet that is no message becomes a line for the log: the service was updated in place
+        and this process is of the new release. Messages that both know, bypass first, still pass.
         """
         messages: list[Message] = []
         while True:

@@ -13,12 +13,12 @@ from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.config.crossings import Crossing, crossings_of
 from aff_runtime.config.models import Site
 
-EVERY_S = 1.0
+EVERY_S = 1.0  # between two readings, at least
 KEPT = 120  # readings: two minutes
 LEAST = 10  # readings before a slope counts
-GAP_S = 5.0
+GAP_S = 5.0  # between two readings: after a longer one the track begins anew
 JUMP_SHARE = 0.01  # of the radius, between two readings: another roll
-SIGMAS = 4.0  # slope over its standard error: below, it may as well be nothing
+SIGMAS = 4.0  # slope over its standard error: below, it may be noise
 STANDSTILL_M_S = 0.01
 FORESEEN_S = 86_400.0  # no roll lasts longer: a slope that says so is rounding
 
@@ -50,8 +50,8 @@ class RadiusTrack:
         if not spread > 0.0:
             return math.nan
         slope = float(web @ square) / spread
-        rest = square - square.mean() - slope * web
-        error = math.sqrt(float(rest @ rest) / (len(web) - 2) / spread)
+        residual = square - square.mean() - slope * web
+        error = math.sqrt(float(residual @ residual) / (len(web) - 2) / spread)
         return slope if abs(slope) > SIGMAS * error else math.nan
 
 
@@ -97,7 +97,7 @@ class CrossingForecast:
         self._tracks = {name: self._tracks.get(name, RadiusTrack()) for name in moving}
 
     def meetings(self) -> tuple[Meeting, ...]:
-        """Return the next meeting of every actuator; empty while the radius does not tell."""
+        """Return the next meeting of every actuator; empty while no slope stands out."""
         return tuple(_meeting(name, time_s, one) for name, time_s, one in self._next())
 
     def sentences(self) -> list[str]:

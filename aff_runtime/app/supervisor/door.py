@@ -1,8 +1,8 @@
 """The second socket: who looks on gets the ring and the facts, and is never listened to.
 
-It parses nothing. A visitor that says anything is told so and sent away; one that does not take
-its packets misses them, and goes when it has taken none for a while. Packets are whole or not
-there, so there is nothing to buffer and no half line.
+It parses nothing. A visitor that sends anything gets ``SentAway`` and is dropped; one that does
+not take its packets misses them, and goes when it has taken none for a while. Packets are whole
+or not there, so there is nothing to buffer and no half line.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from aff_runtime.base.ports import Clock
 from aff_runtime.telemetry.ring import RingReader
 
 MAX_VISITORS = 8
-FACTS_NS = 500_000_000
-HURRY_NS = 50_000_000
-PATIENCE_NS = 10_000_000_000
+FACTS_NS = 500_000_000  # between two packets of facts
+HURRY_NS = 50_000_000  # the same when something has changed
+PATIENCE_NS = 10_000_000_000  # with a visitor that takes no packet
 _ANOTHER = "name another folder with --door-dir"
 
 
@@ -40,13 +40,13 @@ class Onlooker(Visitor):
 
     Attributes
     ----------
-    ring : the ring that it was told of. ``heard_ns`` : when it last took a packet.
+    ring : the ring whose descriptor it has. ``took_ns`` : when it last took a packet.
     """
 
     def __init__(self, connection: socket.socket, peer: Peer, now_ns: int) -> None:
         super().__init__(connection, peer)
         self.ring: RingReader | None = None
-        self.heard_ns = now_ns
+        self.took_ns = now_ns
 
     def tell(self, message: DoorMessage, descriptor: int | None = None) -> bool:
         """Send one packet, whole or not at all; False when it was not taken."""
@@ -93,8 +93,8 @@ class Door(PacketSocket[Onlooker]):
         said = facts()
         for visitor in list(self._visitors.values()):
             if visitor.tell(said):
-                visitor.heard_ns = now_ns
-            elif now_ns > visitor.heard_ns + PATIENCE_NS:
+                visitor.took_ns = now_ns
+            elif now_ns > visitor.took_ns + PATIENCE_NS:
                 self._drop(visitor)
 
     def _uids(self) -> frozenset[int]:

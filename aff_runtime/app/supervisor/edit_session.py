@@ -27,14 +27,14 @@ class EditSession:
 
     Parameters
     ----------
-    result : of the file that runs.
-    watch : looked at the site file before that check read it: what was saved meanwhile is an edit.
+    result : check of the file that runs.
+    watch : begun before that check read the site file: what was saved since then is an edit.
 
     Attributes
     ----------
     differs : why the file is not the running configuration; empty when it is.
-    findings : warnings about the running file.
-    held : what is saved is not looked at, as other settings are being tried.
+    findings : warnings about the file that the service began with.
+    held : saved files are not checked, as other settings are being tried.
     saved_meanwhile : something was saved while held.
     accepted : called with every record that has become the running one.
     """
@@ -134,7 +134,7 @@ class EditSession:
     ) -> None:
         """Send the record to the control process, which takes it between two ticks.
 
-        ``then`` hears how that went; without it a refusal is an edit that was not taken.
+        ``then`` gets the reply; without it a refusal is reported as an edit that was not taken.
         """
         self._handing_over = True
         ident = self._pending.expect(

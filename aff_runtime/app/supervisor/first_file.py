@@ -11,14 +11,14 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
 
-LOOK_NS = 200_000_000
+LOOK_NS = 200_000_000  # between two looks at the file
 LOG = logging.getLogger("aff_runtime")
 
 
 def await_site(site: Path, state: Path, clock: Clock | None = None) -> None:
     """Return once a site file is there and good.
 
-    A file that is there and is not good is told once, and looked at again when it is another one.
+    A file with faults is logged once, and checked again when it has changed.
 
     Parameters
     ----------

@@ -33,7 +33,7 @@ V = TypeVar("V", bound=Visitor)
 
 
 class PacketSocket(ABC, Generic[V]):
-    """Who has come to a socket in a folder: let in, attended to, sent away when too many.
+    """A listening socket and its visitors: let in, attended to, sent away when too many.
 
     Parameters
     ----------
@@ -48,6 +48,7 @@ class PacketSocket(ABC, Generic[V]):
 
     KIND: ClassVar[type[Visitor]]
     MOST: ClassVar[int]
+    """Visitors at a time, and connections that wait to be accepted."""
 
     def __init__(
         self, path: Path, selector: selectors.BaseSelector, another: str, *, is_private: bool
@@ -88,11 +89,11 @@ class PacketSocket(ABC, Generic[V]):
 
     @abstractmethod
     def _greet(self, visitor: V) -> None:
-        """Say the first thing to one who is in."""
+        """Send the first packets to a new visitor."""
 
     @abstractmethod
     def _attend(self, visitor: V) -> None:
-        """Hear one visitor."""
+        """Take what one visitor has sent."""
 
     def _let_in(self) -> None:
         """Take one visitor; when there are too many, the one who came first goes."""

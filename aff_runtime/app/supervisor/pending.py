@@ -60,7 +60,7 @@ class Pending:
             self.resolve(Reply(id=ident, ok=False, message=text))
 
     def forget(self, caller: Caller) -> None:
-        """Drop the questions of a caller who has hung up."""
+        """Answer nobody where the caller has hung up; what else a reply does is still done."""
         for question in self._questions.values():
             if question.asked is not None and question.asked.caller is caller:
                 question.asked = None

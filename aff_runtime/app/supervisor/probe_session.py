@@ -56,7 +56,7 @@ class ProbeSession:
         return True
 
     def _keep(self, result: ProbeResult) -> KeptResponse:
-        """Replace one response file at once; return the result with its path."""
+        """Replace one response file, whole or not at all; return the result with its path."""
         path = self._processes.parameters.response_files[result.actuator]
         text = result.text + "\n"
         self._processes.probed.add(path, text)

@@ -35,7 +35,7 @@ class RecorderChild:
         assert self._process.stdout is not None
         self._input = self._process.stdin.fileno()
         self._output = self._process.stdout.fileno()
-        self._heard = b""
+        self._begun_line = b""
         self._report = RecorderReport()
         with contextlib.suppress(OSError):
             fcntl.fcntl(self._input, fcntl.F_SETPIPE_SZ, _CONTEXT_BYTES)
@@ -56,14 +56,14 @@ class RecorderChild:
         """Return the newest report (folder, rows, losses), with ``alive``."""
         with contextlib.suppress(OSError):
             while chunk := os.read(self._output, 1 << 16):
-                self._heard += chunk
-        *lines, self._heard = self._heard.split(b"\n")
+                self._begun_line += chunk
+        *lines, self._begun_line = self._begun_line.split(b"\n")
         if lines:
             self._report = report_of(lines[-1]) or self._report
         return self._report.seen(alive=self._process.poll() is None)
 
     def wait(self, patience_s: float) -> None:
-        """Let it flush after the writer's end; kill it after ``patience_s``."""
+        """Let it write what is left in the ring; kill it after ``patience_s``."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         try:

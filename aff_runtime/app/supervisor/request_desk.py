@@ -18,9 +18,9 @@ from aff_runtime.app.link.requests import (
 )
 from aff_runtime.base.errors import AffError, RefusedError
 
-MAX_WAITING = 64
-MAX_OWED = 8
-LINES_PER_ROUND = 16
+MAX_WAITING = 64  # callers that wait for an answer
+MAX_OWED = 8  # answers that one caller waits for
+LINES_PER_ROUND = 16  # of one caller, before others have their turn
 
 
 class RequestDesk:
@@ -78,7 +78,7 @@ class RequestDesk:
             self._send_away(surplus, "too many callers, and this one has said nothing for longest")
 
     def _attend(self, caller: Caller, events: int) -> None:
-        """Hear or tell one caller, for a while; others want their turn."""
+        """Send to and read from one caller, ``LINES_PER_ROUND`` requests at most."""
         if events & selectors.EVENT_READ and not caller.read():
             self._hang_up(caller)
             return
@@ -101,7 +101,7 @@ class RequestDesk:
         self._await(caller)
 
     def _await(self, caller: Caller) -> None:
-        """Wait until the caller listens when it is owed something, else until it speaks."""
+        """Wait until the caller takes more where something is left for it, else until it sends."""
         wanted = selectors.EVENT_WRITE if caller.has_more else selectors.EVENT_READ
         self._selector.modify(caller.connection, wanted, caller)
 

@@ -1,4 +1,4 @@
-"""Which learned responses a probe of this service wrote: by digest, kept in the same folder.
+"""Which learned responses a probe of this service wrote: their digests, kept beside them.
 
 A response decides sign and phase of the loop. One that this service has measured goes in at once;
 one that was copied, restored or edited waits until nothing goes out. The list is signed by nobody:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-BACK_OFF_S = (0.5, 1.0)
+BACK_OFF_S = (0.5, 1.0)  # pause after the first and second death of a window
 WINDOW_S = 60.0
 FATAL_DEATHS = 3
 

@@ -1,4 +1,4 @@
-"""What the command line says about a run."""
+"""The options with which a service is started."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class RunOptions:
     Attributes
     ----------
     site : the site file.
-    paths : socket and ring.
+    paths : runtime directory and its sockets.
     record_directory : folder of all records; None takes the site file's.
     state_directory : second folder, after the site file's own, that named files may lie in.
     shadow : compute and record, transmit zero.

@@ -13,9 +13,9 @@ from aff_runtime.base.printable import printable
 class OneLine(logging.Formatter):
     """Escapes what would end a line, move a cursor or turn the text round."""
 
-    def format(self, parameters: logging.LogRecord) -> str:
+    def format(self, record: logging.LogRecord) -> str:
         """Return one line; a traceback becomes part of it."""
-        return printable(super().format(parameters))
+        return printable(super().format(record))
 
 
 def open_log(environment: Mapping[str, str] = os.environ) -> None:

@@ -12,11 +12,11 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.files import replace_text
 from aff_runtime.core.shape.profile import ShapeProfile
 
-KEPT_SENTENCES = 8
+KEPT_SENTENCES = 8  # that ``status`` shows
 
 
 class ShapeShelf:
-    """Reads shapes for a control process that starts, keeps what one hands on.
+    """Reads shapes for a control process that starts, and keeps those that it has learned.
 
     Parameters
     ----------

@@ -34,8 +34,8 @@ class Validation:
     ----------
     site : the site file.
     state : second folder, after the site file's own, that named files may lie in.
-    clock : for the patience with it.
-    text : what the site file might say instead of what it says; None: what it says.
+    clock : measures how long the check takes.
+    text : checked in place of the content of the file; None: that content.
     """
 
     def __init__(

@@ -12,7 +12,7 @@ from aff_runtime.app.link.peer import Peer, uids_with
 from aff_runtime.app.supervisor.packet_listener import SCREEN_USER, PacketSocket, Visitor
 
 MAX_VISITORS = 4
-PACKETS_PER_ROUND = 16
+PACKETS_PER_ROUND = 16  # of one visitor, before others have their turn
 ANOTHER = "name another folder with --hand-dir"
 
 
@@ -32,7 +32,7 @@ class Visits(PacketSocket[Caller]):
 
     Parameters
     ----------
-    welcome : called with who has come; what it raises nobody catches.
+    welcome : called with who has come; its exceptions are not caught.
     hear : called with every packet; False sends the visitor away.
     """
 
@@ -62,7 +62,7 @@ class Visits(PacketSocket[Caller]):
         self._say_welcome(visitor)
 
     def _attend(self, visitor: Caller) -> None:
-        """Hear one visitor for a while; others want their turn."""
+        """Take up to ``PACKETS_PER_ROUND`` packets of one visitor."""
         for _ in range(PACKETS_PER_ROUND):
             try:
                 packet = visitor.connection.recv(MAX_PACKET_BYTES + 1)

@@ -49,7 +49,7 @@ class SettingsDesk:
     Parameters
     ----------
     edits : follows the site file; hands settings over.
-    stands : how the service stands, but for a try.
+    stands : returns the state of the service by which requests are judged, but for a try.
     """
 
     def __init__(
@@ -175,7 +175,7 @@ class SettingsDesk:
         return diff_sites(self._processes.parameters.site, parameters.site)
 
     def _new_remarks(self, result: CheckResult) -> tuple[str, ...]:
-        """Return the warnings that what runs did not have when the service began."""
+        """Return the warnings that the running file did not have when the service began."""
         known = {finding.partition("  ")[2] for finding in self._edits.findings}
         return tuple(one for one in result.findings if one.partition("  ")[2] not in known)
 
@@ -209,7 +209,7 @@ class SettingsDesk:
             plan, self._processes, self._edits, self._clock, self._ripple, ended=self._ended
         )
         self._tried = tried
-        told = self._answer(changes=tuple(map(str, changes)), remarks=self._new_remarks(result))
+        answer = self._answer(changes=tuple(map(str, changes)), remarks=self._new_remarks(result))
 
         def taken(reply: Reply) -> None:
             if not reply.ok:
@@ -219,7 +219,7 @@ class SettingsDesk:
             self._record.say("tried", parameters, plan.who, f"{plan.seconds:g} s: {plan.why}")
             for change in changes:
                 self._processes.note("SETTINGS", str(change))
-            asked.answer(told)
+            asked.answer(answer)
 
         tried.begin(taken)
 

@@ -16,8 +16,8 @@ from aff_runtime.base.files import replace_text
 from aff_runtime.base.printable import printable
 from aff_runtime.config.plain_file import read_plain
 
-MOST = 300
-LONGEST_BYTES = 1 << 20
+MOST = 300  # versions
+LONGEST_BYTES = 1 << 20  # of a file that is read
 ROWS = "versions.jsonl"
 LOG = logging.getLogger("aff_runtime")
 
@@ -32,17 +32,17 @@ def history_folder(site: Path, state: Path) -> Path:
     return kept_folder(site, state, "settings")
 
 
-def kept_folder(site: Path, state: Path, room: str) -> Path:
+def kept_folder(site: Path, state: Path, purpose: str) -> Path:
     """Return a folder of one site: in the service's state, else beside what it learns."""
     root = state if os.access(state, os.W_OK | os.X_OK) else site.absolute().parent / "learned"
     name = hashlib.sha256(os.fsencode(os.path.realpath(site))).hexdigest()[:8]
-    return root / room / f"{site.stem}-{name}"
+    return root / purpose / f"{site.stem}-{name}"
 
 
 class SiteHistory:
     """Versions of one site file: a row each in ``versions.jsonl``, a text each beside it.
 
-    What cannot be read or written is said in the log and disturbs nothing else. The oldest rows
+    What cannot be read or written is logged and disturbs nothing else. The oldest rows
     go, and with them the texts that no row names any more.
 
     Parameters

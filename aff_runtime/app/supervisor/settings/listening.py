@@ -10,7 +10,7 @@ from aff_runtime.telemetry.ring import RingReader
 
 
 def hear(ring: RingReader | None, site: Site, ripple: RippleRise) -> None:
-    """Hear every tick since the last look: each error signal less its set point."""
+    """Hand every tick since the last call to ``ripple``: error signals less their set points."""
     if ring is None:
         return
     wanted = dict(_errors(ring, site))

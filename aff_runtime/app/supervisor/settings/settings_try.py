@@ -18,6 +18,7 @@ from aff_runtime.app.supervisor.settings.ripple_rise import RippleRise
 from aff_runtime.base.ports import Clock
 
 RETURN_TRIES = 3
+"""So often the former settings are handed over before the control process is restarted."""
 KEEP_GRACE_S = 10.0
 """A try that is being kept does not run out before the site file can be saved."""
 
@@ -28,7 +29,7 @@ class Plan:
 
     Attributes
     ----------
-    parameters : the settings. who, why : the caller, and the reason.
+    parameters : the settings. ``who``, ``why`` : the caller, and the reason.
     seconds : until the former ones return.
     """
 
@@ -43,13 +44,13 @@ class SettingsTry:
 
     Parameters
     ----------
-    ripple : what was heard of the error signals until now.
+    ripple : the error signals recorded until now.
     ended : called once when the former settings run again, with the reason.
 
     Attributes
     ----------
-    plan : what is tried. former : the record that returns.
-    runs : the settings tried are in force. is_over : they no longer are, or are kept.
+    plan : what is tried. ``former`` : the record that returns.
+    runs : the tried settings are in force. ``is_over`` : they no longer are, or are kept.
     """
 
     def __init__(
@@ -80,7 +81,7 @@ class SettingsTry:
         return max(0.0, (self._until_ns - self._clock.now_ns()) * 1e-9) if self.runs else 0.0
 
     def begin(self, then: Callable[[Reply], None]) -> None:
-        """Hand the settings over; ``then`` hears whether they were taken."""
+        """Hand the settings over; ``then`` gets the reply."""
         self._edits.held = True
         self._edits.saved_meanwhile = False
         self._ripple.begin()
@@ -95,7 +96,7 @@ class SettingsTry:
         self._edits.hand_over(self._processes.revised(self.plan.parameters), taken)
 
     def grant(self) -> None:
-        """Leave time to save the site file."""
+        """Leave ``KEEP_GRACE_S`` at least to save the site file."""
         self._until_ns = max(self._until_ns, self._clock.now_ns() + int(KEEP_GRACE_S * 1e9))
 
     def step(self, latest: TickRow | None) -> None:
