@@ -27,7 +27,7 @@ from aff_runtime.loop.cycle import Cycle, CycleSettings
 from aff_runtime.loop.seams import Outside
 from aff_runtime.safety.guard import Guard
 
-ADVICE_S = 0.1  # between two questions to the law's side
+ADVICE_S = 0.1  # between two looks of `LawWatch` at the law
 LEAST_OVERRUNS = 3
 
 
@@ -74,7 +74,7 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
         advice_every_ticks=max(1, round(ADVICE_S / site.cycle_s)),
         command_life_s=site.freshness.fault_after_ms * 1e-3,
         config_revision=assembly.parameters.revision_word,
-        first_heartbeat=secrets.randbelow(1 << 16),  # two that start at once must be told apart
+        first_heartbeat=secrets.randbelow(1 << 16),  # tells apart two that start at once
     )
     return Cycle(
         settings=settings,
@@ -87,7 +87,7 @@ def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
 
 
 def overruns_in_a_row(site: Site) -> int:
-    """Return how many late ticks are an overrun: a time, since a pause is one, and three."""
+    """Return how many late ticks in a row are an overrun: ``hold_after_ms``, 3 at least."""
     return max(LEAST_OVERRUNS, math.ceil(site.freshness.hold_after_ms / site.line.cycle_ms))
 
 

@@ -10,7 +10,7 @@ from aff_runtime.core.controller import Controller
 from aff_runtime.core.probe.probe import Probe
 
 BRIDGED_S = 0.1
-"""A permission that is away for no longer is taken by a probe as if it had stayed."""
+"""A probe goes on through gaps of its permission that are no longer."""
 PROBE_COLUMNS = (STAGE, PROGRESS)
 
 
@@ -64,10 +64,10 @@ class LawSlot:
             self._adopt_from = None
         if self.probe is None:
             return self.controller.step(snapshot, dt_s, permission)
-        still = Permission(
+        not_adapting = Permission(
             adapt=False, applied_ratio=permission.applied_ratio, limit_ratio=permission.limit_ratio
         )
-        self.controller.step(snapshot, dt_s, still)
+        self.controller.step(snapshot, dt_s, not_adapting)
         return self.probe.step(snapshot, dt_s, self._bridged(permission, dt_s))
 
     def _bridged(self, permission: Permission, dt_s: float) -> Permission:
@@ -84,7 +84,7 @@ class LawSlot:
         )
 
     def law_telemetry(self) -> tuple[float, ...]:
-        """Return the numbers of the controller and where a probe stands (NaN without one)."""
+        """Return the controller's numbers, and stage and progress of a probe (NaN without one)."""
         probe = (nan, nan) if self.probe is None else self.probe.telemetry()
         return (*self.controller.telemetry(), *probe)
 

@@ -14,7 +14,7 @@ from aff_runtime.config.models import Site
 from aff_runtime.core.impulse import LoopModel, from_response
 from aff_runtime.core.response import Response
 
-DIGITS = 6
+DIGITS = 6  # significant, of a tap
 
 
 def loop_rows(site: Site, responses: Mapping[str, str]) -> dict[str, tuple[float, ...]]:

@@ -1,4 +1,4 @@
-"""A learned shape as a file next to the learned response, and what it must have in common.
+"""A learned shape as a file next to the learned response, and hashes that say whether it applies.
 
 ``learned/x.json`` is the response, ``learned/x.shape.json`` the shape. Deviations are in mm of
 moment arm where the encoder reads zero, so that a technician can read them.
@@ -22,9 +22,11 @@ from aff_runtime.core.response import Response
 from aff_runtime.core.shape.profile import ShapeProfile
 
 FORMAT = "aff-learned-shape-1"
-WAITS = "waits for its trial"  # said of a shape until it is known what became of it
+WAITS = "waits for its trial"  # in the sentence about a shape, until its trial is over
 MAX_FILE_BYTES = 65536
+# The most that a file may hold; `MAX_LOOP` is of a correction of P, which has no unit.
 MAX_DEVIATION_M, MAX_LOOP, MAX_TORQUE_N_M, MAX_ORDER = 1.0, 100.0, 1e5, 64
+MAX_RADIUS_M = 10.0
 LARGEST_SHOWN = 1e300  # a longer whole number has no float
 _UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, RecursionError, ArithmeticError)
 
@@ -37,7 +39,7 @@ class ShapeFile:
     ----------
     belongs_to : hash of what the shape rests on (``shape_basis_hash``).
     response : hash of the measured response that the correction of P corrects
-        (``response_hash``); empty in a file of before it was kept.
+        (``response_hash``); empty in a file of an older release.
     roll_id : the PLC's counter of splices when it was saved.
     radius_m : radius by roll when it was saved.
     web : declared density, width of the web.
@@ -121,7 +123,7 @@ class ShapeFile:
 
 
 def _odd_number(file: ShapeFile) -> str | None:
-    """Return which number no roll has, None when all are possible; NaN is none."""
+    """Return which number cannot be a roll's, None when all can; NaN cannot."""
     shape = file.profile
     rows: list[tuple[str, float, float, str]] = []
     for (roll, order), w in shape.weight_m.items():
@@ -135,7 +137,7 @@ def _odd_number(file: ShapeFile) -> str | None:
         torque = IMBALANCE_N_M_PER_M * abs(w)
         rows.append((f"torque_N_m of {roll}", torque, MAX_TORQUE_N_M, "N m"))
     for roll, radius in file.radius_m.items():
-        rows.append((f"radius_m of {roll}", radius, 10.0, "m"))
+        rows.append((f"radius_m of {roll}", radius, MAX_RADIUS_M, "m"))
     for name, size, most, unit in rows:
         least = 1 if name.startswith("order") else 0
         if not least <= size <= most:

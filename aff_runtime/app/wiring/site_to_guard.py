@@ -19,7 +19,7 @@ from aff_runtime.safety.params import (
     RadiusParams,
 )
 
-_PLC_FADE_S = 0.100  # docs/technician/gateway-block.md: what does not count is zero by then
+_PLC_FADE_S = 0.100  # the PLC's ramp to zero: docs/technician/gateway-block.md
 _DRIVE_LAG_S = 0.015  # a drive may show what it took three cycles of 5 ms before
 
 
@@ -54,16 +54,16 @@ def guard_params(site: Site) -> GuardParams:
 
 
 def echo_params(site: Site) -> EchoParams:
-    """Return how old an echo may be: way out, scan and way back, each as the PLC may be silent.
+    """Return how old an echo may be: way out, scan and way back, each up to ``fault_after_ms``.
 
-    Two ticks more for what is between the grids of both sides.
+    Two ticks more, as the PLC's scans and our ticks do not begin together.
     """
     stale_s = site.freshness.fault_after_ms * 1e-3
     return EchoParams(ticks=math.ceil(3.0 * stale_s / site.cycle_s) + 2, missing_after_s=stale_s)
 
 
 def applied_params(site: Site) -> AppliedParams:
-    """Return how what the PLC applies may differ from what was sent; a count of each word."""
+    """Return how far what the PLC applies may be from what was sent: a count of each word."""
     shown, sent = site.gateway.applied, site.gateway.write.corrections
     stale_s = site.freshness.fault_after_ms * 1e-3
     return AppliedParams(
