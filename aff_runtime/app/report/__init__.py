@@ -1,4 +1,4 @@
-"""A record of the ring as text, with units."""
+"""What the service and its runs report: status, metrics, comparisons, weeks of a line."""
 
 __all__ = [
     "alarm_table",

@@ -193,7 +193,7 @@ def _why(state: Trend | None, law: str) -> str:
 
 
 def _with_meeting(row: BlockStatus, shapes: Sequence[BlockStatus], site: Site) -> BlockStatus:
-    """Return the row; a shape whose order meets another roll's says so."""
+    """Return the row; where an order of a shape meets another roll's, ``why`` names that one."""
     actuator = site.actuators.get(row.actuator)
     if actuator is None:
         return row

@@ -1,4 +1,4 @@
-"""How often what was commanded, by which way, and what became of it, since the service began."""
+"""Counts of commands by action, way and result, since the service began."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Via(StrEnum):
 
 
 class Result(StrEnum):
-    """What became of a command."""
+    """What became of a command; late: not valid any more, repeated: its id was used before."""
 
     DONE = "done"
     REFUSED = "refused"

@@ -37,10 +37,10 @@ from aff_runtime.config.diff import diff_sites
 from aff_runtime.config.loader import load_recorded_site
 
 LIKE_SPEED, LIKE_RADIUS, LIKE_TENSION = 0.05, 0.02, 0.03
-"""Windows that differ by more are not compared without a label."""
+"""Share by which means of two windows may differ without a label."""
 SITE = "site.yaml"
 MOST_LEAVES = 20_000
-"""Of a site file that this version cannot read."""
+"""Values that are compared of a site file that this version cannot read."""
 LONGEST_KEY = 60
 TIMES = ("wake_us", "io_us", "tick_us")
 
@@ -51,7 +51,7 @@ class OrderRow:
 
     Attributes
     ----------
-    frequency_Hz : in the one and the other; NaN where the roll's angle is not known.
+    frequency_Hz : before and after; NaN where the roll's angle is not known.
     labels : why the two may not be compared; empty where they may.
     """
 
@@ -76,11 +76,11 @@ class Facts:
     speed_m_s : mean, lowest, highest line speed.
     radius_m : per roll, at start and end.
     mean_N : per tension, its mean.
-    corrections : per output, rms and largest size, and the share of its limit the latter is.
+    corrections : per output, rms and largest size, and that over the limit.
     states : share of the rows per state.
     times_us : per timing, median, 99 %, 99.9 % and largest.
-    missed : ticks.
-    labels : sentences.
+    missed : ticks that never happened.
+    labels : sentences: why figures of this window may not be what they seem.
     """
 
     name: str
@@ -116,7 +116,7 @@ class Comparison:
 
 
 def compare(before: RunWindow, after: RunWindow) -> Comparison:
-    """Return two windows of the same run or of two.
+    """Return the comparison of two windows, of one run or of two.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def compare(before: RunWindow, after: RunWindow) -> Comparison:
 
 
 def _angles(window: Window, other: Window) -> Iterator[tuple[str, RollAngle]]:
-    """Yield the rolls of both site files: one that was declared in between turned before, too."""
+    """Yield the angle of every roll that either site file declares: it may turn undeclared."""
     declared = {**dict(other.section("rolls").items()), **dict(window.section("rolls").items())}
     for name, given in declared.items():
         found = roll_angle(window, Section.of(given))
@@ -152,7 +152,7 @@ def _facts(window: Window, angles: Mapping[str, RollAngle]) -> Facts:
     return Facts(
         name=printable(str(window.table.window)),
         seconds=float(time_s[-1] - time_s[0]),
-        speed_m_s=_three(speed),
+        speed_m_s=_mean_low_high(speed),
         radius_m={name: a.radius_m for name, a in angles.items()},
         mean_N={n: float(np.nanmean(v)) for n, v in tensions(window)},
         corrections=dict(_corrections(window)),
@@ -167,7 +167,7 @@ def _cycle_s(time_s: Any) -> float:
     return float(np.median(np.diff(time_s))) if time_s.size > 1 else 1.0
 
 
-def _three(values: Any) -> tuple[float, float, float]:
+def _mean_low_high(values: Any) -> tuple[float, float, float]:
     if values is None:
         return math.nan, math.nan, math.nan
     return float(np.nanmean(values)), float(np.nanmin(values)), float(np.nanmax(values))
@@ -299,7 +299,7 @@ def _unlike(pair: tuple[Window, Window], facts: tuple[Facts, Facts]) -> Iterator
 
 
 def _is_later(one: Window, other: Window) -> bool:
-    """Return whether a window began when another had ended: in one run, or in two, one by one."""
+    """Return whether a window begins after the end of the other, or is of a later run."""
     first, last = one.table.window.folder.resolve(), other.table.window.folder.resolve()
     if first == last:
         return float(one.table.columns["time_s"][0]) > float(other.table.columns["time_s"][-1])
@@ -316,11 +316,12 @@ def _start_s(window: Window) -> float:
 
 
 def _apart(first: float, last: float) -> float:
+    """Return the difference of two numbers as a share of the larger one."""
     return abs(first - last) / max(abs(first), abs(last), 1e-12)
 
 
 def _site_differences(before: Window, after: Window) -> tuple[list[str], list[str]]:
-    """Return what differs in the site files, and what keeps that from being said."""
+    """Return what differs in the site files, and labels about how they were compared."""
     if before.table.site_text == after.table.site_text:
         return [], []
     try:

@@ -23,11 +23,11 @@ HEAD = (
     *("order", "Hz", "before N", "95 %", "after N", "95 %", "change dB", "95 %"),
     *("noise N", "turns", ""),
 )
-BAR, HIGH = 14, 120
+BAR, HIGH = 14, 120  # of a chart: width of a bar, height of the highest, pixels
 
 
 def _shown(text: str) -> str:
-    """Return text of a run as HTML; none of them turns or hides what stands beside it."""
+    """Return text of a run as HTML; no character of it turns or hides the text around it."""
     return escape(printable(text))
 
 

@@ -1,4 +1,4 @@
-"""Amplitude of a roll's orders turn by turn, and what the turns say of its uncertainty."""
+"""Amplitude of a roll's orders turn by turn, and its uncertainty from how turns differ."""
 
 from __future__ import annotations
 
@@ -16,15 +16,19 @@ Complex = NDArray[np.complex128]
 Flags = NDArray[np.bool_]
 
 FEWEST_TURNS = 8
-"""Of fewer turns nothing is said about an uncertainty."""
+"""Of fewer turns no interval is given."""
 BATCHES = 20
-"""Turns are taken together in so many batches: neighbours are not independent."""
-BLOCK_TURNS = 20
-"""Of a roll without encoder: turns in which its angle is taken to keep its zero."""
+"""Turns are averaged in so many batches: neighbours are not independent."""
+BATCH_TURNS = 20
+"""Turns of a batch without encoder: within it the angle is taken to keep its zero."""
 FEWEST_SAMPLES = 8
-"""Samples a turn of the highest order needs per period, less is left out."""
+"""Samples per period that an order needs; with fewer it is left out."""
+WHOLE_WITHIN = 0.2
+"""Share of a turn by which the angles that its samples cover may differ from it."""
 NOISE_LIMIT = math.sqrt(math.log(20.0))
-"""Noise alone is larger once in 20 times: exp(-a^2 / sigma^2) = 0.05."""
+"""Size a of complex noise over its rms sigma, exceeded once in 20: exp(-a^2 / sigma^2) = 0.05."""
+ONE_SIDED_95 = 1.645
+"""Standard deviations that a normal deviate exceeds once in 20."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,7 +71,7 @@ def order_per_turn(
     width = np.gradient(angle_rad)
     covered = np.add.reduceat(width, starts)
     bad = np.add.reduceat((~good).astype(np.float64), starts) > 0.0
-    usable = ~bad & (np.abs(covered / math.tau - 1.0) < 0.2)
+    usable = ~bad & (np.abs(covered / math.tau - 1.0) < WHOLE_WITHIN)
     usable[0] = usable[-1] = False
     mean = np.add.reduceat(signal * width, starts) / covered
     swing = (signal - mean[turn_number(starts, signal.size)]) * width
@@ -88,11 +92,11 @@ def turn_number(starts: NDArray[np.intp], size: int) -> NDArray[np.intp]:
 
 
 def estimate(per_turn: Complex, *, encoder: bool) -> Estimate:
-    """Return what the turns (turns,) say of one order.
+    """Return the amplitude of one order from its complex amplitudes per turn (turns,).
 
-    With an ``encoder`` the mean is that of the complex amplitudes. Without, the zero of the angle
-    wanders: means of ``BLOCK_TURNS`` turns count by their size, what differs from one to the next,
-    an even running on of the phase taken out, is taken for noise.
+    With an ``encoder`` it is the size of their mean. Without, the zero of the angle drifts: it
+    is the rms size of means over ``BATCH_TURNS`` turns, less noise. A steady advance of their
+    phase is taken out first; what then differs from one mean to the next is taken for noise.
     """
     turns = per_turn.size
     if turns < FEWEST_TURNS:
@@ -100,8 +104,7 @@ def estimate(per_turn: Complex, *, encoder: bool) -> Estimate:
         return Estimate(amplitude=size, low=math.nan, high=math.nan, floor=math.nan, turns=turns)
     if encoder:
         return _coherent(_batches(per_turn, min(BATCHES, turns // 2)), turns)
-    blocks = _batches(per_turn, max(4, turns // BLOCK_TURNS))
-    return _by_size(blocks, turns)
+    return _by_size(_batches(per_turn, max(4, turns // BATCH_TURNS)), turns)
 
 
 def _batches(values: Complex, count: int) -> Complex:
@@ -126,12 +129,12 @@ def _coherent(batches: Complex, turns: int) -> Estimate:
     )
 
 
-def _by_size(blocks: Complex, turns: int) -> Estimate:
-    """Return the size of blocks whose phase runs on evenly, as a wrong radius makes it."""
-    count = blocks.size
-    onward = float(np.angle(np.sum(blocks[1:] * np.conj(blocks[:-1]))))
-    lost = float(np.sinc(onward / math.tau))  # of a block's mean while its phase runs on
-    even = blocks * np.exp(-1j * onward * np.arange(count)) / lost
+def _by_size(batches: Complex, turns: int) -> Estimate:
+    """Return the size of batches whose phase advances steadily, as a wrong radius makes it."""
+    count = batches.size
+    advance = float(np.angle(np.sum(batches[1:] * np.conj(batches[:-1]))))
+    left = float(np.sinc(advance / math.tau))  # of a batch's mean, as the phase advances in it
+    even = batches * np.exp(-1j * advance * np.arange(count)) / left
     noise = 0.5 * float(np.mean(np.abs(np.diff(even)) ** 2))
     power = np.abs(even) ** 2
     size = math.sqrt(max(0.0, float(power.mean()) - noise))
@@ -140,15 +143,16 @@ def _by_size(blocks: Complex, turns: int) -> Estimate:
         amplitude=size,
         low=math.sqrt(max(0.0, size**2 - half_power)),
         high=math.sqrt(size**2 + half_power),
-        floor=math.sqrt(1.645 * noise / math.sqrt(count)),  # what is left of noise less its mean
+        # the power of noise less its mean
+        floor=math.sqrt(ONE_SIDED_95 * noise / math.sqrt(count)),
         turns=turns,
     )
 
 
 def student_t(freedom: int, normal: float = TWO_SIDED_95) -> float:
-    """Return the point of Student's distribution that ``normal`` is of the normal one.
+    """Return the point of Student's t with the tail of ``normal`` standard deviations.
 
-    From its expansion in 1 / freedom; by default the 97.5 % point.
+    By an expansion in 1 / ``freedom``, its degrees of freedom; by default the 97.5 % point.
     """
     z, v = normal, float(max(1, freedom))
     return (
@@ -178,7 +182,7 @@ class Change:
 
 
 def _log10(size: float) -> float:
-    """Return the logarithm of a size; of none at all minus infinity."""
+    """Return the logarithm of a size; minus infinity of 0."""
     return math.log10(size) if size else -math.inf
 
 

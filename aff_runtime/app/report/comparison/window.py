@@ -20,10 +20,15 @@ from aff_runtime.base.units import UnitError, read_number
 from aff_runtime.base.yaml_section import Section
 
 LONGEST_GAP_CYCLES = 4.5
+"""Between two readings; a longer one is a hole."""
 DEFAULT_SPEED = "line_speed_m_s"
 SPEED_CHANGES_SHARE = 0.02
+"""Range of the line speed over its largest, above which a window is labelled."""
 LARGEST_WORD = 2.0**32
 FEWEST_READINGS = 2
+END_READINGS = 200
+"""Readings at either end of a window, the mean of which is the radius there."""
+HIGHEST_ORDER = 64
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -90,7 +95,7 @@ def load_window(window: RunWindow) -> Window:
 
 
 def window_of(table: RunTable) -> Window:
-    """Return rows of a run with their site file; nothing is said about what is odd in them."""
+    """Return rows of a run with their site file; without labels."""
     columns = table.columns
     shows = (_of(columns, "outcome", Outcome.OK) == Outcome.OK) & (_of(columns, "fresh", 1.0) > 0)
     time_s = columns["time_s"][shows]
@@ -220,7 +225,7 @@ class RollAngle:
 def roll_angle(window: Window, given: Section) -> RollAngle | None:
     """Return the angle of a roll as its section of the site file says, None without a source."""
     radius = _radius(window, given)
-    ends = (_mean(radius[:200]), _mean(radius[-200:]))
+    ends = (_mean(radius[:END_READINGS]), _mean(radius[-END_READINGS:]))
     counted = window.readings(word(given.get("angle")))
     if counted is not None:
         return _counted(window, counted, ends)
@@ -253,7 +258,7 @@ def _radius(window: Window, given: Section) -> Array:
 
 
 def _counted(window: Window, values: Array, radius_m: tuple[float, float]) -> RollAngle:
-    """Return a counted angle made to rise; where it jumps it is no good."""
+    """Return a counted angle made to rise, at standstill too; where it jumps it is no good."""
     steps = np.diff(values, prepend=values[0])
     usual = float(np.nanmedian(steps))
     steps = steps * (1.0 if usual >= 0.0 else -1.0)
@@ -272,7 +277,7 @@ def orders_of(site: Section, roll: str) -> Sequence[int]:
         for block in _listed(actuator.get("blocks")):
             if isinstance(block, dict) and block.get("roll") == roll:
                 orders |= {n for n in _listed(block.get("orders")) if isinstance(n, int) and n > 0}
-    return sorted(n for n in orders if n <= 64)
+    return sorted(n for n in orders if n <= HIGHEST_ORDER)
 
 
 def _listed(given: object) -> list[Any]:

@@ -22,7 +22,7 @@ from aff_runtime.core.monitor import Trend
 from aff_runtime.core.order_status import OrderStatus
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 
-TICK_PATIENCE_S = 1.0  # older than this the control process does not tick
+TICK_PATIENCE_S = 1.0  # where the newest tick is older, the control process does not tick
 RESTING = {
     Trend.DIVERGING: "rising",
     Trend.HELD_PHASE: "phase",
@@ -153,7 +153,7 @@ def _line(facts: LineFacts, tick: TickRow) -> Iterator[Sample]:
 
 
 def _measured(facts: LineFacts, tick: TickRow) -> Iterator[Sample]:
-    """Yield what the PLC has told in this tick."""
+    """Yield what was read from the PLC in this tick."""
     for name in facts.permissives:
         yield Sample("aff_permissive_ok", (name,), float(bool(tick.status & Status[name])))
     for channel in tick.channels:

@@ -23,7 +23,8 @@ class Quantity:
 
     Attributes
     ----------
-    name, error : of the columns. ``unit`` : SI. ``correcting`` : only where that is so; None: any.
+    name, error : of the columns. ``unit`` : SI.
+    correcting : only hours with a correction count, or only those without; None: all.
     word : what it is called in a sentence. ``of_roller`` : the roller's own, not the drive's.
     """
 
@@ -56,8 +57,9 @@ class Readings:
 
     Attributes
     ----------
-    limit : in the quantity's unit, NaN where nobody gave one. ``at_m_s`` : the like speed.
-    times : UTC. ``days`` : since the first. ``travelled_km``, ``size``, ``error`` beside it.
+    limit : in the quantity's unit, NaN without one. ``at_m_s`` : line speed of the readings.
+    times, days, travelled_km, size, error : (readings,): UTC, days since the first, web that had
+        run, the quantity and its standard error in its unit.
     left_out : hours at another speed.
     """
 
@@ -211,7 +213,7 @@ def _readings(
 
 
 def _like(speed: Array) -> NDArray[np.bool_]:
-    """Return which readings are at the speed that most are at."""
+    """Return the readings within half of ``LIKE_SPEED`` of one speed: of that with the most."""
     places = np.unique(np.round(speed, 3))
     near = [np.abs(speed - place) <= 0.5 * LIKE_SPEED * place for place in places]
     return max(near, key=np.count_nonzero)

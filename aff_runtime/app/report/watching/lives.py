@@ -23,7 +23,7 @@ class Life:
     ----------
     number : from 1 on. ``since``, ``until`` : UTC; None where it began before the store, or lasts.
     why : what was said at the exchange that began it.
-    web_km, running_h : that the store has seen of it, at any speed.
+    web_km, running_h : web and hours of it that the store has, at any speed.
     turns : of the roller in that web; None where its radius was never known.
     """
 
@@ -45,11 +45,11 @@ def lives(store: Store) -> list[Life]:
 
 
 def _of_roller(store: Store, roll: str) -> list[Life]:
-    told = store.exchanges
-    ours = told["roll"] == roll
-    order = np.argsort(told["on_utc"][ours], kind="stable")
-    begins = [None, *told["on_utc"][ours][order]]
-    whys = ["", *(str(why) for why in told["why"][ours][order])]
+    exchanges = store.exchanges
+    ours = exchanges["roll"] == roll
+    order = np.argsort(exchanges["on_utc"][ours], kind="stable")
+    begins = [None, *exchanges["on_utc"][ours][order]]
+    whys = ["", *(str(why) for why in exchanges["why"][ours][order])]
     radius_m = _radius_m(store, roll)
     found = []
     for number, (since, until) in enumerate(itertools.pairwise([*begins, None]), start=1):

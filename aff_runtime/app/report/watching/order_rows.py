@@ -19,10 +19,10 @@ from aff_runtime.base.yaml_section import Section
 from aff_runtime.core.monitor import Trend
 
 MOST_ROWS = 2000
-"""Of one stretch: a site file may be anybody's."""
+"""Rows of one stretch; a site file that somebody sent may list any number of orders."""
 SETTLED_SHARE = 0.5
-"""Of the later half of a stretch, for the size that a law has learned to count. At the noise an
-order is told settled and stalled by turns."""
+"""Share of the later half of a stretch in which an order must be settled for its learned size to
+count. Near the noise it is settled and stalled by turns."""
 LEARNED = (Trend.CONVERGING, Trend.SETTLED, Trend.STALLED)
 
 
@@ -33,7 +33,7 @@ class Learned:
     Attributes
     ----------
     shape_m : deviation of the roll. ``stroke_m`` : the correction as a length of web.
-    limit_m : largest that the site file lets it be.
+    limit_m : largest shape or stroke that the site file lets the law use.
     """
 
     shape_m: tuple[float, float] = (math.nan, math.nan)
@@ -101,7 +101,7 @@ def _roll_id(window: Window) -> int:
 
 
 def _noise(values: Array) -> float:
-    """Return the noise of one reading: what three neighbours are off a line, over root 6."""
+    """Return the noise (rms) of one reading, from second differences: theirs over root 6."""
     bends = np.diff(values[np.isfinite(values)], n=2)
     return float(np.std(bends)) / math.sqrt(6.0) if bends.size else math.nan
 
@@ -144,7 +144,7 @@ def _is_settled(state: Array) -> bool:
 
 
 def _mean(values: Array, scale: float) -> tuple[float, float]:
-    """Return mean and its error from how batches differ."""
+    """Return mean and its standard error, from how batches differ."""
     finite = scale * values[np.isfinite(values)]
     if finite.size < 2 * BATCHES:
         return math.nan, math.nan

@@ -30,11 +30,11 @@ HOUR_S = 3600.0
 EARLIEST = datetime(2020, 1, 1, tzinfo=UTC)
 """No run is older than this software: the clock of that machine was not set yet."""
 READ_S = 150.0
-"""Of an hour read at once; a stretch is at most ``stretches.LONGEST_S`` of it."""
+"""Seconds of an hour that are read at once; a stretch is at most ``stretches.LONGEST_S``."""
 PLACES = (0.0, 1.0 / 3.0, 2.0 / 3.0)
-"""Where in an hour a stretch is looked for, until one is long enough."""
+"""Where in an hour a stretch is looked for, as a share, until one is ``ENOUGH_S`` long."""
 ENOUGH_S = 60.0
-_LARGEST = 1 << 20
+_LARGEST = 1 << 20  # bytes of a file of the run
 
 
 def _is_needed(column: str) -> bool:
@@ -55,7 +55,7 @@ class RecordedHour:
 
     Attributes
     ----------
-    hour : its number. ``from_s``, ``to_s`` : its first and last row.
+    hour : its number. ``from_s``, ``to_s`` : time of its first and last row.
     web_to_s : until when its web counts: where the next such hour begins, or the run ends.
     """
 
@@ -79,7 +79,7 @@ class RunHours:
     run_id : the same for every copy of the folder.
     line : name of the line. ``start_utc`` : wall time of the row at time ``start_s``.
     hours : that have rows.
-    times_s, lengths_m : (points,) of the run's clock, and how much web ran until there.
+    times_s, lengths_m : (points,) times of the run's clock, and the web that ran until each.
     lost : sentences about what the run no longer has, or never had.
     """
 
@@ -290,18 +290,18 @@ def _seconds(window: Window) -> float:
 
 
 def _of_stretch(window: Window | None) -> HourRow:
-    """Return a row with what a stretch says; the rest of it is to be filled in."""
-    nobody = HourRow(run_id="", hour=0, time_utc=np.datetime64(0, "us"), run="", config_hash="")
+    """Return a row with the figures of a stretch; the caller fills in the rest."""
+    blank = HourRow(run_id="", hour=0, time_utc=np.datetime64(0, "us"), run="", config_hash="")
     if window is None:
         lacks = f"no {SHORTEST_S:.0f} s at one speed without splice, probe or limit"
-        return replace(nobody, lacks=lacks)
+        return replace(blank, lacks=lacks)
     columns = window.table.columns
     none = np.full(1, math.nan)
     wake, io, tick = (percentiles(columns.get(f"{n}_us", none)) for n in ("wake", "io", "tick"))
-    missed = columns.get("missed_count", none)
+    missed = columns.get("missed_count", none)  # since the start of the cycle
     speed = window.speed
     return replace(
-        nobody,
+        blank,
         stretch_s=_seconds(window),
         speed_m_s=math.nan if speed is None else float(np.nanmean(np.abs(speed))),
         correcting=is_correcting(window),

@@ -16,7 +16,7 @@ from aff_runtime.app.report.watching.wound_rolls import Ranking
 from aff_runtime.base.confidence import TWO_SIDED_95
 
 SHOWN = {"m": ("um", 1e6), "N": ("N", 1.0), "": ("", 1.0)}
-PER_KM = 1000.0
+PER_KM = 1000.0  # a slope is shown per so many km
 A_LONG_TIME_WEEKS = 520.0
 MOST_ROLLS = 20
 

@@ -34,10 +34,10 @@ from aff_runtime.base.errors import ConfigError
 
 VERSION = "1"
 MOST_HOURS, MOST_ORDERS = 10_000, 300_000
-"""Rows of a store. Above that every second of the older half of its hours goes."""
+"""Rows of a store. Above that every other hour of the older half goes."""
 MOST_EXCHANGES = 10_000
 LONGER_S = 1.0
-"""An hour is read anew where a run has more of it by so much: it was still being recorded."""
+"""An hour of which a run now has so much more is read anew: it was still being recorded."""
 FILES = ("hours.parquet", "orders.parquet", "exchanges.parquet")
 LOCK_FLAGS = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
 NEVER = np.datetime64("1970-01-01", "us")
@@ -126,13 +126,13 @@ class Store:
                 f"{roll}: is a roll of web; each has its own shape, and no life here"
             )
         at = np.datetime64(on.replace(tzinfo=None), "us")
-        told = self.exchanges
-        if np.any((told["roll"] == roll) & (told["on_utc"] == at)):
+        old = self.exchanges
+        if np.any((old["roll"] == roll) & (old["on_utc"] == at)):
             return
-        if told["roll"].size >= MOST_EXCHANGES:
+        if old["roll"].size >= MOST_EXCHANGES:
             raise ConfigError(f"the store holds {MOST_EXCHANGES} exchanges; begin another one")
         row = ExchangeRow(roll=roll, on_utc=at, why=why)
-        self.exchanges = _joined(told, table(EXCHANGES, [row]), EXCHANGES)
+        self.exchanges = _joined(old, table(EXCHANGES, [row]), EXCHANGES)
         self._number()
 
     def _replace(self, run_id: str, hours: list[HourRow], orders: list[OrderRow]) -> None:
@@ -153,7 +153,7 @@ class Store:
         self.orders = _chosen(self.orders, np.argsort(self.orders["time_utc"], kind="stable"))
 
     def _thin_out(self) -> bool:
-        """Take every second hour of the older half out; its web counts for the one before."""
+        """Take every other hour of the older half out; its web counts for the one before."""
         half = self.hours["hour"].size // 2
         gone = np.arange(1, half, 2)
         if not gone.size:
@@ -230,11 +230,11 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
 
 
 def _begun(exchanges: Path, line: str = "") -> Store:
-    """Return a store in which no hour has been read, with the exchanges that people told."""
+    """Return a store without hours, with the exchanges that people reported."""
     if not exchanges.exists():
         return Store(line=line)
-    told, about = read_parquet(exchanges, EXCHANGES)
-    return Store(line=line or about.get("line", ""), exchanges=told)
+    rows, about = read_parquet(exchanges, EXCHANGES)
+    return Store(line=line or about.get("line", ""), exchanges=rows)
 
 
 def save_store(folder: Path, store: Store) -> None:

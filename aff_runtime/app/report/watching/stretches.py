@@ -76,7 +76,7 @@ def _disturbed(table: RunTable) -> Array:
 
 
 def _longest(good: Flags, speed: Array, corrected: Flags) -> tuple[int, int]:
-    """Return the longest run of good seconds, alike in speed and correction, as [first, last)."""
+    """Return [first, last) of the longest sequence of good seconds, alike in speed and output."""
 
     def alike(one: int, other: int) -> bool:
         allowed = SAME_SPEED * abs(speed[other])

@@ -22,9 +22,9 @@ class HourRow:
 
     Attributes
     ----------
-    covered_s : of the hour that is recorded. ``stretch_s``: of that, was measured.
+    covered_s : how much of the hour is recorded. ``stretch_s`` : length of its steady stretch.
     length_m : all web of the hour. ``offset_m`` : what ran of it until the middle of the stretch.
-    travelled_km : all that the store knows until there.
+    travelled_km : all web in the store until there.
     lacks : why nothing was measured; empty where it was.
     """
 

@@ -14,9 +14,8 @@ from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.base.printable import printable
 
-LONGEST_S = 600.0
-MEMORY_BYTES = 2 << 30
-"""Of one run: what it is read from may be somebody else's."""
+LONGEST_S, MEMORY_BYTES = 600.0, 2 << 30
+"""What reading one run may take: its files may be somebody else's."""
 Say = Callable[[str], None]
 
 

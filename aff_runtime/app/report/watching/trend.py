@@ -1,9 +1,9 @@
 """A size over weeks: its slope with interval, when it reaches a limit, and where it jumped.
 
-Weighted least squares whose weights know two sources of error: that of each reading, and how far
+Weighted least squares with two sources of error in the weights: that of each reading, and how far
 readings of different days scatter beyond it. The variance of the latter is that with which the
-weighted squares of the residuals add up to their freedom (Paule and Mandel). What one day is off,
-the next one is in part: the correlation of neighbours makes readings count for fewer.
+weighted squares of the residuals add up to their degrees of freedom (Paule and Mandel).
+Deviations of neighbouring days are correlated: readings then count for fewer.
 """
 
 from __future__ import annotations
@@ -19,18 +19,21 @@ from aff_runtime.app.report.comparison.turns import student_t
 Array = NDArray[np.float64]
 
 FEWEST_READINGS = 8
-"""Of fewer nothing is said about a slope."""
+"""Of fewer no slope is given."""
 FEWEST_FREEDOM = 4
+"""Degrees of freedom that a slope needs to stand out."""
 MOST_CORRELATED = 0.95
+"""Correlation of neighbours that is taken at most."""
 SIGMA = 4.0
-"""A slope is told beyond so many of its standard errors, as chance would have it in a normal
-distribution: with few readings it takes more."""
+"""A slope stands out where chance makes it as rarely as a normal deviate of so many standard
+deviations: by Student's t, with few readings it takes more standard errors."""
 JUMP_SIGMA = 5.0
+"""The same for a jump."""
 FEWEST_ON_A_SIDE, FEWEST_FOR_A_JUMP = 4, 12
-HALVINGS = 25
+HALVINGS = 25  # of the interval in which the variance between readings is sought
 TINY = 1e-30
 SMALLEST_ERROR = 1e-6
-"""Of a reading, as a share of the size: none is known better."""
+"""Error of a reading, as a share of its size, at least."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -43,8 +46,8 @@ class Slope:
     low, high : 95 % interval.
     middle : abscissa where level and slope are not correlated; ``level`` there, with its error.
     scatter : standard deviation between readings beyond their own errors.
-    correlation : of what neighbours are off the line; the errors know it.
-    readings : how many. ``freedom`` : what they count for, less two.
+    correlation : of neighbours' deviations from the line; the errors allow for it.
+    readings : how many. ``freedom`` : how many they count for, less two.
     """
 
     value: float
@@ -61,7 +64,7 @@ class Slope:
 
     @property
     def stands_out(self) -> bool:
-        """Return whether chance explains it less often than 4 sigma."""
+        """Return whether it is beyond what chance makes, see ``SIGMA``."""
         enough = self.freedom >= FEWEST_FREEDOM
         return enough and abs(self.value) > student_t(self.freedom, SIGMA) * self.error
 
@@ -120,9 +123,9 @@ def slope(place: Array, size: Array, error: Array) -> Slope | None:
     level = float(np.average(size, weights=weight))
     value = float(np.sum(weight * (place - middle) * (size - level))) / spread
     correlation = _correlation((size - level - value * (place - middle)) * np.sqrt(weight))
-    longer = math.sqrt((1.0 + correlation) / (1.0 - correlation))
-    freedom = max(1, round(size.size / longer**2) - 2)
-    deviation = longer / math.sqrt(spread)
+    inflation = math.sqrt((1.0 + correlation) / (1.0 - correlation))
+    freedom = max(1, round(size.size / inflation**2) - 2)
+    deviation = inflation / math.sqrt(spread)
     half = student_t(freedom) * deviation
     return Slope(
         value=value,
@@ -131,7 +134,7 @@ def slope(place: Array, size: Array, error: Array) -> Slope | None:
         high=value + half,
         middle=middle,
         level=level,
-        level_error=longer / math.sqrt(float(weight.sum())),
+        level_error=inflation / math.sqrt(float(weight.sum())),
         scatter=math.sqrt(scatter2),
         correlation=correlation,
         readings=int(size.size),
@@ -142,7 +145,7 @@ def slope(place: Array, size: Array, error: Array) -> Slope | None:
 def _correlation(residual: Array) -> float:
     """Return the correlation of neighbours, 0 at least.
 
-    A straight line takes some of it away: on the average (2 + 4 r) / n, which is put back.
+    A fitted line lowers it, in the mean by (2 + 4 r) / n; that is added again.
     """
     squares = float(np.sum(residual**2))
     if not squares > 0.0:
@@ -198,7 +201,7 @@ def _scatter(design: Array, size: Array, own: Array) -> float:
     freedom = size.size - design.shape[1]
     if _fit(design, size, own, 0.0).squares <= freedom:
         return 0.0
-    low, high = 0.0, float(np.var(size)) * size.size / freedom  # all of it, and no line
+    low, high = 0.0, float(np.var(size)) * size.size / freedom  # no line: all is scatter
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
         too_small = _fit(design, size, own, middle).squares > freedom

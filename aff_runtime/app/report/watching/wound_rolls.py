@@ -1,4 +1,4 @@
-"""Rolls of web that ran, by the PLC's number of each: which one is how far from round."""
+"""Rolls of web that ran, by the PLC's number of each: how far from round each one is."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LEFT = Quantity(
     name="ripple_N", error="ripple_error_N", unit="N", word="ripple that is left", correcting=True
 )
 RANKED = tuple(one for one in QUANTITIES if one.of_roller)
-"""What a roll may be ranked by, in the order in which it is asked: the shape first."""
+"""What rolls may be ranked by: what most of them have; at a tie the earlier, the shape first."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -35,7 +35,7 @@ class WoundRoll:
     Attributes
     ----------
     roll : name of its place. ``roll_id`` : the PLC's number of it.
-    first, last : UTC of what was read of it. ``hours`` : of a run in which it was read.
+    first, last : UTC of the first and last reading of it. ``hours`` : of runs with a reading.
     worst : by name of a quantity of ``RANKED``. ``left`` : ripple while it was corrected.
     """
 
@@ -106,7 +106,7 @@ def _wound(orders: Columns, rows: np.ndarray, place: str, number: int) -> WoundR
 
 
 def _worst(part: Columns, quantity: Quantity) -> Worst | None:
-    """Return the largest order, each from all its readings in the tension where it is largest."""
+    """Return the order with the largest mean of its readings, in whichever tension that is."""
     known = np.isfinite(part[quantity.name]) & np.isfinite(part[quantity.error])
     if quantity.correcting is not None:
         known &= part["correcting"] == quantity.correcting
