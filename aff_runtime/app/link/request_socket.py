@@ -108,7 +108,7 @@ class Asked:
 
     Attributes
     ----------
-    then : is told of the answer once it is given; None: nobody.
+    then : called with the answer once it is given; None: nothing is.
     """
 
     __slots__ = ("_is_answered", "caller", "request", "then")
@@ -203,7 +203,7 @@ class RequestSocket:
         return caller
 
     def heard(self, caller: Caller) -> None:
-        """Note that ``caller`` has just spoken."""
+        """Note that ``caller`` has just sent a request: it is the last to be surplus."""
         self.callers[caller.connection.fileno()] = self.callers.pop(caller.connection.fileno())
 
     def surplus(self) -> Caller | None:

@@ -113,7 +113,7 @@ def read_parquet(path: Path, layout: Sequence[Field]) -> tuple[Columns, dict[str
     Raises
     ------
     ConfigError
-        pyarrow is not there, or the file is none with these columns.
+        pyarrow is not there, or the file is not Parquet or lacks a column.
     """
     pyarrow, parquet = _library()
     try:

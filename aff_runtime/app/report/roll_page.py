@@ -1,4 +1,4 @@
-"""The operator's page: rolls as polar plots in mm, what each order gains, and why one rests."""
+"""The operator's page: rolls as polar plots in mm, and per order its benefit and its state."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.status import headline
 from aff_runtime.app.report.status_answer import StatusAnswer
 
-FEWEST_ORDERS = 3
-POINTS = 360
-SIDE, ROUND, ROOM = 470, 110.0, 60.0  # of a plot, its round roll, the largest deviation: pixels
+FEWEST_ORDERS = 3  # that a plot needs
+POINTS = 360  # of an outline, one a degree
+# Of a plot in pixels: its side, the radius of a round roll, the room for the largest deviation.
+SIDE, ROUND, ROOM = 470, 110.0, 60.0
 CENTRE = SIDE / 2
 HEAD = ("order", "Hz", "mm", "deg", "out", "ripple without", "ripple now", "dB", "state", "why")
 STYLE = (

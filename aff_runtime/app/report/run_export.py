@@ -13,7 +13,7 @@ from aff_runtime.base.run_window import RunWindow
 
 RATIOS = ("share", RESPONSE_RATIO)
 OF_COLUMNS = (("_us", "us"), ("_mm", "mm"), ("_deg", "deg"))
-"""Units that only columns of our own are in."""
+"""Units that only columns of the service itself have, no channel."""
 
 
 def export_run(window: RunWindow, path: Path) -> tuple[int, tuple[str, ...]]:

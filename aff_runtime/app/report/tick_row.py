@@ -1,4 +1,4 @@
-"""One row per tick as objects: the one place beside the loop that knows its columns by name."""
+"""One row per tick as objects: the one place above the loop that knows its columns by name."""
 
 from __future__ import annotations
 

@@ -68,19 +68,19 @@ class Door(PacketSocket[Onlooker]):
         self, folder: Path, selector: selectors.BaseSelector, clock: Clock, *, is_private: bool
     ) -> None:
         self._clock = clock
-        self._told_ns = -HURRY_NS
+        self._sent_ns = -HURRY_NS
         self._facts_due_ns = 0
         super().__init__(folder / "door.sock", selector, _ANOTHER, is_private=is_private)
 
     def hurry(self) -> None:
-        """Tell the facts soon: something has changed that a screen shows, or somebody came.
+        """Send the facts soon: something has changed that a screen shows, or somebody came.
 
-        In this round, unless they were told a moment ago: a flood costs no more than that.
+        In this round, or ``HURRY_NS`` after the last ones: a flood of changes costs no more.
         """
-        self._facts_due_ns = self._told_ns + HURRY_NS
+        self._facts_due_ns = self._sent_ns + HURRY_NS
 
     def step(self, ring: RingReader | None, facts: Callable[[], Facts]) -> None:
-        """Tell every visitor of a new ring, and of the facts when they are due."""
+        """Pass a new ring to every visitor, and send the facts when they are due."""
         if not self._visitors:
             return
         now_ns = self._clock.now_ns()
@@ -89,7 +89,7 @@ class Door(PacketSocket[Onlooker]):
                 visitor.ring = ring
         if now_ns < self._facts_due_ns:
             return
-        self._told_ns, self._facts_due_ns = now_ns, now_ns + FACTS_NS
+        self._sent_ns, self._facts_due_ns = now_ns, now_ns + FACTS_NS
         said = facts()
         for visitor in list(self._visitors.values()):
             if visitor.tell(said):

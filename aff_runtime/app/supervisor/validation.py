@@ -88,7 +88,7 @@ class Validation:
             checked = CheckResult.from_json(said)
         except (ValueError, KeyError, TypeError):
             return self._refused(OTHER_RELEASE)
-        return replace(checked, findings=self._told(checked.findings))
+        return replace(checked, findings=self._bounded(checked.findings))
 
     def abandon(self) -> None:
         """End a check whose result nobody wants any more."""
@@ -96,12 +96,12 @@ class Validation:
         self._process.wait()
         self._output.close()
 
-    def _told(self, findings: Sequence[str]) -> tuple[str, ...]:
+    def _bounded(self, findings: Sequence[str]) -> tuple[str, ...]:
         """Return as many findings as a log, a record and an answer can bear."""
-        told = [finding[:MAX_FINDING_LENGTH] for finding in findings[:MAX_FINDINGS]]
-        if more := len(findings) - len(told):
-            told.append(f"{self._site}:1:1  {more} more; `aff-runtime check` names every one")
-        return tuple(told)
+        kept = [finding[:MAX_FINDING_LENGTH] for finding in findings[:MAX_FINDINGS]]
+        if more := len(findings) - len(kept):
+            kept.append(f"{self._site}:1:1  {more} more; `aff-runtime check` names every one")
+        return tuple(kept)
 
     def _refused(self, why: str) -> CheckResult:
         return CheckResult(parameters=None, findings=(f"{self._site}:1:1  {why}",))

@@ -1,4 +1,4 @@
-"""Every way to reach a PLC that a site file can name: one row each; the row makes it."""
+"""Every way to reach a PLC that a site file can name: one row each, which makes its gateway."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Wire:
     Attributes
     ----------
     key : in the site file, under ``gateway``.
-    gateway : makes the wire in SI; it connects by and by, within the ticks.
+    gateway : makes the gateway, which reads and writes SI; it connects within the ticks.
     stream : on Modbus, what carries the bytes; None elsewhere.
     """
 
@@ -54,7 +54,7 @@ class Wire:
 def gateway_of(
     site: Site, wire_files: Mapping[str, str], clock: Clock, folder: Path = Path()
 ) -> Gateway:
-    """Return the wire in SI, whichever the site names; it connects within the ticks.
+    """Return the gateway of the wire that the site names; it connects within the ticks.
 
     Raises
     ------
@@ -81,7 +81,7 @@ def wire_of(site: Site, folder: Path) -> ByteStream:
 
 
 def _words(wiring: Wiring) -> Gateway:
-    """Return the wire in SI of a site on Modbus, whatever carries its bytes."""
+    """Return the gateway of a site on Modbus, whatever carries its bytes."""
     modbus_section = wiring.site.gateway.modbus
     assert modbus_section is not None  # by the row's key
     words = register_map(wiring.site)

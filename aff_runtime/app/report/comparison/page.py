@@ -128,8 +128,8 @@ def _row(row: OrderRow) -> str:
         f"{row.before.floor:.2g}, {row.after.floor:.2g}",
         f"{row.before.turns}, {row.after.turns}",
     ]
-    told = "".join(f"<td>{_shown(cell)}</td>" for cell in cells)
-    return f'<tr>{told}<td class="odd">{_shown("; ".join(row.labels))}</td></tr>'
+    shown = "".join(f"<td>{_shown(cell)}</td>" for cell in cells)
+    return f'<tr>{shown}<td class="odd">{_shown("; ".join(row.labels))}</td></tr>'
 
 
 def _change_cells(change: Change) -> tuple[str, str]:
@@ -197,11 +197,11 @@ def _facts(windows: tuple[Facts, Facts]) -> str:
         rows.append((f"{name}: median, 99 %, 99.9 %, largest", text))
     rows.append(("ticks missed", [str(w.missed) for w in windows]))
     rows.append(("", ["<br>".join(_shown(x) for x in w.labels) for w in windows]))
-    told = "".join(
+    body = "".join(
         f"<tr><td>{_shown(name)}</td>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"
         for name, cells in rows
     )
-    return f"<table><tr><th></th><th>before</th><th>after</th></tr>{told}</table>"
+    return f"<table><tr><th></th><th>before</th><th>after</th></tr>{body}</table>"
 
 
 def _names(windows: tuple[Facts, Facts], part: str) -> list[str]:

@@ -165,7 +165,7 @@ def student_t(freedom: int, normal: float = TWO_SIDED_95) -> float:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Change:
-    """From one amplitude to another, dB; NaN where nothing can be told.
+    """From one amplitude to another, dB; NaN where it is not known.
 
     Attributes
     ----------

@@ -56,7 +56,7 @@ class Spread:
 
 
 def readings(answer: StatusAnswer | None, now_ns: int) -> tuple[Sample, ...]:
-    """Return every sample that can be told now.
+    """Return every sample whose value is known now.
 
     Parameters
     ----------

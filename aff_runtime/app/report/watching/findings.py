@@ -85,7 +85,7 @@ class Finding:
     Attributes
     ----------
     per_km, per_day : lines through them; None of too few.
-    jump : a step that no growth explains: perhaps an exchange that nobody told.
+    jump : a step that no growth explains: perhaps an exchange that nobody reported.
     weeks : from the last reading until the limit, with its interval; None where the slope does
         not stand out, leads away from the limit, or there is none.
     """

@@ -118,7 +118,7 @@ class SettingsTry:
         return self._ripple.risen()
 
     def end(self, why: str) -> None:
-        """Have the former settings return; safe to call again."""
+        """Have the former settings return; may be called again, also while they return."""
         self._returning = why
         if self._waits or not self.runs:
             return
