@@ -14,13 +14,13 @@ _CHANNELS = (
     ("_N", "N"),
     ("_m", "m"),
 )
-"""What a channel of the wire can be in: end of its name -> unit; an end before its own end."""
+"""End of a channel's name, and its unit; the first match counts: an end before its own end."""
 
 _NAMES = (*_CHANNELS, ("_Hz", "Hz"), ("_s", "s"))
-"""What any number can be in."""
+"""The same for any name: a time or a frequency too."""
 
 ENDINGS = ", ".join(f"{ending} ({unit})" for ending, unit in _CHANNELS)
-"""The ends of channels as text, for who has to choose one."""
+"""The ends of channels' names, for a message that asks to choose one."""
 
 
 def unit_of_channel(name: str) -> str | None:

@@ -19,10 +19,9 @@ from aff_runtime.base.errors import AffError
 
 SECONDS = 10.0
 MEMORY_BYTES = 1 << 30
-
-
 AGAIN_S = 0.25
-"""The time is over, and said again: where it would be dropped, nothing is raised."""
+"""Period of the alarm once the time is over, s: one that comes during a garbage collection or a
+``__del__``, where Python would drop the exception, raises nothing; the next one does."""
 
 
 class _TooLong(BaseException):
@@ -37,13 +36,13 @@ def bounded_effort(
     seconds: float = SECONDS,
     memory_bytes: int = MEMORY_BYTES,
 ) -> Iterator[None]:
-    """Bound time and further memory of what is done inside; only the main thread has both.
+    """Bound time and further memory of what is done inside; in the main thread alone.
 
     Parameters
     ----------
     shown : name of the file, as an error may say it.
     refusal : what is raised when it takes more.
-    seconds, memory_bytes : of the wall clock; beyond what this process has reserved already.
+    seconds : of the wall clock. ``memory_bytes`` : beyond what this process has reserved.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -83,7 +82,7 @@ def bounded_effort(
 
 
 class _Collection:
-    """Whether a garbage collection runs; ``gc.callbacks`` of others run within it."""
+    """Whether a garbage collection runs: from before all other ``gc.callbacks`` to after them."""
 
     def __init__(self) -> None:
         self.runs = False
@@ -104,7 +103,7 @@ class _Collection:
 
 
 def _finalises(frame: FrameType | None) -> bool:
-    """Return whether ``frame`` runs for a ``__del__``, or for a callback that came after ours."""
+    """Return whether ``frame`` runs within a ``__del__``, or within one of ``gc.callbacks``."""
     callbacks = {getattr(callback, "__code__", None) for callback in gc.callbacks}
     while frame is not None:
         if frame.f_code.co_name == "__del__" or frame.f_code in callbacks:

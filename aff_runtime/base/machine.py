@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 SYS = Path("/sys")
-LONGEST = 100
+LONGEST = 100  # characters that are read of one file
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -25,6 +25,7 @@ class OrderColumns:
     Attributes
     ----------
     name : ``unwind_1x``, or ``imbalance`` (order 1 of the drive's own roll; ``roll`` is empty).
+    order : harmonic of the roll; 0 where the name has none.
     law : family of laws by the column of the size: ``shape``, or ``blocks`` (the iterative too).
     size_unit : unit of ``size``.
     state, size, phase_deg, ripple_before, ripple, response_ratio, share : columns, empty for none.
@@ -51,7 +52,7 @@ class OrderColumns:
 
 
 def order_columns(columns: Iterable[str]) -> tuple[OrderColumns, ...]:
-    """Return every order of a record that tells its state, in the order of its columns."""
+    """Return every order of a record that has a column ``state``, in the order of the columns."""
     return _order_columns(tuple(columns))
 
 
@@ -67,15 +68,16 @@ def is_part(column: str, *parts: str) -> bool:
 
 @lru_cache(maxsize=8)
 def _order_columns(columns: tuple[str, ...]) -> tuple[OrderColumns, ...]:
-    said: dict[tuple[str, str], dict[str, str]] = {}
+    by_order: dict[tuple[str, str], dict[str, str]] = {}
     for column in filter(is_of_an_order, columns):
         actuator, name, part = column.split(".")
-        said.setdefault((actuator, name), {})[part] = column
-    return tuple(_order(*key, of) for key, of in said.items() if STATE in of)
+        by_order.setdefault((actuator, name), {})[part] = column
+    return tuple(_order(*key, parts) for key, parts in by_order.items() if STATE in parts)
 
 
-def _order(actuator: str, name: str, said: Mapping[str, str]) -> OrderColumns:
-    size = next((part for part in said if part in SIZES), "")
+def _order(actuator: str, name: str, columns: Mapping[str, str]) -> OrderColumns:
+    """Return the columns of one order; ``columns`` by their last part, such as ``phase_deg``."""
+    size = next((part for part in columns if part in SIZES), "")
     law, unit = SIZES.get(size, ("blocks", ""))
     roll, _, order = name.rpartition("_")
     imbalance = name == IMBALANCE
@@ -86,11 +88,11 @@ def _order(actuator: str, name: str, said: Mapping[str, str]) -> OrderColumns:
         order=1 if imbalance else int(order[:-1]) if order[:-1].isdigit() else 0,
         law=law,
         size_unit=unit,
-        state=said[STATE],
-        size=said.get(size, ""),
-        phase_deg=said.get("phase_deg", ""),
-        ripple_before=said.get("ripple_before", ""),
-        ripple=said.get("ripple", ""),
-        response_ratio=said.get(RESPONSE_RATIO, ""),
-        share=said.get("share", ""),
+        state=columns[STATE],
+        size=columns.get(size, ""),
+        phase_deg=columns.get("phase_deg", ""),
+        ripple_before=columns.get("ripple_before", ""),
+        ripple=columns.get("ripple", ""),
+        response_ratio=columns.get(RESPONSE_RATIO, ""),
+        share=columns.get("share", ""),
     )

@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 STAGE = "probe.stage"
-PROGRESS = "probe.progress"
+PROGRESS = "probe.progress"  # 0 to 1
 EXCITING = 2
 """Value of ``STAGE`` while tones go out."""

@@ -65,7 +65,7 @@ class Summary:
     sure : how far it is ahead of what else might be. ``gain`` : before and after in a sentence.
     next_step : what the reader may do now.
     unknown : what no effect explains. ``limits`` : what these records cannot tell.
-    judged_on : name of the record judged. ``held_out`` : it was not fitted as well.
+    judged_on : name of the record judged. ``held_out`` : no number was fitted to it.
     site_said : what was done with the site file, where one was given.
     """
 
@@ -90,10 +90,10 @@ class RecordLacks:
 
     Attributes
     ----------
-    name : of the record. ``is_held`` : to be judged, not fitted.
+    name : of the record. ``is_held`` : held out, to be judged on.
     refused : why it cannot be used; then nothing else is known of it.
-    length_s : of the piece that is taken; low and high ends of speed and tension reference in it.
-    radius_m : of the unwind roll when it begins.
+    length_s : of the piece that is taken; ``radius_m`` : of the unwind roll when it begins.
+    speed_m_s, tension_N : lowest and highest speed, and tension reference, in the piece.
     lacks : what cannot be claimed from it. ``said`` : what was found about it.
     """
 

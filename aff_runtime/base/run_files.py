@@ -15,16 +15,17 @@ from aff_runtime.base.yaml_places import Bounds, SafeLoader, YamlTextError, comp
 MOST_VALUES = 50_000
 """Keys and values of a YAML file, those that aliases repeat counted each time."""
 DEEPEST = 32
+"""Sections within sections."""
 LONGEST_VALUE = 3_500
-"""Characters of one value; a whole number of these can still be written down."""
+"""Characters of one value: Python still turns a whole number of so many digits into text."""
 _BOUNDS = Bounds(depth=DEEPEST, events=2 * MOST_VALUES, characters=LONGEST_VALUE)
 
 
 def open_plain(path: Path) -> BinaryIO:
     """Open a regular file to read; a link is none, it could lead to a file of the reader's own.
 
-    A pipe could wait and a device go on for ever: what is no regular file is not even opened, and
-    the open file is asked again.
+    A pipe could wait and a device go on for ever: what is no regular file is not even opened. The
+    open file is looked at once more: another one may have taken its place in between.
 
     Raises
     ------
@@ -52,7 +53,7 @@ def text_of(path: Path, longest: int) -> str:
     """Return the first ``longest`` bytes of a file as text, empty where none can be read."""
     try:
         with open_plain(path) as file:
-            there = os.fstat(file.fileno()).st_size  # room is taken for what is asked
+            there = os.fstat(file.fileno()).st_size  # read(n) takes n bytes of memory first
             return file.read(min(longest, there)).decode("utf-8", "replace")
     except OSError:
         return ""
@@ -64,7 +65,7 @@ def yaml_values(text: str) -> Any:
     Raises
     ------
     ValueError
-        It is not YAML, holds a value that is none (a 13th month), or more than a person writes:
+        It is not YAML, holds an impossible value (a 13th month), or more than a person writes:
         aliases and merged sections can double line by line.
     """
     try:
@@ -76,7 +77,7 @@ def yaml_values(text: str) -> Any:
     except YamlTextError as error:
         raise ValueError(error.problem or "nested too deep, or too many values") from error
     except (yaml.YAMLError, ArithmeticError, AttributeError, LookupError) as error:
-        # PyYAML's own makers of numbers, truths and stamps fail as they may at a tagged word
+        # what PyYAML's constructors of numbers, booleans and times raise on a tagged value
         raise ValueError(str(error)) from error
 
 

@@ -15,8 +15,8 @@ from aff_runtime.base.run_files import open_plain, text_of, yaml_values
 from aff_runtime.base.run_table import segments_of
 from aff_runtime.base.run_window import MARK
 
-LONGEST = 200
-_LARGEST_YAML, _LONGEST_ROW = 1 << 20, 1 << 20
+LONGEST = 200  # characters of a value
+_LARGEST_YAML, _LONGEST_ROW = 1 << 20, 1 << 20  # bytes
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +58,7 @@ def glance(folder: Path) -> Glance:
 
 
 def _value_of(key: str, text: str) -> str:
-    """Return a text that stands on one line of a file that takes long to parse."""
+    """Return a value that stands on one line; the whole file would take long to parse."""
     found = re.search(rf"^{key}: [^\n]{{1,{LONGEST}}}$", text, re.MULTILINE)
     try:
         said = yaml_values(found[0]) if found else None

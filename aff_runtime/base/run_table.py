@@ -34,7 +34,7 @@ LARGEST_VALUES = 60_000_000
 LONGEST_RUN_S = 1e9
 """No run lasts 30 years: a later time is no time of a row."""
 LARGEST_NUMBER = 1e30
-"""What is larger is no reading; its square still is a number."""
+"""What is larger is no reading; the square of this is still finite."""
 MOST_EVENTS = 100_000
 MOST_EVENT_COLUMNS = 16
 MOST_SAID = 20
@@ -198,7 +198,7 @@ def _why_none(folder: Path) -> str:
     named, at, _ = folder.name.rpartition("@")
     if at and (folder.parent / named).is_dir():
         return HOW_WRITTEN
-    if not os.path.exists(folder):  # nor is there a name too long for a folder
+    if not os.path.exists(folder):  # False for a name too long for the file system too
         return "it is not there"
     if not folder.is_dir():
         return "it is a file"
@@ -235,7 +235,7 @@ def _summary_losses(folder: Path) -> Iterator[str]:
 def _within(
     segments: Sequence[tuple[int, Path]], names: Sequence[str], window: RunWindow
 ) -> Iterator[Path]:
-    """Yield the segments that may hold rows of the window: from one's first row to the next's."""
+    """Yield the segments that may hold rows of the window; each ends where the next begins."""
     starts = [_first_time(path, len(names)) for _, path in segments]
     ends, end = [], math.inf
     for start in reversed(starts):
@@ -297,11 +297,11 @@ def _rows(
 
 
 def _odd_times(path: Path, time_s: NDArray[np.float64]) -> Iterator[str]:
-    """Yield what is odd about the times of a segment: no window takes rows before the first."""
+    """Yield what is odd about the times of a segment: rows before 0 s are in no window."""
     early = int(np.sum(time_s < 0.0))
     if early:
         yield f"{path.name}: {early} rows are of a time before 0 s; left out"
-    back = np.flatnonzero(time_s[1:] <= time_s[:-1])  # true of no time that is none
+    back = np.flatnonzero(time_s[1:] <= time_s[:-1])  # False where a time is NaN
     if back.size:
         at_s, to_s = (float(time_s[back[0] + k]) for k in (0, 1))
         yield f"{path.name}: its clock goes back, from {at_s:.2f} s to {to_s:.2f} s"
@@ -340,7 +340,8 @@ def _unpacked(path: Path) -> tuple[bytes, bool]:
     size = 0
     try:
         with open_plain(path) as packed, gzip.open(packed) as file:
-            if os.fstat(packed.fileno()).st_size > LARGEST_VALUES * 8:  # zeros are read singly
+            # looked at before: gzip reads zeros behind its end byte by byte
+            if os.fstat(packed.fileno()).st_size > LARGEST_VALUES * 8:
                 raise AffError(f"{path.name}: one segment is too large to be read at once")
             while chunk := file.read1(_CHUNK):
                 chunks.append(chunk)

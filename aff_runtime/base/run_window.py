@@ -75,7 +75,7 @@ def run_window(text: str | Path) -> RunWindow:
 
 
 def _is_folder(path: str | Path) -> bool:
-    """Return whether a folder is there; a name that none can have is none."""
+    """Return whether a folder is there; False too for a name that no folder can have."""
     try:
         return Path(path).is_dir()
     except OSError:

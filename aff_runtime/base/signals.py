@@ -10,7 +10,7 @@ Sign and zero conventions, once for the whole product:
      correction > 0 adds to the velocity reference (m/s) or the torque reference (N m)
 
 All numbers are SI here; plant units stop in ``fieldbus`` and ``config``.
-A missing or stale number is NaN in ``values``; ``fresh`` says whether the device itself moved.
+A missing or stale number is NaN in ``values``; ``fresh`` says whether the PLC's heartbeat moved.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ class Permission:
     law's last output that really went out (envelope times limit scaling, 0..1); the law projects
     its weights by ``limit_ratio`` (limit scaling alone) so that a limit never winds up.
     ``headroom`` is, per actuator, the largest ``peak_bound`` and ``slew_bound`` that go out
-    unscaled; empty when nobody says.
+    unscaled; empty where no guard limits.
     """
 
     adapt: bool
@@ -138,7 +138,15 @@ class ActuatorStep:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Command:
-    """What goes to the PLC in one tick: SI corrections per actuator, and the words around them."""
+    """What goes to the PLC in one tick.
+
+    Attributes
+    ----------
+    heartbeat : ours, one more every tick. ``echo`` : the PLC's as last taken.
+    state_bits : of ``StateBits``. ``alarm`` : code of ``events.TABLE``.
+    corrections, limits : per actuator, SI.
+    config_revision : low 16 bits of the revision.
+    """
 
     heartbeat: int
     state_bits: int

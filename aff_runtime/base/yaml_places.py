@@ -1,8 +1,8 @@
 """YAML as a bounded tree of nodes: the one place where a text that somebody sent is parsed.
 
-Site files and line files make their own values of the nodes, with their own words for what they
-refuse. What they have in common is here: a text is gone through for its depth, its number and
-length of values before anything is made of it, and every node and every fault has its place.
+The readers of site files and of line files make values of the nodes, and sentences of what they
+refuse. What they have in common is here: depth, number and length of values are checked before
+anything is made of a text, and every node and every fault has its place.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ Place: TypeAlias = "tuple[str | int, ...]"
 
 SafeLoader: type[Any] = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 _PARSERS_OWN_DEPTH = "maximum nesting"
-"""Said by parsers (libyaml since 0.2.6) that read ahead to a bound of their own and stop there."""
+"""In the message of a parser with a bound of its own (libyaml since 0.2.6), which reads ahead."""
 
 
 class Fault(Enum):
@@ -76,7 +76,7 @@ def compose(text: str, bounds: Bounds) -> yaml.Node | None:
         It is not YAML, or goes beyond ``bounds``.
     """
     try:
-        _stay_within_at_its_place(text, bounds)
+        _refuse_beyond(text, bounds)
         root: yaml.Node | None = yaml.compose(text, Loader=SafeLoader)
     except yaml.MarkedYAMLError as error:
         raise as_text_error(error) from error
@@ -104,19 +104,19 @@ def _from_one(mark: Any) -> tuple[int, int] | None:
     return None if mark is None else (mark.line + 1, mark.column + 1)
 
 
-def _stay_within_at_its_place(text: str, bounds: Bounds) -> None:
-    """Refuse what goes beyond bounds where it first does, also if a parser refuses it earlier."""
+def _refuse_beyond(text: str, bounds: Bounds) -> None:
+    """Refuse what exceeds the bounds, where it first does, even if a parser refuses it before."""
     try:
-        _stay_within(text, bounds, SafeLoader)
+        _refuse_beyond_with(text, bounds, SafeLoader)
     except yaml.MarkedYAMLError as error:
         if _PARSERS_OWN_DEPTH not in str(error.problem):
             raise
-        _stay_within(text, bounds, yaml.SafeLoader)  # reads no further ahead than one key
+        _refuse_beyond_with(text, bounds, yaml.SafeLoader)  # reads ahead by one key at most
         place = _from_one(error.problem_mark)
         raise YamlTextError(Fault.DEPTH, str(error.problem), place) from error
 
 
-def _stay_within(text: str, bounds: Bounds, loader: type[Any]) -> None:
+def _refuse_beyond_with(text: str, bounds: Bounds, loader: type[Any]) -> None:
     depth = 0
     for count, event in enumerate(yaml.parse(text, Loader=loader)):
         if isinstance(event, yaml.CollectionStartEvent):

@@ -1,4 +1,4 @@
-"""A section of a YAML file that is read as it is: what is missing or no section is empty."""
+"""A section of a YAML file, read without a schema: what is missing or no section is empty."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ class RunMeta:
 
     Attributes
     ----------
-    config_hash : revision that runs. ``versions`` : of the packages, by name.
+    config_hash : revision in force. ``versions`` : of the packages, by name.
     machine : as ``uname`` names it. ``start_ns`` : monotonic time of the start.
     shadow : started to compute and record, transmitting zero.
     """

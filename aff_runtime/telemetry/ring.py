@@ -148,7 +148,7 @@ class RingReader:
         return False
 
     def close(self) -> None:
-        """Release the file; the mapping goes with the last record view."""
+        """Release the file; the mapping lasts as long as anybody holds a view of it."""
         with contextlib.suppress(OSError):
             os.close(self._fd)
 

@@ -26,7 +26,7 @@ class RunAbout:
     columns: tuple[str, ...]
 
     def encode(self) -> str:
-        """Return the text of ``run.yaml``; foreign words in it show as themselves."""
+        """Return the text of ``run.yaml``; its texts are made printable (``base.printable``)."""
         said = asdict(self.context)
         del said["site_text"]
         said = _printable({**said, **self.meta.to_json()})
@@ -36,7 +36,7 @@ class RunAbout:
 
     @classmethod
     def decode(cls, text: str) -> RunAbout:
-        """Read ``encode``'s text back; a run of before has fewer words.
+        """Read ``encode``'s text back; a run of an earlier release has fewer keys.
 
         Raises
         ------
@@ -53,7 +53,7 @@ class RunAbout:
 
 
 def _printable(value: Any) -> Any:
-    """Return plain data whose texts, keys among them, show as themselves."""
+    """Return plain values whose texts, keys among them, are made printable."""
     if isinstance(value, str):
         return printable(value)
     if isinstance(value, Mapping):

@@ -25,7 +25,7 @@ class SegmentWriter:
 
     Attributes
     ----------
-    rows_written, rows_lost : counted per row; lost means the disk refused it.
+    rows_written, rows_lost : number of rows; lost are those that the disk refused.
     last_error : text of the last refusal, empty when none.
     """
 
@@ -37,7 +37,7 @@ class SegmentWriter:
         self._file: io.BufferedWriter | None = None
         self._gzip: gzip.GzipFile | None = None
         self._index = 0
-        self._holds_rows = True
+        self._holds_rows = True  # of the segment ``_index``; so the first one gets number 1
         self._end_s = 0.0
         self.rows_written = 0
         self.rows_lost = 0

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-_BINS_US = np.geomspace(1.0, 1e6, 361)  # 3.9 % wide
+_BINS_US = np.geomspace(1.0, 1e6, 361)  # upper edges, each 3.9 % above the one before
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,8 +74,8 @@ class Summary:
 class ColumnStatistics:
     """Count, mean, standard deviation, minimum, maximum and last value of each column.
 
-    NaN values do not count. Sums are taken about each column's first value, so that angles and
-    nanoseconds keep their digits.
+    NaN values do not count, but the last value may be one. Sums are taken about each column's
+    first value, so that angles and nanoseconds keep their digits.
     """
 
     def __init__(self, n_columns: int) -> None:
@@ -174,7 +174,7 @@ class RunSummary:
         )
 
     def _name(self, state: int) -> str:
-        """Return the name of a state value."""
+        """Return the name of a state value; ``ALL`` where the columns hold no state."""
         return self._state_names[state] if 0 <= state < len(self._state_names) else "ALL"
 
     def _percentiles(self, i: int) -> dict[str, float | None]:
@@ -187,11 +187,11 @@ class RunSummary:
         result: dict[str, float | None] = {}
         for name, share in (("p50", 0.5), ("p99", 0.99), ("p99.9", 0.999)):
             at = int(np.searchsorted(cumulative, share * total))
-            result[name] = _rounded(min(_BINS_US[min(at, 360)], self._timing_max[i]))
+            result[name] = _rounded(min(_BINS_US[min(at, len(_BINS_US) - 1)], self._timing_max[i]))
         result["max"] = _rounded(self._timing_max[i])
         return result
 
 
 def _rounded(value: float) -> float | None:
-    """Return ``value`` with seven digits, None when it is not finite (JSON has no NaN)."""
+    """Return ``value`` with seven significant digits, None where it is not finite."""
     return float(f"{value:.7g}") if np.isfinite(value) else None
