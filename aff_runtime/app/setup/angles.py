@@ -23,10 +23,15 @@ USUAL_COUNTS = tuple(
         | {20000, 36000, 100000, 131072, 360000, 1000000}
     )
 )  # fmt: skip
-FAR = 0.05  # share by which radius and line speed may be off together, where somebody says so
-LONGEST_S = 45.0
-_FULL = 1 << 16
-_ALONE = 8.0  # of the score; a carry counts 6
+"""Counts per turn of encoders: powers of two, lines once and four times, some round numbers."""
+FAR = 0.05
+"""Usual numbers within this share of the measured one are shown too: a technician may take one."""
+LONGEST_S = 45.0  # for which words are watched, at most
+_FULL = 1 << 16  # counts of one word
+_ALONE = 8.0
+"""What a candidate loses of its score when it leaves no word for another roll; a carry adds 6."""
+_OFF = 0.01
+"""Share of the measured counts; a number that is so far off loses half a point of the score."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +43,8 @@ class AngleCandidate:
     counts_per_turn : a usual number; negative when it counts against the web.
     measured : what the count, line speed and radius say over whole turns, with its interval.
     low_word : wire address of the word that moves.
-    why : reasons; ``usable`` : False for a count that starts over within the word.
+    why : reasons for and against. ``score`` : without unit; the higher, the likelier.
+    usable : False for a count that starts over within the word.
     leaves_none : another roll that no other word can be then; empty where there is none.
     """
 
@@ -103,7 +109,7 @@ def angle_candidates(
                         measured=measured,
                         low_word=address,
                         why=(*_said(measured, counts), *why),
-                        score=score + _usualness(counts) - 0.5 * (off / 0.01) ** 2,
+                        score=score + _usualness(counts) - 0.5 * (off / _OFF) ** 2,
                         usable=not did.restarts_at,
                     )
                 )
@@ -113,7 +119,7 @@ def angle_candidates(
 def beside(
     rows: Sequence[AngleCandidate], other: Sequence[AngleCandidate], roll: str
 ) -> list[AngleCandidate]:
-    """Return candidates of one roll, those behind that leave no word for ``roll``.
+    """Return candidates of one roll; those that leave no word for ``roll`` come last.
 
     Two rollers that are nearly as large can each be read as the other one, with another usual
     number of counts; both together often cannot.
@@ -124,7 +130,7 @@ def beside(
     """
     free = {one.low_word for one in other if one.is_held and one.usable}
     if not any(one.is_held and free - {one.low_word} for one in rows):
-        return list(rows)  # it may have no encoder
+        return list(rows)  # ``roll`` may have no encoder
     return _sorted([one if free - {one.low_word} else one.without(roll) for one in rows])
 
 
@@ -153,19 +159,21 @@ def _said(measured: CountsPerTurn, counts: int) -> tuple[str, ...]:
 
 
 def _usual(measured: CountsPerTurn) -> list[int]:
+    """Return the usual numbers near a measured one, three at most, the nearest first."""
     size = abs(measured.counts)
     near = [one for one in USUAL_COUNTS if measured.holds(one) or abs(one - size) < FAR * size]
     return sorted(near, key=lambda one: abs(one - size))[:3]
 
 
 def _usualness(counts: int) -> float:
+    """Return what a power of two, or a multiple of 1000, adds to the score."""
     return 0.7 if counts & (counts - 1) == 0 or counts % 1000 == 0 else 0.0
 
 
 def _decodings(
     address: int, does: Behaviour, seen: Watched, taken: frozenset[int], word_order: str
 ) -> list[tuple[Decoding, float, tuple[str, ...]]]:
-    """Return how the count may be stored: one word, or two with the carry in a neighbour."""
+    """Return how the count may be stored (one word, or two with the carry), its score, and why."""
     if does.restarts_at:
         why = (
             f"starts over at {does.restarts_at}, not at 65536: AFF follows whole words alone. Let "
@@ -195,11 +203,15 @@ def _decodings(
 
 
 def _carries(low: Sequence[int], high: Sequence[int]) -> bool | None:
-    """Return True for a carry with every wrap, False where nothing was seen, None against it."""
+    """Return whether the high word takes the carry of the low one.
+
+    True when it steps with every wrap and at no other time, None when it does not; False while
+    there was no wrap.
+    """
     wraps = 0
     for (a, b), (p, q) in zip(pairwise(low), pairwise(high), strict=True):
-        through = 1 if b - a < -_FULL // 2 else -1 if b - a > _FULL // 2 else 0
-        if (q - p) % _FULL != through % _FULL:
+        wrap = 1 if b - a < -_FULL // 2 else -1 if b - a > _FULL // 2 else 0
+        if (q - p) % _FULL != wrap % _FULL:
             return None
-        wraps += through != 0
+        wraps += wrap != 0
     return wraps > 0

@@ -18,20 +18,19 @@ from aff_runtime.app.setup.decoding import Decoding, all_decodings, values
 from aff_runtime.app.setup.reading import Watched
 
 ALIKE = 3.0
-"""Of ``prior``: a scale that is 20 times less usual is no rival where both fit."""
+"""Of ``prior``, which is a logarithm: a scale 20 times less usual is no rival where both fit."""
 CLOSE = 1.0  # of ``score``; a scale that is not round may be right too
 NEAR = 0.05  # share of the typed value by which another load cell at one tension may be off
-SMOOTHED_S = 0.2
+SMOOTHED_S = 0.2  # over which readings are averaged
 STEP_S, HELD_STEPS = 0.25, 2
+"""What moved first is looked for every ``STEP_S``, and has to be the same for so many steps."""
 STRONG = 2.0
-"""A word has moved when it went on by so many times its swing at rest, and each other one's way.
-
-The swing of the others counts too: what is smaller could hide in it.
-"""
+"""A word has moved when its way beyond its swing at rest is more than so many times that swing,
+and than so many times way and swing of every other one: what is smaller could hide in them."""
 
 
 def alike(rows: Sequence[Candidate]) -> list[Candidate]:
-    """Return the first row, and those that what was typed does not tell from it."""
+    """Return the first row, and those that fit what was typed as well as it does."""
     best = rows[0]
     return [best] + [
         one
@@ -49,8 +48,8 @@ def without_halves(rows: Sequence[Candidate]) -> list[Candidate]:
     kept: list[Candidate] = []
     for one in sorted(rows, key=lambda one: -one.score):
         places = frozenset(one.decoding.addresses)
-        beside = [two for two in kept if not places.isdisjoint(two.decoding.addresses)]
-        if not one.is_round or all(two.scale == one.scale for two in beside if two.is_round):
+        likelier = [row for row in kept if not places.isdisjoint(row.decoding.addresses)]
+        if not one.is_round or all(row.scale == one.scale for row in likelier if row.is_round):
             kept.append(one)
     return [one for one in rows if one in kept]
 
@@ -111,8 +110,8 @@ class Change:
 
     Attributes
     ----------
-    swing : its largest distance from its mean before.
-    change : its largest distance from that mean since.
+    swing : its largest distance from its mean at rest.
+    change : its largest distance from that mean afterwards.
     """
 
     candidate: Candidate
@@ -126,17 +125,17 @@ class Change:
 
     @property
     def is_strong(self) -> bool:
-        """Return whether it went further than at rest."""
+        """Return whether it went clearly further than at rest."""
         return self.way > STRONG * self.swing
 
     def is_beyond(self, other: Change) -> bool:
-        """Return whether it went further than another one did, or could have unseen."""
+        """Return whether it went clearly further than another one, and than that one's swing."""
         return self.way > STRONG * max(other.way, other.swing)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Course:
-    """How far a candidate has gone until each time: ``most`` from its mean before, SI."""
+    """How far a candidate had gone at each time: ``most`` is the largest distance so far, SI."""
 
     candidate: Candidate
     swing: float
@@ -152,11 +151,11 @@ class _Course:
 def first_moved(
     rows: Sequence[Candidate], rest: Watched, since: Watched
 ) -> tuple[list[Change], list[Candidate]]:
-    """Return what each candidate did, the largest change first, and the readings of what moved.
+    """Return what each candidate did, the largest change first, and those of the word that moved.
 
     A change of tension comes to the next zones with the web: what went first decides, once it has
-    held for half a second. None moved where several did at once, or none did; told is then what
-    they did in the whole time.
+    held for half a second. Where several went at once, or none did, nothing counts as moved, and
+    the changes are those of the whole time.
     """
     courses = [_course(one, rest, since) for one in rows]
     held: list[frozenset[Decoding]] = []
@@ -170,7 +169,7 @@ def first_moved(
 
 
 def moved(found: Sequence[Change]) -> list[Candidate]:
-    """Return the readings of the word that moved; none where none did, or several did alike."""
+    """Return the candidates of the word that moved; none where none did, or several did alike."""
     if not found or not found[0].is_strong:
         return []
     best = frozenset(found[0].candidate.decoding.addresses)
@@ -183,13 +182,13 @@ def moved(found: Sequence[Change]) -> list[Candidate]:
 def _course(one: Candidate, rest: Watched, since: Watched) -> _Course:
     before = _smoothed(values(one.decoding, rest), rest)
     after = _smoothed(values(one.decoding, since), since)
-    count = abs(one.scale)
+    si_per_count = abs(one.scale)
     mean, swing = _at_rest(before)
     return _Course(
         candidate=one,
-        swing=count * swing,
+        swing=si_per_count * swing,
         times_s=since.times_s[len(since.times_s) - len(after) :],
-        most=list(accumulate((count * abs(value - mean) for value in after), max)),
+        most=list(accumulate((si_per_count * abs(value - mean) for value in after), max)),
     )
 
 
@@ -215,7 +214,7 @@ def words_that_moved(rest: Watched, since: Watched) -> list[int]:
 
 
 def _at_rest(before: Sequence[float]) -> tuple[float, float]:
-    """Return the mean, and the largest distance from it, one count at least."""
+    """Return the mean, and the largest distance from it, both in counts; at least one count."""
     mean = statistics.fmean(before)
     return mean, max(1.0, *(abs(value - mean) for value in before))
 

@@ -13,11 +13,13 @@ from aff_runtime.app.setup.reading import Watched
 FASTEST_SCAN_PER_S = 1100.0
 SLOWEST_SCAN_PER_S = 5.0
 _ROUND_PERIODS_MS = (1, 2, 4, 5, 8, 10, 12, 16, 20, 25, 32, 40, 50, 100, 200)
-_MOST_BITS = 3
-_LEAST_STEPS = 5
+_UNEVEN_COUNTS = 3.0  # by which a counter of scans may be off a straight line
+_MOST_BITS = 3  # that change in a word of bits
+_LEAST_STEPS = 5  # changes of a counter or ramp while it is watched
+_LEAST_RESTART = 8  # a step back is a restart from so many usual steps on
 _LEAST_WAY = 12  # counts; less may be a swing
 _CROOKED = 0.03  # share of the way by which a ramp may be off a straight line
-_FULL = 1 << 16
+_FULL = 1 << 16  # counts of one word
 
 
 class Kind(StrEnum):
@@ -38,9 +40,9 @@ class Behaviour:
     ----------
     last, mean, sd : the last reading as u16, mean and standard deviation as i16.
     rate_per_s : of a counter or ramp, counts per second with its sign; else 0.
-    wraps : how often it went through its end.
+    wraps : how often it went through its end: steps longer than half of 65536.
     restarts_at : counts after which it starts over, where that is not 65536; 0 where it is.
-    evenness : of a counter or ramp, usual distance from a straight line, counts.
+    unevenness : of a counter or ramp, median distance from a straight line, counts.
     changed : the bits that changed, as a mask.
     """
 
@@ -51,7 +53,7 @@ class Behaviour:
     rate_per_s: float = 0.0
     wraps: int = 0
     restarts_at: int = 0
-    evenness: float = 0.0
+    unevenness: float = 0.0
     changed: int = 0
 
     def __str__(self) -> str:
@@ -86,6 +88,7 @@ def behaviour(times_s: Sequence[float], series: Sequence[int]) -> Behaviour:
     moving = _moving(base, times_s, series)
     if moving is not None:
         return moving
+    # bits 0 and 1 together: a number that is noisy by a few counts
     few = changed.bit_count() <= _MOST_BITS and len(set(series)) <= 1 << _MOST_BITS
     return _as(base, kind=Kind.BITS if (few and changed > 3) or changed in (1, 2) else Kind.NOISY)
 
@@ -108,18 +111,20 @@ def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) ->
     usual = statistics.median(nonzero)
     back = [step for step in nonzero if step * usual < 0]
     spans = {round(abs(usual - step)) for step in back}
-    if len(back) > max(1, len(nonzero) // 10) or (back and min(spans) < 8 * abs(usual)):
-        return None
+    least_restart = _LEAST_RESTART * abs(usual)
+    if len(back) > max(1, len(nonzero) // 10) or (back and min(spans) < least_restart):
+        return None  # to and fro
     restarts_at = 0
     if back:
         largest = max(series) + 1
-        restarts_at = largest if min(series) < 8 * abs(usual) + 1 else round(min(spans))
+        restarts_at = largest if min(series) < least_restart + 1 else round(min(spans))
     path = way_of(series, restarts_at)
-    rate, evenness = _line(times_s, path)
+    rate, unevenness = _line(times_s, path)
     way = abs(path[-1])
-    if way < _LEAST_WAY or evenness > _CROOKED * way + 1.0:
+    if way < _LEAST_WAY or unevenness > _CROOKED * way + 1.0:
         return None
-    is_counter = usual > 0 and SLOWEST_SCAN_PER_S <= rate <= FASTEST_SCAN_PER_S and evenness < 3.0
+    is_scan = usual > 0 and SLOWEST_SCAN_PER_S <= rate <= FASTEST_SCAN_PER_S
+    is_counter = is_scan and unevenness < _UNEVEN_COUNTS
     return Behaviour(
         kind=Kind.COUNTER if is_counter else Kind.RAMP,
         last=base.last,
@@ -129,12 +134,12 @@ def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) ->
         rate_per_s=rate,
         wraps=sum(abs(b - a) > _FULL // 2 for a, b in pairwise(series)),
         restarts_at=restarts_at,
-        evenness=evenness,
+        unevenness=unevenness,
     )
 
 
 def way_of(series: Sequence[int], restarts_at: int = 0) -> list[int]:
-    """Return how far a counter or ramp has come at each reading, through its ends.
+    """Return how far a counter or ramp has come at each reading, wraps and restarts taken out.
 
     Parameters
     ----------
@@ -149,13 +154,14 @@ def way_of(series: Sequence[int], restarts_at: int = 0) -> list[int]:
 
 
 def _short_way(step: int) -> int:
+    """Return a step between two readings the short way round: -32768 to 32767 counts."""
     return (step + _FULL // 2) % _FULL - _FULL // 2
 
 
 def _line(times_s: Sequence[float], path: Sequence[int]) -> tuple[float, float]:
-    """Return slope and usual distance of the straight line through a path.
+    """Return slope (counts/s) of the straight line through a path, and median distance from it.
 
-    The median: a reading that this machine noted late says nothing of the PLC.
+    The median, since a reading that this machine noted late says nothing of the PLC.
     """
     slope, zero = statistics.linear_regression(times_s, path)
     far = [abs(y - slope * t - zero) for t, y in zip(times_s, path, strict=True)]
@@ -182,11 +188,11 @@ def heartbeats(seen: Watched) -> list[HeartbeatCandidate]:
         nearest = min(_ROUND_PERIODS_MS, key=lambda ms: abs(ms - period_ms) / ms)
         off = abs(period_ms - nearest) / nearest
         why = [f"counts every {period_ms:.2f} ms"]
-        score = -does.evenness
+        score = -does.unevenness
         if off < 0.02:
             why.append(f"a scan of {nearest} ms")
             score += 3.0 * (1.0 - off / 0.02) + 1.0
-        if does.evenness < 1.0:
+        if does.unevenness < 1.0:
             why.append("evenly")
         candidates.append(
             HeartbeatCandidate(address=address, period_ms=period_ms, why=tuple(why), score=score)

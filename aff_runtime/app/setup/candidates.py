@@ -15,11 +15,11 @@ from aff_runtime.app.setup.scale_steps import round_scales
 from aff_runtime.base.units import plain
 
 SHOWN_BEST = 5
-_RANGE = math.log(1e8)  # over which a value may lie that has nothing to do with the display
-_NO_ROUND_SCALE = math.log(0.02)
+_RANGE = math.log(1e8)  # of the values that a word may show which is not the quantity
+_NO_ROUND_SCALE = math.log(0.02)  # prior of any scale that is not round
 _FURTHEST = 3.0  # standard deviations
-_TRIED_SCALES = 40
-_CREEPS = 0.01  # share of its value that a measured value changes in a second, at most
+_TRIED_SCALES = 40  # round ones, of one decoding
+_CREEPS = 0.01  # share of its value by which a slow quantity changes in a second, at most
 _TYPED_S = 5.0  # from reading a display to the last key; a roll shrinks meanwhile
 
 
@@ -65,7 +65,7 @@ class _Seen:
     Attributes
     ----------
     mean, sd : while it was watched.
-    late : deviation of what it went on by since the display was read.
+    late : by how much it may have changed since the display was read, rms.
     """
 
     mean: float
@@ -75,11 +75,11 @@ class _Seen:
 
     @property
     def scatter(self) -> float:
-        """Return by how much the display may be off the mean."""
+        """Return by how much the display may be off the mean, counts rms."""
         return math.hypot(self.sd, self.late)
 
     def off(self, scale: float) -> float:
-        """Return how many deviations the display is from the value read with ``scale``."""
+        """Return how many standard deviations display and value read with ``scale`` are apart."""
         digit = self.shown.half_digit / math.sqrt(3.0)
         return abs(self.shown.value - scale * self.mean) / math.hypot(digit, self.scatter * scale)
 
@@ -90,7 +90,7 @@ class _Seen:
         return -math.log(min(1.0, 2.5 * sigma / _RANGE))
 
     def error_share(self) -> float:
-        """Return the largest share of the value by which the display may be off."""
+        """Return the share of the value by which the display may be off at most."""
         digit = self.shown.half_digit / abs(self.shown.value)
         return digit + _FURTHEST * self.scatter / abs(self.mean)
 
@@ -111,8 +111,8 @@ def candidates(
     si_unit : of the quantity.
     signed : whether its word is called signed where nothing tells.
     moves : whether it is measured (never quite still) or set; None for what moves slowly.
-    word_order : order of two words of the PLC where it is known; the other one is left out.
     taken : words that are something else already.
+    word_order : order of two words of the PLC where it is known; the other one is left out.
     """
     latest = observations[-1].seen
     does = behaviours(latest)
@@ -135,6 +135,7 @@ def _is_other(word_order: str, known: str) -> bool:
 
 
 def _moment(decoding: Decoding, one: Observation) -> _Seen | None:
+    """Return a decoding at one moment; None where a word is missing, or the mean is 0 counts."""
     if any(place not in one.seen.words for place in decoding.addresses):
         return None
     counts = values(decoding, one.seen)
@@ -146,7 +147,10 @@ def _moment(decoding: Decoding, one: Observation) -> _Seen | None:
 
 
 def _late(times_s: Sequence[float], counts: Sequence[int], mean: float) -> float:
-    """Return what a value that creeps one way went on by while it was typed, rms; 0 of others."""
+    """Return by how much a value that creeps one way changed while it was typed, counts rms.
+
+    0 for all others.
+    """
     if len(counts) < 3 or times_s[-1] <= times_s[0]:
         return 0.0
     rate, zero = statistics.linear_regression(times_s, counts)
@@ -221,7 +225,10 @@ def _candidate(
 
 
 def _fit(moments: Sequence[_Seen], scale: float) -> float | None:
-    """Return how much better than chance a scale explains the values; None when it does not."""
+    """Return by how much better than chance a scale explains the values, as a logarithm.
+
+    None when it does not explain them.
+    """
     total = 0.0
     for one in moments:
         off = one.off(scale)
@@ -240,7 +247,7 @@ def _agreement(moments: Sequence[_Seen], scale: float) -> tuple[str, ...]:
 def _habits(
     decoding: Decoding, does: Mapping[int, Behaviour], moves: bool | None
 ) -> tuple[float, tuple[str, ...]]:
-    """Return what a word's behaviour says for or against it."""
+    """Return what a word's behaviour adds to the score, and the reasons."""
     kinds = [does[place].kind for place in decoding.addresses]
     if any(_runs(does[place]) for place in decoding.addresses):
         return -8.0, ("it counts or ramps",)
@@ -252,7 +259,7 @@ def _habits(
     if len(kinds) == 2:
         high = decoding.addresses[0 if decoding.order == "high_first" else 1]
         if not does[high].last and does[high].kind is Kind.STILL:
-            score -= 0.5  # one word does it
+            score -= 0.5  # the low word alone reads the same
         if does[high].kind is Kind.NOISY and does[high].sd > 2.0:
             score -= 4.0  # the high word of a measured value hardly moves
     return score, tuple(why)
@@ -266,6 +273,6 @@ def _runs(word: Behaviour) -> bool:
 
 
 def _resolution(scale: float, shown: Shown) -> float:
-    """Return what speaks against a count that is far coarser or finer than the display."""
+    """Return what a count loses that is far coarser or finer than the display's last digit."""
     ratio = scale / (2.0 * shown.half_digit)
     return -4.0 if ratio > 2.2 else -3.0 if ratio < 1e-5 else 0.0

@@ -13,7 +13,7 @@ ORDERS = (HIGH_FIRST, LOW_FIRST)
 
 @dataclass(frozen=True, slots=True, kw_only=True, order=True)
 class Decoding:
-    """One way.
+    """One way to read a number.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""Asking, keeping, and saying it again: who answers is a terminal, a file, or a screen."""
+"""Asks, keeps answers, and shows kept ones; who answers is a terminal, a file, or a screen."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ class Asker(Protocol):
 
     Attributes
     ----------
-    is_patient : somebody is there who can try again; else what cannot be done ends it.
+    is_patient : somebody is there who can try again; else the first refusal ends setup.
     """
 
     is_patient: bool
 
     def answers_itself(self, name: str) -> bool:
-        """Return whether an answer is there already that goes before a kept one."""
+        """Return whether it has an answer of its own, which goes before the kept one."""
 
     def answer(self, question: Question) -> str:
         """Return what is answered, as typed; ``LeftError`` when somebody leaves."""
@@ -44,7 +44,7 @@ class Asker(Protocol):
 
 
 class Dialogue:
-    """Asks, keeps and says again.
+    """Asks questions, and keeps the answers in a draft.
 
     Parameters
     ----------
@@ -78,7 +78,7 @@ class Dialogue:
             raise ConfigError(f"{self.path}: cannot be written: {error.strerror}") from error
 
     def ask(self, question: Question) -> str:
-        """Return the answer to a question, which is kept: the file's, the kept one, a new one."""
+        """Return the answer, and keep it: the asker's own, else the kept one, else a new one."""
         kept = self.draft.answers.get(question.name)
         if kept is not None and not self.asker.answers_itself(question.name):
             return self._checked(question, kept)
@@ -109,9 +109,10 @@ class Dialogue:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RowReader:
-    """Takes a row's number, its word such as w5 by ``at``, or one of ``words``.
+    """Takes a row's number, its word such as w5, or one of ``words``.
 
-    ``unsure`` : why nothing typed is no answer; empty where it is one.
+    ``at`` : wire address by row.
+    ``unsure`` : why an empty answer does not take row 1; empty where it does.
     """
 
     rows: frozenset[int]

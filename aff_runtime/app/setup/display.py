@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from aff_runtime.base.units import UnitError, accepted_units, read_number, to_si, unit_info
 
-_PLACES = ("length", "angle", "ratio")
+_PLACES = ("length", "angle", "ratio")  # dimensions in which a dancer's place is shown
 _SHOWN = re.compile(r"\s*[-+]?\d*\.?(?P<decimals>(?<=\.)\d*)?\s*(?P<unit>\S.*?)?\s*")
 
 

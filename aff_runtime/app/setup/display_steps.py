@@ -22,7 +22,7 @@ from aff_runtime.app.setup.reading import Watched
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.units import UnitError
 
-VALUE_S = 2.0
+VALUE_S = 2.0  # for which words are watched beside what was typed
 REST_S = 5.0
 """How long words are watched at rest: some turns of a roll, whose ripple is no movement."""
 MOVE_S = 45.0
@@ -32,7 +32,7 @@ AT_REST = (
     "Leave the line as it shall be while you move it (running, or stopped with its web), then "
     "Enter"
 )
-MOST_NEAR = 3
+MOST_NEAR = 3  # rows of words that nearly fit
 NO_TENSION = (
     "Where a dancer stands is no tension: AFF takes ripple out of a tension that is measured. "
     "Type what a load cell between the unwind and the next driven roller shows; a line without "
@@ -59,17 +59,17 @@ class DisplaySteps(Look):
                     self.dialogue.keep(draft.with_answer(f"{wanted.channel}.display", SKIP))
                     return
                 moments.append(self._moment(wanted, text))
-                told = rows = self._rows(wanted, moments)
+                offered = rows = self._rows(wanted, moments)
                 self._side_by_side(rows, moments[-1].seen)
                 unsure = _unsure(rows)
             else:
-                told, unsure = self._moved(wanted, rows, turn)
+                offered, unsure = self._moved(wanted, rows, turn)
             if not rows:
                 pick = self._no_word(wanted)
                 continue
-            pick = self._pick(wanted, told, turn, unsure)
+            pick = self._pick(wanted, offered, turn, unsure)
             if pick not in (AGAIN, MOVE):
-                one = told[int(pick) - 1]
+                one = offered[int(pick) - 1]
                 self.keep_word(wanted.channel, one.decoding, one.scale_text)
                 return
 
@@ -120,8 +120,8 @@ class DisplaySteps(Look):
             near = neighbours(rows[0], rows, moments, taken=taken)[:MOST_NEAR]
         beside = {one.decoding for one in near}
         fitting = [one for one in rows if one.decoding not in beside]
-        told = without_halves([*fitting, *near])
-        return [*[one for one in told if one not in near][:SHOWN_BEST], *near]
+        offered = without_halves([*fitting, *near])
+        return [*[one for one in offered if one not in near][:SHOWN_BEST], *near]
 
     def _side_by_side(self, rows: Sequence[Candidate], seen: Watched) -> None:
         for address in dict.fromkeys(one.decoding.address for one in rows[:3]):
@@ -161,9 +161,9 @@ class DisplaySteps(Look):
     def _moved(
         self, wanted: Quantity, rows: Sequence[Candidate], turn: str
     ) -> tuple[list[Candidate], str]:
-        """Let somebody move the quantity; return the rows, the word that moved first.
+        """Let somebody move the quantity; return the rows, those of the word that moved first.
 
-        What is not sure then is returned too.
+        The text is why row 1 still is not sure; empty where it is.
         """
         watched = alike(rows)
         rest, since = self._while_it_moves(wanted, watched, turn)
@@ -173,9 +173,9 @@ class DisplaySteps(Look):
                 f"  word {one.candidate.decoding.address:5} changed by {one.change:.4g} "
                 f"{wanted.unit}, at rest {one.swing:.4g}"
             )
-        by = {one.candidate.decoding: one.change for one in found}
-        told = [
-            one.because(f"changed by {by[one.decoding]:.4g} {wanted.unit}")
+        change_of = {one.candidate.decoding: one.change for one in found}
+        offered = [
+            one.because(f"changed by {change_of[one.decoding]:.4g} {wanted.unit}")
             if one in watched
             else one
             for one in rows
@@ -185,10 +185,10 @@ class DisplaySteps(Look):
                 place for one in rows for place in one.decoding.addresses
             }
             self._nothing_moved(sorted(others), several=any(one.is_strong for one in found))
-            return told, "no row stood out when it was moved"
+            return offered, "no row stood out when it was moved"
         best = {one.decoding for one in first}
-        told.sort(key=lambda one: one.decoding not in best)
-        return told, _unsure([one for one in told if one.decoding in best])
+        offered.sort(key=lambda one: one.decoding not in best)
+        return offered, _unsure([one for one in offered if one.decoding in best])
 
     def _while_it_moves(
         self, wanted: Quantity, rows: Sequence[Candidate], turn: str

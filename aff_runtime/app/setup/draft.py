@@ -48,7 +48,7 @@ class FoundWord(BaseModel):
 
 
 class Draft(BaseModel):
-    """Everything known; ``answers`` as they are kept, ``words`` by channel."""
+    """All that is known: ``answers`` by name of the question, ``words`` found by channel."""
 
     model_config = STRICT
 
@@ -65,7 +65,7 @@ class Draft(BaseModel):
         return self.model_copy(update={"words": {**self.words, channel: word}})
 
     def without(self, name: str) -> Draft:
-        """Return it without a quantity or answer and what hangs on it, to be asked again."""
+        """Return it without a quantity or answer and what depends on it, to be asked again."""
         gone = {name, *self._named(name)}
         return self.model_copy(
             update={
@@ -79,7 +79,7 @@ class Draft(BaseModel):
         )
 
     def _named(self, name: str) -> list[str]:
-        """Return the channels that an answer names, or those that hang on it."""
+        """Return the channels that this answer, or answers below it, have named."""
         return [
             kept
             for key, kept in self.answers.items()
@@ -118,7 +118,7 @@ class Draft(BaseModel):
 
     @property
     def owners(self) -> dict[int, str]:
-        """Return who has which wire address."""
+        """Return by wire address the channel or answer that has it."""
         owners = {
             place: channel
             for channel, word in self.words.items()

@@ -46,7 +46,7 @@ def interview(dialogue: Dialogue, reach: Reach | None = None) -> None:
 
     Parameters
     ----------
-    reach : makes the reader of the PLC that the answers name; by itself on a socket of its own.
+    reach : makes the reader of the PLC that the answers name; None: one on a socket of its own.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def _names(dialogue: Dialogue) -> None:
 
 
 def _further(dialogue: Dialogue, steps: Steps) -> None:
-    """Find what shall be recorded beside; what is named no longer is forgotten."""
+    """Find the channels that are only recorded; those that are no longer named are forgotten."""
     for number in range(1, MOST_FURTHER + 1):
         channel = _channel(dialogue, further_question(dialogue.draft, number))
         if channel == NONE:
@@ -124,7 +124,7 @@ def _further(dialogue: Dialogue, steps: Steps) -> None:
 
 
 def _channel(dialogue: Dialogue, question: Question) -> str:
-    """Return the name of a channel; what was found under the one before is forgotten."""
+    """Return the name of a channel; what was found under its former name is forgotten."""
     before = dialogue.draft.answers.get(question.name, question.default) or NONE
     channel = dialogue.ask(question)
     if before not in (NONE, channel):
@@ -133,7 +133,7 @@ def _channel(dialogue: Dialogue, question: Question) -> str:
 
 
 def _words(dialogue: Dialogue) -> None:
-    """Ask for words that looking does not tell; what is asked depends on earlier answers."""
+    """Ask for words that cannot be found by looking; what is asked depends on earlier answers."""
     asked: set[str] = set()
     while True:
         known = {
@@ -158,7 +158,7 @@ def _drive(dialogue: Dialogue) -> None:
 
 
 def _why_not(dialogue: Dialogue, name: str, address: int) -> str:
-    """Return why a word cannot be this, or nothing."""
+    """Return why a word cannot be what ``name`` asks for; empty where it can."""
     first, count = (int(dialogue.draft.answers[key]) for key in ("first", "count"))
     owner = dialogue.draft.owners.get(address, name)
     if owner != name:
@@ -169,7 +169,7 @@ def _why_not(dialogue: Dialogue, name: str, address: int) -> str:
 
 
 def _why_no_bits(dialogue: Dialogue, address: int) -> str:
-    """Return why a word can hold no status bits, or nothing."""
+    """Return why a word can hold no status bits; empty where it can."""
     owner = dialogue.draft.owners.get(address, "")
     name = owner if owner.startswith("bits.") or owner == "status.word" else "status.word"
     return _why_not(dialogue, name, address)

@@ -29,7 +29,7 @@ class Look:
 
     Attributes
     ----------
-    blocks : the words that the PLC gives.
+    blocks : stretches of words that the PLC gives; empty before the survey.
     """
 
     def __init__(self, dialogue: Dialogue, reader: WordReader) -> None:
@@ -97,7 +97,7 @@ class Look:
         return self.patiently(lambda: self.reader.watch(self.blocks, seconds, enough))
 
     def patiently(self, act: Callable[[], T]) -> T:
-        """Do what needs the PLC; when it is gone say so, and wait for the technician."""
+        """Return what ``act`` returns; while the PLC is gone say so, and wait for an answer."""
         while True:
             try:
                 return act()

@@ -9,7 +9,7 @@ from aff_runtime.base.channel_units import unit_of_channel
 UNWIND = "unwind"
 ANGLE_UNIT = "rad"
 SPEED_SET = "line_speed_ref_m_s"
-_SET = "_ref_"
+_SET = "_ref_"  # part of the name of a set point
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,7 +23,7 @@ class Quantity:
     optional : whether a line may do without.
     signed : whether its word is called signed where nothing tells.
     moves : True when it is measured, False when it is set, None when it moves slowly.
-    roll : of an angle or speed, whose it is.
+    roll : whose angle it is; empty for any other quantity.
     recorded : whether it is for the record alone, and left out where nothing is typed.
     """
 
@@ -118,7 +118,7 @@ def angles(second: str) -> tuple[Quantity, ...]:
 def further(channel: str) -> Quantity:
     """Return a channel to record beside what is corrected; its name ends with its SI unit.
 
-    What is ``_ref_`` in it is set; a length, as of a roll, moves slowly.
+    A channel with ``_ref_`` in its name is set; a length, such as a radius, moves slowly.
     """
     unit = unit_of_channel(channel) or ""
     return Quantity(

@@ -11,7 +11,7 @@ from aff_runtime.base.printable import printable
 from aff_runtime.base.suggest import meant
 from aff_runtime.base.units import UnitError, plain, read_number
 
-LONGEST = 200
+LONGEST = 200  # characters of an answer
 _NAME = re.compile(r"[a-z][A-Za-z0-9_]{0,39}")
 _BIT = re.compile(r"\s*(?P<word>\d{1,5})\.(?P<bit>\d{1,2})(?P<inverted>\s+inverted)?\s*")
 NONE, FIND = "none", "find"
@@ -67,7 +67,7 @@ def read_name(text: str) -> str:
 
 
 def channel_or_none(names: Set[str]) -> Callable[[str], str]:
-    """Return the reader of a channel's name or ``none``; those of ``names`` are asked already."""
+    """Return the reader of a channel's name or ``none``; those of ``names`` are refused."""
 
     def read(text: str) -> str:
         if text.strip() == NONE:
@@ -84,7 +84,7 @@ def channel_or_none(names: Set[str]) -> Callable[[str], str]:
 
 
 def channel_in(unit: str, names: Set[str]) -> Callable[[str], str]:
-    """Return the reader of the name of a channel in ``unit``, without those of ``names``."""
+    """Return the reader of the name of a channel in ``unit``; those of ``names`` are refused."""
 
     def read(text: str) -> str:
         name = _channel(text, names)
@@ -138,7 +138,7 @@ def one_of(*words: str) -> OneOf:
 
 
 def number(unit: str, low: float, high: float) -> Callable[[str], str]:
-    """Return the reader of a number in ``unit``, bare or with a unit, above ``low``."""
+    """Return the reader of a number, bare (then in ``unit``) or with its own: low < it <= high."""
 
     def read(text: str) -> str:
         shown = " ".join(text.split())
@@ -165,21 +165,21 @@ def number_of(text: str, unit: str) -> float:
         raise AnswerError(printable(str(error), 300)) from None
 
 
-def word_or_none(known: Callable[[int], str]) -> Callable[[str], str]:
-    """Return the reader of a wire address or ``none``; ``known`` says why not, or nothing."""
+def word_or_none(why_not: Callable[[int], str]) -> Callable[[str], str]:
+    """Return the reader of a wire address or ``none``; ``why_not`` as of ``word``."""
 
     def read(text: str) -> str:
-        return NONE if text.strip() == NONE else word(known)(text)
+        return NONE if text.strip() == NONE else word(why_not)(text)
 
     return read
 
 
-def word(known: Callable[[int], str]) -> Callable[[str], str]:
-    """Return the reader of a wire address; ``known`` says why one cannot be, or nothing."""
+def word(why_not: Callable[[int], str]) -> Callable[[str], str]:
+    """Return the reader of a wire address; ``why_not`` returns why it cannot be; empty: it can."""
 
     def read(text: str) -> str:
         address = whole(0, 65535)(text)
-        why = known(int(address))
+        why = why_not(int(address))
         if why:
             raise AnswerError(why)
         return address
@@ -187,10 +187,10 @@ def word(known: Callable[[int], str]) -> Callable[[str], str]:
     return read
 
 
-def bit(known: Callable[[int, int], str]) -> Callable[[str], str]:
+def bit(why_not: Callable[[int, int], str]) -> Callable[[str], str]:
     """Return the reader of ``20.7`` or ``20.7 inverted``, ``find``, or ``none``.
 
-    ``known`` says why a bit of a word cannot be it, or nothing.
+    ``why_not`` returns why a bit of a word cannot be it; empty: it can.
     """
 
     def read(text: str) -> str:
@@ -202,7 +202,7 @@ def bit(known: Callable[[int, int], str]) -> Callable[[str], str]:
                 f'"{printable(text, 40)}": write word and bit such as 20.7 (bit 0 to 15), '
                 "`20.7 inverted` where 0 means yes, `find`, or `none`."
             )
-        why = known(int(match["word"]), int(match["bit"]))
+        why = why_not(int(match["word"]), int(match["bit"]))
         if why:
             raise AnswerError(why)
         place = f"{int(match['word'])}.{int(match['bit'])}"

@@ -13,11 +13,12 @@ from aff_runtime.fieldbus.modbus.probe_map import open_read_only
 from aff_runtime.fieldbus.modbus.registers import MAX_READ_WORDS
 from aff_runtime.fieldbus.modbus.tcp_wire import Wire
 
-PATIENCE_S = 3.0
-REPLY_S = 0.5
-PAUSE_S = 0.02
-MOST_WORDS = 1000
-_NO_SUCH_FUNCTION = 1
+PATIENCE_S = 3.0  # without an answer, until the PLC counts as gone
+REPLY_S = 0.5  # for one answer
+PAUSE_S = 0.02  # period of the readings
+MOST_WORDS = 1000  # of a window
+_LOOK_EVERY = 25  # readings, half a second of them, between two questions whether it is enough
+_NO_SUCH_FUNCTION = 1  # exception codes of Modbus
 _REFUSED = (2, 3)  # illegal address, illegal count
 
 
@@ -159,7 +160,7 @@ class WordReader:
             times_s.append((now_ns - begin_ns) * 1e-9)
             next_ns += round(PAUSE_S * 1e9)
             over = now_ns - begin_ns >= seconds * 1e9
-            if over or (enough is not None and len(times_s) % 25 == 0):
+            if over or (enough is not None and len(times_s) % _LOOK_EVERY == 0):
                 seen = Watched(
                     times_s=tuple(times_s),
                     words={place: tuple(series) for place, series in words.items()},

@@ -21,9 +21,9 @@ _DECADES = 12.0  # over which a scale may lie
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RoundScale:
-    """One scale: SI units per count, as a site file writes it, and how usual it is.
+    """One scale: ``si`` units per count, ``text`` as a site file writes it, and how usual it is.
 
-    ``log_prior``: natural logarithm of the share of scales that are this one.
+    ``log_prior`` : natural logarithm of the share of all scales that are this one.
     """
 
     si: float
@@ -39,7 +39,7 @@ def round_scales(low: float, high: float, si_unit: str, display: str) -> Iterato
     si_unit : of the quantity.
     display : unit in which it is displayed.
     """
-    shares = {si_unit: 0.5}
+    shares = {si_unit: 0.5}  # of PLCs that count in this unit
     for unit in _USUAL.get(si_unit, ()):
         shares.setdefault(unit, 0.08)
     shares[display] = max(shares.get(display, 0.0), 0.35)
@@ -65,5 +65,5 @@ def _numbers(low: float, high: float) -> Iterator[tuple[float, float]]:
             if low <= number <= high:
                 yield number, share
     for exponent in range(math.ceil(math.log2(low)), math.floor(math.log2(high)) + 1):
-        if exponent < -3:  # of 1/8 and coarser, 2, 1, 1/2, 1/4 are among the others
+        if exponent < -3:  # 2, 1, 1/2 and 1/4 are among those above; 1/8 and 4 are not tried
             yield 2.0**exponent, 0.02

@@ -71,5 +71,5 @@ def changed_bits(
 
 
 def _company(changes: list[BitChange], one: BitChange) -> int:
-    """Return how many bits of the same word changed: a state changes few."""
+    """Return how many bits of its word changed: those of words with few come first."""
     return sum(other.address == one.address for other in changes)

@@ -25,11 +25,11 @@ from aff_runtime.app.setup.status_bits import changed_bits
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.units import plain
 
-LOOK_S = 3.0
-BIT_S = 1.5
-SLOWEST_M_S = 0.02
-WHOLE_TURNS = 3.0
-EVEN = 1.0  # of score, by which a heartbeat has to be ahead
+LOOK_S = 3.0  # for which all words are watched
+BIT_S = 1.5  # for which they are watched before and after a state changes
+SLOWEST_M_S = 0.02  # line speed below which no angle is looked for
+WHOLE_TURNS = 3.0  # of a roll, to be seen before its angle is decided
+AHEAD = 1.0  # of score, by which the first heartbeat has to be better than the second
 
 
 class Steps(DisplaySteps):
@@ -75,7 +75,7 @@ class Steps(DisplaySteps):
         rows = {
             n: f"word {one.address}: {', '.join(one.why)}" for n, one in enumerate(candidates, 1)
         }
-        rivals = [one for one in candidates[1:] if one.score > candidates[0].score - EVEN]
+        rivals = [one for one in candidates[1:] if one.score > candidates[0].score - AHEAD]
         unsure = "several words count up like a scan" if rivals else ""
         pick = self.pick("heartbeat", "Which is the PLC's heartbeat?", rows, unsure=unsure)
         best = candidates[int(pick) - 1]
@@ -124,7 +124,7 @@ class Steps(DisplaySteps):
                 raise ConfigError(f"{wanted.channel}: no word of the window can be it")
 
     def _angles(self, wanted: Quantity, seen: Watched) -> list[AngleCandidate]:
-        """Return what can be this roll's angle, beside the rolls that are still looked for."""
+        """Return what can be this roll's angle; last what leaves no word for another roll."""
         does = behaviours(seen)
         rows = self._angles_of(wanted.roll, seen, does)
         draft = self.dialogue.draft
@@ -158,8 +158,8 @@ class Steps(DisplaySteps):
     def _shows_all(self, wanted: Quantity, seen: Watched) -> bool:
         """Return whether longer watching shows no more.
 
-        That is so when some whole turns were seen, and the best word has gone through its end or
-        will not do so.
+        That is so when ``WHOLE_TURNS`` were seen, and the best word has gone through its end or
+        is too slow to do so within ``LONGEST_S``.
         """
         if seen.duration_s < LOOK_S:
             return False
@@ -169,9 +169,9 @@ class Steps(DisplaySteps):
             return seen.duration_s > 2.0 * LOOK_S
         if rows[0].measured.turns < WHOLE_TURNS:
             return False
-        low = [does[place] for place in rows[0].decoding.addresses if does[place].rate_per_s]
-        too_slow = all(65536.0 / abs(one.rate_per_s) > LONGEST_S for one in low)
-        return too_slow or any(one.wraps or one.restarts_at for one in low)
+        moving = [does[place] for place in rows[0].decoding.addresses if does[place].rate_per_s]
+        too_slow = all(65536.0 / abs(one.rate_per_s) > LONGEST_S for one in moving)
+        return too_slow or any(one.wraps or one.restarts_at for one in moving)
 
     def find_bit(self, question: Question) -> None:
         """Find a status bit by changing its state."""

@@ -13,7 +13,7 @@ AGREED = 0.014
 """Share by which line speed over radius may be off: 1 % each, as step 2 of the card asks."""
 UNSEEN = 0.05
 """The same before one whole turn was seen: a roll that is not round turns unevenly."""
-_SURE = 2.0  # standard deviations
+_SURE = 2.0  # standard deviations of the scatter that make half of the interval
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,8 +23,8 @@ class CountsPerTurn:
     Attributes
     ----------
     counts : in a turn of the roll, negative against the web.
-    off : half of the interval, as a share of them.
-    turns : how many were seen.
+    off : half of the interval, as a share of ``counts``.
+    turns : of the roll that were seen, by line speed and radius.
     """
 
     counts: float
@@ -52,12 +52,12 @@ def counts_per_turn(
     """Return what a count says of a turn; None while no web moves.
 
     A roll that is not round turns unevenly within a turn, and by its mean radius over whole ones.
-    So counts are taken over the web of whole turns, two thirds of what was seen, from every
-    reading on behind which there are as many.
+    So counts are taken over the web of whole turns, two thirds of those that were seen, beginning
+    at every reading that has so many after it.
 
     Parameters
     ----------
-    path : the count, through its ends.
+    path : how far the count has come, wraps taken out.
     speeds_m_s : of the web, as many as ``times_s``.
     radius_m : of the roll, above 0.
     """
@@ -90,7 +90,7 @@ def counts_per_turn(
 
 
 def _at(web_m: Sequence[float], path: Sequence[float], place_m: float) -> float:
-    """Return the count where so much web has passed."""
+    """Return the count when so much web had passed; a straight line between two readings."""
     after = min(max(1, bisect_left(web_m, place_m)), len(web_m) - 1)
     before = after - 1
     way_m = web_m[after] - web_m[before]
