@@ -101,7 +101,7 @@ class CardBook:
 
     @contextlib.contextmanager
     def _alone(self) -> Iterator[None]:
-        """Keep other writers out; what one that was killed has left goes."""
+        """Keep other writers out; delete new files (``_LEFT``) of a writer that was killed."""
         flags = os.O_RDWR | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
         try:
             self._folder.mkdir(parents=True, exist_ok=True)

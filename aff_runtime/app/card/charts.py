@@ -9,7 +9,7 @@ from html import escape
 from aff_runtime.app.card.figures import Figure, Sample
 from aff_runtime.base.printable import printable
 
-ROW, LEFT, WIDE, HIGH = 18, 330, 640, 120  # pixels: a row, the room for its name, a chart
+ROW, LEFT, WIDE, HIGH = 18, 330, 640, 120  # pixels: height of a row, width of its name, a chart
 MOST = 40  # rows
 COURSE = ("time_s", "amplitude")
 BODE = ("frequency_Hz", "gain", "phase_rad", "relative_error")
@@ -80,21 +80,21 @@ def _bode(rows: Sequence[tuple[float, ...]]) -> Iterator[str]:
     low, high = math.log(rows[0][0]), math.log(rows[-1][0])
     x = _Scale(low, high, 50, WIDE - 20)
     gains = [math.log10(row[1]) for row in rows]
-    up = _Scale(min(gains) - 0.2, max(gains) + 0.2, HIGH, 10)
-    turn = _Scale(-180.0, 180.0, 2 * HIGH + 10, HIGH + 20)
+    gain_y = _Scale(min(gains) - 0.2, max(gains) + 0.2, HIGH, 10)
+    phase_y = _Scale(-180.0, 180.0, 2 * HIGH + 10, HIGH + 20)
     for row, gain in zip(rows, gains, strict=True):
         across = x(math.log(row[0]))
         above, below = (math.log10(max(1e-3, 1.0 + s * row[3])) for s in (1.0, -1.0))
         phase = math.degrees(math.remainder(row[2], math.tau))
         yield (
-            f'<path d="M{across:.1f} {up(gain + above):.1f}V{up(gain + below):.1f}" '
-            f'stroke="#06c"/><circle cx="{across:.1f}" cy="{up(gain):.1f}" r="2" fill="#06c"/>'
-            f'<circle cx="{across:.1f}" cy="{turn(phase):.1f}" r="2" fill="#a40"/>'
+            f'<path d="M{across:.1f} {gain_y(gain + above):.1f}V{gain_y(gain + below):.1f}" '
+            f'stroke="#06c"/><circle cx="{across:.1f}" cy="{gain_y(gain):.1f}" r="2" fill="#06c"/>'
+            f'<circle cx="{across:.1f}" cy="{phase_y(phase):.1f}" r="2" fill="#a40"/>'
         )
     for angle in (-180, -90, 0, 90, 180):
-        yield f'<text x="0" y="{turn(angle) + 4:.1f}">{angle} deg</text>'
+        yield f'<text x="0" y="{phase_y(angle) + 4:.1f}">{angle} deg</text>'
     for size in (min(gains), max(gains)):
-        yield f'<text x="0" y="{up(size) + 4:.1f}">{10.0**size:.3g}</text>'
+        yield f'<text x="0" y="{gain_y(size) + 4:.1f}">{10.0**size:.3g}</text>'
     for frequency in (rows[0][0], rows[-1][0]):
         yield (
             f'<text x="{x(math.log(frequency)) - 15:.1f}" y="{2 * HIGH + 34}">'

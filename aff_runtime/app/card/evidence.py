@@ -40,9 +40,9 @@ class Try:
 
     Attributes
     ----------
-    factor : of the value in the site file. ``measured`` : a window of the record is of it.
+    factor : of the value in the site file. ``measured`` : a window of the record shows it.
     ended : why it ended before it was measured; empty where it was.
-    worse : it ended because ripple rose under it: that it may not be is what came of it.
+    worse : it ended because ripple rose: that is a result, and not a try that was cut off.
     """
 
     actuator: str
@@ -58,12 +58,13 @@ class Evidence:
 
     Attributes
     ----------
-    windows : of records; a step without is not of the record.
+    windows : of records; empty for a step that looks at none.
     rights, machine : real-time rights of the control process; the machine, where it is this one.
     state, blocks : of the running service: its state, every order of every law.
-    responses : the measured response by actuator. ``probed_here`` : of whom the service says so.
+    responses : the measured response by actuator. ``probed_here`` : actuators
+        of whose response the service says that its own probe wrote it.
     tries : settings that were tried, each with a window where it was measured.
-    former : samples of the step from before, as far as they still count.
+    former : samples of earlier measurements of the step, as far as they still count.
     """
 
     checked: CheckedSite

@@ -19,12 +19,12 @@ class Fields:
 
     Parameters
     ----------
-    said : plain values. ``place`` : what they are, for messages.
+    said : plain values. ``place`` : where they stand in the card, for messages.
 
     Raises
     ------
     ConfigError
-        They are no object; so do all its methods for a value of another type.
+        They are no object. Every method raises it for a value of another type.
     """
 
     def __init__(self, said: Any, place: str) -> None:

@@ -36,7 +36,7 @@ class Figure:
     value : NaN where it could not be measured.
     low, high : 95 % interval, or what is known of the error; NaN where nothing is.
     limit : in words. ``good`` : whether it is kept; None: cannot be said, or has no limit.
-    needed : a figure that is missing keeps the step open.
+    needed : whether the step stays open while this figure cannot be judged by its limit.
     """
 
     name: str
@@ -60,8 +60,8 @@ class Sample:
 
     Attributes
     ----------
-    kind : of what step. ``of`` : actuator, channel or trip that it is of.
-    names, numbers : what ``values`` are, and they, SI.
+    kind : what it is of: load, probe, course, candidate or trip. ``of`` : which one.
+    names, numbers : single numbers by name, SI.
     columns, rows : a table, such as the points of a response; (rows, columns).
     """
 

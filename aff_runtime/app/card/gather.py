@@ -28,9 +28,11 @@ from aff_runtime.core.response import Response
 from aff_runtime.telemetry.header import Right, RunMeta
 
 EDIT, SETTINGS, AT_START = "EDIT", "SETTINGS", " started by "
+"""Events of other settings; the one with ``AT_START`` names those that the run began with."""
 AFTER_CHANGE_S = 0.5
+"""From a change of settings to the first row that is looked at."""
 MARGIN_S = 0.5
-"""Of the newest rows, which the recorder may not have written yet."""
+"""Newest time that is left out: the recorder may not have written its rows yet."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -147,7 +149,7 @@ def _whole(number: float) -> str:
 
 
 def wanted_windows(step: Step, sources: Sources) -> Iterator[RunWindow]:
-    """Yield the windows that were named, else the newest of the service."""
+    """Yield the windows that were named, else the newest rows of the service's record."""
     if Need.RECORD not in step.needs:
         if sources.windows:
             raise ConfigError(f"step {step.number} looks at no record; leave --run out")
@@ -171,7 +173,7 @@ def wanted_windows(step: Step, sources: Sources) -> Iterator[RunWindow]:
 
 
 def _check_settings(window: Window, sources: Sources) -> None:
-    """Refuse a record of other settings, and one in which they were changed."""
+    """Refuse a window of other settings, and one in which settings were changed."""
     if any(map(_changes_settings, window.table.events)):
         raise RefusedError(f"{window.table.window}: settings were changed in it")
     recorder = sources.answer.recorder if sources.answer is not None else None

@@ -13,8 +13,8 @@ from aff_runtime.app.card.standing import Card, Stand, StepStanding
 from aff_runtime.base.printable import printable
 
 SIZES = {"a4": "A4", "letter": "Letter"}
-_HASH_ROW = 32
-ROUNDING = 1e-9
+_HASH_ROW = 32  # hex digits of the hash in a printed row
+ROUNDING = 1e-9  # a smaller value is shown as 0
 STYLE = (
     "body{font:10.5pt/1.35 sans-serif;margin:1.5em;color:#111;max-width:60em}"
     "h1{font-size:16pt;margin:0 0 .3em}h2{font-size:12.5pt;margin:1.2em 0 .2em}"
@@ -188,7 +188,7 @@ def span_text(figure: Figure) -> str:
 
 
 def _number(value: float) -> str:
-    """Return four digits; what rounding alone has left is 0."""
+    """Return four significant digits; what rounding alone has left is 0."""
     return f"{value if abs(value) > ROUNDING else 0.0:.4g}"
 
 

@@ -39,7 +39,7 @@ class StepStanding:
     ----------
     why : what has changed since, in sentences, where it is to be done again.
     last : entry of the measurement that counts; None without one.
-    earlier : how many were made before it. ``signature`` : entry below ``last``.
+    earlier : how many measurements were made before it. ``signature`` : entry below ``last``.
     """
 
     step: Step
@@ -93,7 +93,7 @@ def card_of(entries: Sequence[Entry], now: Inputs | None = None) -> Card:
 
     Parameters
     ----------
-    now : what holds now; None: nothing is compared, as on a page of old.
+    now : what holds now; None: it is not known, and nothing is compared.
     """
     begun = entries[0].said
     assert isinstance(begun, Begun)  # `entries_of` has seen to it
@@ -107,7 +107,10 @@ def card_of(entries: Sequence[Entry], now: Inputs | None = None) -> Card:
 
 
 def changed(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
-    """Yield what a step rests on and has changed; what is not known on one side is no change."""
+    """Yield what has changed of what a step rests on.
+
+    What is not known on one side is no change; a response that is on one side alone is one.
+    """
     pairs = {
         Rest.SITE: (then.site_hash, now.site_hash),
         Rest.CONFIG: (then.config_hash, now.config_hash),

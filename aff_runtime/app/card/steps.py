@@ -26,7 +26,7 @@ from aff_runtime.base.errors import RefusedError
 
 
 class Rest(StrEnum):
-    """What a step rests on: when it is another one, the step has to be done again."""
+    """What a step rests on: when it has changed, the step has to be done again."""
 
     SITE = "site file"
     CONFIG = "configuration with what was learned"
@@ -44,8 +44,8 @@ class Step:
     measured, unit, limit : what comes out, in words.
     rests_on : what turns it to "again". ``needs`` : what has to be gathered.
     seconds : of the record that are looked at where no window is named; 0: no record.
-    begins_anew : the newest rows begin no earlier than settings were changed last: what is
-        looked for in them happens once.
+    begins_anew : of the newest rows those since the last change of settings are looked at: what
+        is looked for happens once.
     typed : names that may be typed.
     """
 

@@ -11,7 +11,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.units import to_si, unit_info
 
-LONGEST = 200
+LONGEST = 200  # characters of a value
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")
 _DECIBEL = "dB"
@@ -93,7 +93,7 @@ def typed(text: str) -> Typed:
 
 
 def _si(number: float, written: str) -> tuple[float, str]:
-    """Return a number in the SI unit of its unit; of no unit that is known: a word."""
+    """Return a number and its SI unit; NaN where the unit is not known: the text is a word."""
     if not math.isfinite(number):
         return math.nan, ""
     if not written or written == _DECIBEL:

@@ -42,7 +42,7 @@ from aff_runtime.base.release import release_text
 from aff_runtime.base.run_table import few
 from aff_runtime.config.revision import SHORT, file_digest
 
-LONGEST_SENTENCE = 600
+LONGEST_SENTENCE = 600  # characters; so are the bounds of reason and name
 SHORTEST_REASON, LONGEST_REASON, SHORTEST_NAME, LONGEST_NAME = 8, 500, 2, 80
 
 
@@ -213,7 +213,7 @@ def _put(card: CardFile, kind: str, said: Measured | Signed) -> None:
 
 
 def _bounded(finding: Finding) -> Finding:
-    """Return a finding of which no sentence and no list is longer than anybody reads."""
+    """Return a finding with bounded sentences (``LONGEST_SENTENCE``), and few of each kind."""
     return replace(
         finding,
         remarks=_cut(finding.remarks),

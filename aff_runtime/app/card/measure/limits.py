@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import Figure, Finding, at_least, at_most
 
-FEWEST_COUNTS = 5.0
+FEWEST_COUNTS = 5.0  # a limit is at least so many counts of its word
 WATCHDOG_LIMIT_MS = 300.0
 UNDERSTOOD = "warnings_understood"
 WATCHDOG_TYPED = ("reaction", "time")

@@ -17,13 +17,14 @@ from aff_runtime.app.card.typed_values import NotTypedError
 from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.errors import RefusedError
 
-LIMIT_PERCENT = 1.0
+LIMIT_PERCENT = 1.0  # of the span weight
 NOISE_CHANGE = 1.3
-"""A noise that differs from the site file's by more is proposed."""
+"""A noise that differs from the site file's by a larger factor is proposed."""
 DEFAULT_NOISE_N = 0.6
-"""Of a site file that says none."""
+"""What the law assumes where the site file gives none (``NOISE_N`` of ``site_to_law``)."""
 KIND = "load"
 NAMES = ("load_N", "mean_N", "half_N", "sd_N", "readings")
+"""Numbers of a sample. ``half_N``: half of the mean's 95 % interval."""
 TYPED = ("load", "signal")
 
 

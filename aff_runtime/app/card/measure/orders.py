@@ -38,6 +38,7 @@ def measure(evidence: Evidence) -> Finding:
 
 
 def _of(block: BlockStatus) -> Iterator[Figure]:
+    """Yield reduction and cost of an order: amplitude of its correction per ripple taken off."""
     name = f"{block.actuator} {block.name}"
     if block.benefit_dB is not None:
         yield Figure(

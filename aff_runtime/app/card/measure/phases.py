@@ -10,7 +10,8 @@ from aff_runtime.app.report.comparison.window import Window, sum_of_corrections
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
 
-SHORTEST_S = 5.0
+SHORTEST_S = 5.0  # of a stretch; shorter ones are left out
+_OFF, _ON, _FADE = 0, 1, 2  # a correction that goes out in another state than ACTIVE fades
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,16 +38,16 @@ def phases(window: Window) -> list[Phase]:
     time_s = columns["time_s"]
     sent = sum_of_corrections(columns) > 0.0
     on = sent & (columns["state"] == State.ACTIVE)
-    code = np.where(on, 1, np.where(sent, 2, 0))
+    code = np.where(on, _ON, np.where(sent, _FADE, _OFF))
     edges = np.flatnonzero(np.diff(code)) + 1
     starts, ends = np.concatenate([[0], edges]), np.concatenate([edges, [code.size]])
     stretches: list[Phase] = []
     for start, end in zip(starts, ends, strict=True):
         last = min(int(end), time_s.size - 1)
         phase = Phase(
-            on=bool(code[start] == 1), from_s=float(time_s[start]), to_s=float(time_s[last])
+            on=bool(code[start] == _ON), from_s=float(time_s[start]), to_s=float(time_s[last])
         )
-        if code[start] == 2 or phase.to_s - phase.from_s < SHORTEST_S:
+        if code[start] == _FADE or phase.to_s - phase.from_s < SHORTEST_S:
             continue
         if stretches and stretches[-1].on == phase.on:
             phase = Phase(on=phase.on, from_s=stretches[-1].from_s, to_s=phase.to_s)

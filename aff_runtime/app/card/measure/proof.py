@@ -18,7 +18,7 @@ from aff_runtime.config.models import Site
 
 AT_LEAST = " (at least: in the noise when on)"
 TYPED = ("promised", "settle")
-DEFAULT_PROMISE_dB = 0.0
+DEFAULT_PROMISE_dB = 0.0  # where none is typed
 TURNS, BROKEN_TURNS = 20, 2
 """Turns of the slowest corrected roll that each off and on needs: whole ones, and what may be
 broken at its two ends."""
@@ -28,9 +28,12 @@ NOTHING_PROVEN = (
 )
 PARTS = ("first off", "first on", "second off", "second on")
 SPEED_PERCENT, SLOWEST_M_S = 2.0, 1e-3
+"""How far the line speeds of the four parts may be apart; what a mean speed counts as at least."""
 SETTLES, MEMORIES = 3.0, 2.0
+"""An on is left alone for so many settle times of a block, or memories of a shape law."""
 Key = tuple[str, str, int]
-_DB = 20.0 / math.log(10.0)
+"""Signal, roll, order."""
+_DB = 20.0 / math.log(10.0)  # dB of a natural logarithm
 
 
 def measure(evidence: Evidence) -> Finding:
@@ -154,7 +157,7 @@ def _orders(pairs: Sequence[Comparison], wanted: frozenset[Key]) -> Iterator[Fig
 
 
 def reduction_figure(key: Key, changes: Sequence[Change]) -> Figure:
-    """Return the reduction of one order; one that is in the noise has no figure."""
+    """Return the reduction of one order; NaN, and not needed, for one that is in the noise."""
     signal, roll, order = key
     change = reduction(changes)
     noise = change.bound == "none"
@@ -224,7 +227,7 @@ def root_sum(ends: Sequence[Estimate], noise: float) -> tuple[float, float]:
 
 
 def _turns(pairs: Sequence[Comparison], wanted: frozenset[Key]) -> Iterator[Figure]:
-    """Yield per off and on the fewest whole turns that an estimate of it rests on."""
+    """Yield for each of the four parts the fewest whole turns that an estimate rests on."""
     rows = [tuple(_by_key(pair, wanted).values()) for pair in pairs]
     parts = [
         [(end.turns, roll) for end, roll in ends]
@@ -251,7 +254,7 @@ def _too_short(turns: Figure) -> str:
 def _conditions(
     pairs: Sequence[Comparison], events: Sequence[Mapping[str, str]]
 ) -> Iterator[Figure]:
-    """Yield what makes it no proof: another speed, other settings, a ripple that rose."""
+    """Yield what would spoil the proof: another speed, other settings, a ripple that rose."""
     speeds = [facts.speed_m_s[0] for pair in pairs for facts in pair.windows]
     apart = 100.0 * (max(speeds) - min(speeds)) / max(1e-12, *map(abs, speeds))
     yield Figure(

@@ -18,8 +18,9 @@ from aff_runtime.base.order_columns import RESPONSE_RATIO, is_part, order_column
 from aff_runtime.base.run_table import read_table
 from aff_runtime.config.models import Actuator
 
-TURNS = 10.0
-RATIO = (0.5, 2.0)
+TURNS = 10.0  # of its roll, that a shape law is given to settle
+RATIO = (0.5, 2.0)  # within which the median of ``gain_of_P`` shall be
+_MOST_TURNS = 400  # a course of twice as many, or more, is thinned out
 KIND, COLUMNS = "course", ("time_s", "amplitude")
 
 
@@ -101,7 +102,7 @@ def _courses(evidence: Evidence, window: Window, off: Phase, on: Phase) -> Itera
             if len(turns) < 2:
                 continue
             times = np.linspace(off.from_s, on.to_s, len(turns)) - on.from_s
-            step = max(1, len(turns) // 400)
+            step = max(1, len(turns) // _MOST_TURNS)
             yield Sample(
                 kind=KIND,
                 of=f"{actuator.error.signal}, {block.roll} {order}x",

@@ -23,7 +23,7 @@ from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Actuator, Site
 from aff_runtime.config.yaml_marks import parse_marked
 
-MOST_TRIES = 6
+MOST_TRIES = 6  # of one search, the setting of the site file among them
 LEAST = 1.0
 """Shortest settle_s, s, and memory_turns, turns, that a site file takes."""
 KIND = "candidate"
@@ -39,8 +39,8 @@ class Candidate:
     Attributes
     ----------
     factor : of the value in the site file. ``value`` : the shortest that it makes, s or turns.
-    ripple, half : of all corrected orders together, with half of the interval.
-    noise : deviation of the signal without them. ``peak`` : largest correction.
+    ripple, half : amplitude of all corrected orders together, and half of its interval.
+    noise : standard deviation of the signal without them. ``peak`` : largest correction.
     ended : why the try ended before it was measured; empty where it was. ``worse`` : because
         ripple rose.
     """
@@ -184,7 +184,7 @@ def measure(evidence: Evidence) -> Finding:
 
 
 def _missing(cut_off: Sequence[Candidate], *, is_over: bool) -> Iterator[str]:
-    """Yield what keeps a search from its end: a try that ended early is no candidate measured."""
+    """Yield what the search still lacks: a try that ended early is not measured."""
     for one in cut_off:
         yield f"{one.value:g} was not measured to its end: {one.ended}; arm, and search again"
     if not is_over and not cut_off:

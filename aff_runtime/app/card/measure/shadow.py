@@ -15,12 +15,12 @@ from aff_runtime.base.signals import State
 
 LONGEST_NEEDED_S, LIMIT_PERCENT = 600.0, 1.0
 SEARCHED = 0.04
-"""Around an order, of that order: a peak beyond is another body's."""
+"""A peak is looked for within this share of an order; beyond, it is another body's."""
 STANDS_OUT = 5.0
-"""A peak is one when it is so many times the median around it."""
+"""A peak stands out when it is so many times the median of the spectrum around it."""
 PER_TURN = 16
 """Samples per period of the order that is looked for."""
-FEWEST_TURNS = 50
+FEWEST_TURNS = 50  # of a roll; with fewer nothing is compared
 
 
 def measure(evidence: Evidence) -> Finding:

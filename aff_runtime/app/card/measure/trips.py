@@ -29,12 +29,19 @@ COMES_BACK = {
 }
 """Trips, and whether the correction comes back by itself."""
 ENDS_RECORD = ("restart", "kill")
+"""Trips whose time is typed."""
 STALE = ("cable", "plc_stop")
+"""Trips whose cause is the last fresh reading; of the others, a change of a word."""
 TENSION_STAYS = ("splice", "bypass")
+"""Trips of which the bump of the tension is judged."""
 TYPED = ("trip", "time")
 LIMIT_MS, BUMP_SIGMAS = 300.0, 5.0
 BEFORE_S, AFTER_S, CAUSE_S, STAYS_S = 5.0, 1.0, 1.0, 5.0
+"""Steps of the tension are compared from ``BEFORE_S`` before the cause to ``AFTER_S`` after it; a
+word that changed within ``CAUSE_S`` before the trip is its cause; a correction that is still off
+``STAYS_S`` after it stays off."""
 KIND, NAMES = "trip", ("time_ms", "error_ms", "bump_sigmas", "came_back")
+"""Numbers of a sample. ``error_ms``: two cycles."""
 
 
 def measure(evidence: Evidence) -> Finding:
@@ -100,7 +107,7 @@ def _sample(evidence: Evidence, trip: str) -> Sample:
 
 
 def _cause_s(window: Window, at: int, trip: str) -> float:
-    """Return when the cause was there: the last live reading, else the last change of a word."""
+    """Return when the cause was there, s: the last fresh reading, or the last change of a word."""
     columns = window.table.columns
     time_s = columns["time_s"]
     if trip in STALE:

@@ -16,8 +16,8 @@ from aff_runtime.base.signals import NO_ECHO
 
 LIMIT_PERCENT = 1.0
 READ_S, AT_ONCE_S = 10.0, 0.5
-"""Of a radius, which changes while its display is read: how long that may take, and readings that
-count as one moment's."""
+"""Of a radius, which changes while its display is read: how long reading may take, and how long
+readings count as of one moment."""
 LATE_SHARE = 0.5
 """Of a cycle: a tick that begins later than this looks at the heartbeat at another time."""
 OURS_WERE_LATE = (
@@ -104,7 +104,7 @@ def longest_rest(time_s: Array, heartbeat: Array, wake_us: Array) -> Rest:
 
 
 def _heartbeat(window: Window, hold_after_ms: float) -> tuple[Figure, tuple[str, ...]]:
-    """Return the heartbeat's longest rest, and why it says nothing of the PLC."""
+    """Return the heartbeat's longest rest, and a sentence where it is not the PLC's own."""
     columns = window.table.columns
     time_s = columns["time_s"]
     wake_us = np.nan_to_num(columns.get("wake_us", np.zeros(time_s.size)))
@@ -163,9 +163,9 @@ def _difference(window: Window, name: str, shown: float) -> Figure:
 
 
 def _at_the_reading(window: Window, values: Array, shown: float) -> tuple[float, float]:
-    """Return the mean and half its interval where a radius was nearest to what was shown.
+    """Return the mean and half its interval at the moment nearest to what was shown.
 
-    When in the window the display was read nobody knows, and between reading and measuring lie
+    Nobody knows when in the window the display was read, and between reading and measuring lie
     walking and typing: a radius that the display showed is one that the word passed in the window.
     """
     ago = np.floor((window.time_s[-1] - window.time_s) / AT_ONCE_S)
