@@ -14,7 +14,7 @@ LOG = logging.getLogger("aff_runtime")
 
 
 class AuditLines:
-    """Writes lines; of a flood of refusals the count, so that it pushes nothing else out."""
+    """Writes lines; of a flood of refusals the count alone: it pushes no other line out."""
 
     def __init__(self, audit: Audit, clock: Clock) -> None:
         self._audit = audit
@@ -46,7 +46,7 @@ class AuditLines:
             self._unwritten += 1
 
     def tend(self) -> None:
-        """Say how many were not written, once there may be a line of it."""
+        """Say how many refusals were not written, once another line may be."""
         if self._unwritten and self._lines.take():
             self._say_unwritten()
 

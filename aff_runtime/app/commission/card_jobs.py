@@ -20,7 +20,7 @@ from aff_runtime.app.commission.talk import Talk
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
 
-LONGEST_S = 600.0
+LONGEST_S = 600.0  # of one measurement of a step
 MEMORY_BYTES = 4 << 30
 
 
@@ -28,12 +28,13 @@ def card(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return the card as it stands, compared with what holds now as far as that is known."""
     card_file = work.CardFile.of(where.card)
     try:
-        at = sources(where, card_file)
-        now = inputs_of(at)
+        found = sources(where, card_file)
+        now = inputs_of(found)
     except AffError as error:
         remark = f"not compared with what holds now: {error}"
         return CardShown(card=card_view(card_file.card(), None, None, [remark]))
-    return CardShown(card=card_view(card_file.card(now), at.checked, at.answer, said_of(at)))
+    view = card_view(card_file.card(now), found.checked, found.answer, said_of(found))
+    return CardShown(card=view)
 
 
 def printed(where: Paths, asked: Request, talk: Talk) -> Answer:
@@ -55,16 +56,16 @@ def begin(where: Paths, asked: Request, talk: Talk) -> Answer:
 def step(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Measure a step, or put on the card that it does not apply."""
     card_file, number, by = work.CardFile.of(where.card), asked.step, asked.by
-    at = sources(where, card_file, plc=asked.plc.strip())
+    found = sources(where, card_file, plc=asked.plc.strip())
     if asked.leave_out.strip():
-        kept = work.leave_out(card_file, number, asked.leave_out, inputs_of(at), by)
+        kept = work.leave_out(card_file, number, asked.leave_out, inputs_of(found), by)
     else:
         values = tuple(typed(line) for line in asked.typed.splitlines() if line.strip())
         if number == steps.SEARCH:
-            at = after_search(where, at, values, talk.say)
+            found = after_search(where, found, values, talk.say)
         with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
-            kept = work.measure(card_file, number, at, values, by)
-    work.keep_site(where.card, at.parameters)
+            kept = work.measure(card_file, number, found, values, by)
+    work.keep_site(where.card, found.parameters)
     return Done(text=f"step {number}: {kept.verdict}")
 
 

@@ -1,4 +1,4 @@
-"""A card for a screen to show: the words of its page, none of its marks."""
+"""A card for a screen to show: the sentences and numbers of its printed page, without HTML."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def card_view(
 
     Parameters
     ----------
-    checked : the site as it lies there now; None where it is not good.
+    checked : the site file as it is now; None where the check refuses it.
     answer : of the running service, None where none answers.
     remarks : what is to be said of the comparison with what holds now.
     """

@@ -11,11 +11,11 @@ from aff_runtime.app.link.packet_client import connected
 from aff_runtime.base.errors import AffError
 
 NOBODY = "no commissioner answers ({error}); start it with `aff-runtime commission`"
-PATIENCE_S = 20.0
+PATIENCE_S = 20.0  # for a whole answer
 
 
 async def ask(path: Path, asked: Request, patience_s: float = PATIENCE_S) -> Answer:
-    """Return the answer to a request; a refusal that says so where none comes."""
+    """Return the answer to a request; the refusal ``SILENT`` where none comes."""
     try:
         return decode(asked.do, await exchanged(path, encode(asked), patience_s))
     except (AffError, OSError, ValueError, TimeoutError):

@@ -29,7 +29,7 @@ from aff_runtime.base.ports import Clock
 
 AWAITED = ("sign",)
 """Jobs whose answer the screen waits for, never stopped; of the others it hears by ``state``."""
-LOOK_S = 1.0
+LOOK_S = 1.0  # between two looks at what nobody asks for
 
 
 class Commissioner:
@@ -75,7 +75,7 @@ class Commissioner:
         return Refusal(why=Why.CLOSED) if held is None else await self._do(asked, held, peer)
 
     async def _do(self, asked: Request, held: Holder, peer: Peer) -> Answer:
-        """Do what the person asks who is in."""
+        """Do what the person asks who commissions."""
         if asked.do == "close":
             self._audit.write(_entry(asked, held, peer), "done")
             self._people.close()
@@ -85,7 +85,7 @@ class Commissioner:
         return await self._start(asked, held, peer)
 
     def _tend(self) -> None:
-        """Say what was not written; end a job that waits for somebody who is not in any more."""
+        """Write the count of refusals; end a job that waits for somebody who is no longer in."""
         self._audit.tend()
         worker, held = self._short.worker, self._people.holder
         if worker is None or worker.question is None:

@@ -21,15 +21,15 @@ from aff_runtime.app.link.peer import Peer, peer_of, uids_with
 from aff_runtime.app.supervisor.packet_listener import SCREEN_USER, listening
 from aff_runtime.base.socket_file import identity, remove_own
 
-MOST = 16
-PATIENCE_S, LONGEST_S = 5.0, 900.0
-PACKET_BYTES = 1 << 15
+MOST = 16  # requests at a time
+PATIENCE_S, LONGEST_S = 5.0, 900.0  # for a request to come or an answer to go; to work it out
+PACKET_BYTES = 1 << 15  # of an answer that are sent at once
 ANOTHER = "name another folder with --dir"
 Answering = Callable[[Request, Peer], Awaitable[Answer]]
 
 
 class Listener:
-    """Takes requests, ``MOST`` at a time; who comes beyond that waits in the kernel's queue.
+    """Takes requests, ``MOST`` at a time; one beyond that waits in the kernel's queue.
 
     Parameters
     ----------
@@ -76,13 +76,13 @@ class Listener:
                 line = await loop.sock_recv(end, MAX_ASKED_BYTES + 1)
             try:
                 async with asyncio.timeout(LONGEST_S):
-                    told = await self._answer(read_request(line), peer)
+                    answer = await self._answer(read_request(line), peer)
             except RequestError:
-                told = Refusal(why=Why.NO_SENSE)
-            said = encode(told)
+                answer = Refusal(why=Why.NO_SENSE)
+            sent = encode(answer)
             async with asyncio.timeout(PATIENCE_S):
-                for at in range(0, len(said), PACKET_BYTES):
-                    await loop.sock_sendall(end, said[at : at + PACKET_BYTES])
+                for at in range(0, len(sent), PACKET_BYTES):
+                    await loop.sock_sendall(end, sent[at : at + PACKET_BYTES])
         except (OSError, TimeoutError):
             return
         finally:

@@ -21,14 +21,14 @@ from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.revision import file_digest
 from aff_runtime.config.yaml_marks import MAX_BYTES
 
-LOOK_S = 1.0
+LOOK_S = 1.0  # between two looks at the service
 LEAST_AGE_NS = 2_000_000_000
-"""A view is shown again until it is that old, whatever has changed."""
+"""A view that is younger is shown again, whatever has changed."""
 MOST_AGE_OF_RUNS_NS = 30_000_000_000
-"""A view of recorded runs is made anew when it is that old: they grow by themselves."""
+"""A view of recorded runs that is older is made anew, since runs grow by themselves."""
 VIEWS_OF_RUNS = ("refining", "maintenance")
 VIEWS_OF_CARD = ("card", "page")
-MOST_KEPT = 32
+MOST_KEPT = 32  # views; the oldest goes
 NO_CARD, NO_SITE = "no card is begun", "no site file is there"
 Fingerprint = tuple[object, ...]
 
@@ -38,7 +38,7 @@ class Looking:
 
     A view of the card checks the site file, which takes a second of a processor: it is made at
     most every two seconds, and only when card, site file or service are others than before. A
-    refusal is tried again: memory or time, for which it may have been, changes without a file.
+    refused view is tried again: memory or time that it lacked may be there by now.
     """
 
     def __init__(self, where: Paths, clock: Clock) -> None:
@@ -88,7 +88,7 @@ class Looking:
         )
 
     def job_ended(self) -> None:
-        """Take note that what a job may have changed is to be looked at anew."""
+        """Have every view made anew: a job may have changed what it shows."""
         self._jobs_ended += 1
 
     async def look(self, asked: Request) -> Answer:
@@ -126,7 +126,7 @@ class Looking:
 
 
 def _of_file(path: Path) -> Fingerprint:
-    """Return what changes when a file is another one; nothing where there is none."""
+    """Return what tells a file and its content from another; empty where there is none."""
     try:
         found = path.stat()
     except OSError:

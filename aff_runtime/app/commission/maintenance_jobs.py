@@ -35,7 +35,7 @@ from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.run_window import names_a_run
 
 MOST_READINGS = 120
-"""Of a trend on the screen; more are shown as means of neighbours."""
+"""Points of a trend on the screen; where there are more readings, each is a mean of neighbours."""
 MOST_TRENDS, MOST_ROLLS = 400, 200
 WEEK_S = 7.0 * 86400.0
 PER_1000_KM = 1000.0
@@ -103,7 +103,7 @@ def maintenance_view(folder: Path, store: Store) -> MaintenanceView:
 
 
 def _first(found: list[Finding]) -> list[Finding]:
-    """Return what somebody should know first, else as it was."""
+    """Return the findings that stand out or jumped, then the others, each in their order."""
     return sorted(found, key=lambda one: not (one.stands_out or one.jump is not None))
 
 

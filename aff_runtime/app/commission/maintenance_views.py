@@ -64,7 +64,7 @@ class TrendRow:
 
     Attributes
     ----------
-    quantity : its word. ``limit`` : None where nobody gave one.
+    quantity : its name for people. ``limit`` : None where nobody gave one.
     speed_m_s : at which the hours are comparable. ``left_out`` : hours at another speed.
     stands_out : the slope differs from 0 by 4 sigma, over web and over days.
     line : straight fit over days. ``jump_s`` : when it jumped, None where it did not.

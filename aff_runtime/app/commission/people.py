@@ -14,13 +14,13 @@ from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.base.ports import Clock
 
 IDLE_NS = 15 * 60 * 1_000_000_000
-TRIES, PER_S = 5.0, 5.0 / 60.0
-MAX_QUEUE = 4
+TRIES, PER_S = 5.0, 5.0 / 60.0  # passwords of one account at once, and further ones a second
+MAX_QUEUE = 4  # passwords that wait to be checked, of all accounts
 
 
 @dataclass(slots=True, kw_only=True)
 class Holder:
-    """Who has opened it; ``key`` is what his screen says with every request."""
+    """Who commissions; ``key`` is what his screen says with every request."""
 
     account: str
     place: Place
@@ -43,7 +43,7 @@ class People:
         self._farthest = farthest
         self._buckets: dict[str, Bucket] = {}
         self._unknown = self._full()
-        self._one = asyncio.Lock()
+        self._one_check = asyncio.Lock()
         self._queue = 0
         self._holder: Holder | None = None
 
@@ -65,7 +65,7 @@ class People:
 
         Parameters
         ----------
-        over : takes it over from who is in.
+        over : whether to take it over from somebody else who is in.
         """
         against = self._away(place) or await self.against(name, password)
         if against is not None:
@@ -98,7 +98,7 @@ class People:
             return Refusal(why=Why.WAIT)
         self._queue += 1
         try:
-            async with self._one:
+            async with self._one_check:
                 account: Account | None = await asyncio.to_thread(
                     self._accounts.check, name, password
                 )
@@ -110,7 +110,7 @@ class People:
         return None if account.role >= Role.COMMISSION else Refusal(why=Why.ROLE)
 
     def _bucket(self, name: str) -> Bucket:
-        """Return the bucket of an account, or that of all names that are none.
+        """Return the bucket of an account, or the one of all names that are no account's.
 
         Made-up names push out no account's bucket, and keep no account's password waiting.
         """

@@ -40,7 +40,7 @@ from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.yaml_marks import MAX_BYTES
 
 FEWEST_BESIDE_CONTROL = 4
-"""With fewer processors nothing of hours begins while a correction goes out."""
+"""With fewer processors no refinement begins while a correction goes out."""
 MOST_DIFF_LINES = 400
 NO_LINE = (
     "no line file: start the commissioner with --line LINE.yaml, a copy of "
@@ -246,7 +246,7 @@ def _command_line(
     holdout: Sequence[str],
     without: Sequence[str],
 ) -> str:
-    """Return the command that does the same, with the names of this machine."""
+    """Return the command that does the same elsewhere, with the paths of this machine."""
 
     def path(one: str) -> str:
         return one if one == A_WINDOW else f"{folder}/{one}"

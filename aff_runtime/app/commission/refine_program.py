@@ -22,11 +22,11 @@ from aff_runtime.base.python_child import program_beside
 PROGRAM = "sim-plant"
 EXTRA = ("numba", "scipy", "matplotlib", "jinja2", "ruamel.yaml")
 """What the extra `plant` brings: without one of them no refinement is done."""
-LONGEST_S = 4 * 3600.0
-PROCESSOR_S = 2 * 3600
-FILE_BYTES = 64 << 20
-LOG_BYTES = 1 << 20
-LOOK_S = 1.0
+LONGEST_S = 4 * 3600.0  # of the clock
+PROCESSOR_S = 2 * 3600  # of processor time
+FILE_BYTES = 64 << 20  # of one file that it writes
+LOG_BYTES = 1 << 20  # that are kept of what it says
+LOOK_S = 1.0  # between two looks at the clock while it says nothing
 TOO_LONG = (
     f"it took longer than {LONGEST_S / 3600:g} h, or {PROCESSOR_S // 3600} h of a processor, and "
     "was ended: give shorter or fewer windows, or leave effects out of the library"
@@ -90,7 +90,7 @@ def run(arguments: Sequence[str], log: Path, say: Callable[[str], None]) -> str:
     complaints = log.with_suffix(".err")
     try:
         with (
-            log.open("wb") as heard,
+            log.open("wb") as log_file,
             complaints.open("wb") as errors,
             subprocess.Popen(
                 [os.fspath(found), *arguments],
@@ -101,7 +101,7 @@ def run(arguments: Sequence[str], log: Path, say: Callable[[str], None]) -> str:
                 preexec_fn=partial(give_way, PROCESSOR_S, FILE_BYTES),  # noqa: PLW1509 - one thread
             ) as process,
         ):
-            in_time = _listen(process, heard.write, say)
+            in_time = _listen(process, log_file.write, say)
     except OSError as error:
         raise RefusedError(f"sim-plant cannot be started: {error.strerror}") from None
     if not in_time or process.returncode < 0:
@@ -139,7 +139,7 @@ def _listen(
 
 
 def _last_words(complaints: Path, code: int) -> str:
-    """Return what a program has said in the end of why it failed."""
+    """Return the last line of what a program wrote to stderr; it says why it failed."""
     try:
         with complaints.open("rb") as file:
             file.seek(max(0, complaints.stat().st_size - 4000))

@@ -30,7 +30,7 @@ OUT = "out"
 PROPOSED, PAGE_FILE = "site_proposed.yaml", "report.html"
 LOOKED = "lacking"
 """Folder of the last look at what windows lack, before any work on them."""
-FAILURE_BYTES = 1000
+FAILURE_BYTES = 1000  # of a sentence why there is no verdict
 _ASKED, _SUMMARY, _LACKING = TypeAdapter(AskedOf), TypeAdapter(Summary), TypeAdapter(Lacking)
 
 

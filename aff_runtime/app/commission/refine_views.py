@@ -94,7 +94,7 @@ class ProposalView:
     ----------
     sha256 : of the proposed text, which a try names.
     changes : by setting, with units, as the service has them. ``remarks`` : of its check.
-    lines : of the text, with a sign before each. ``against`` : why it cannot be tried; empty.
+    lines : of the text, with a sign before each. ``against`` : why it cannot be tried, or empty.
     """
 
     sha256: str

@@ -14,8 +14,8 @@ from aff_runtime.base.ports import Clock
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.yaml_marks import MAX_BYTES
 
-SAVED_PATIENCE_NS = 10_000_000_000
-LOOK_NS = 100_000_000
+SAVED_PATIENCE_NS = 10_000_000_000  # until the service runs on what was saved
+LOOK_NS = 100_000_000  # between two questions whether it does
 
 
 def save(site: Path, answer: SettingsAnswer) -> None:

@@ -29,13 +29,16 @@ from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
 
 LEAST_S, WRITTEN_S, LOOK_NS = 10.0, 1.0, 500_000_000
+"""Shortest window of a candidate; until its last rows are written; between two looks."""
+LONGEST_S = 3600.0
+"""To settle and to be looked at; a candidate that would take longer ends the search."""
 RIPPLE_ROSE = BY_NAME["RIPPLE_ROSE"].name
 Ask = Callable[..., Any]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Tried:
-    """What was tried, and where in the record each that ran to its end lies."""
+    """What was tried, and the window of each try that ran to its end."""
 
     tries: tuple[Try, ...]
     windows: tuple[RunWindow, ...]
@@ -104,7 +107,7 @@ def _times_s(
     look_s = max(LEAST_S, TURNS * turn_s)
     value = factor * max(values_of(site, actuator).values())
     settle_s = MEMORIES * value * turn_s if given.uses_shape else SETTLES * value
-    if not settle_s + look_s < 3600.0:
+    if not settle_s + look_s < LONGEST_S:
         raise RefusedError("the line stands or is too slow for a search")
     return settle_s, look_s
 
@@ -123,8 +126,8 @@ class _End:
 
 def _watch(ask: Ask, clock: Clock, settle_s: float, look_s: float, *, tried: bool) -> _End:
     """Wait until a candidate has been looked at, or has ended before."""
-    start_s = read_answer(ask("status")).live
-    begin_s = start_s.tick.time_s if start_s is not None else math.nan
+    live = read_answer(ask("status")).live
+    begin_s = live.tick.time_s if live is not None else math.nan
     from_s = begin_s + settle_s
     while True:
         clock.sleep_until_ns(clock.now_ns() + LOOK_NS)

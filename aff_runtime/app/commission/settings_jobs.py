@@ -19,12 +19,13 @@ from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError, WireError
+from aff_runtime.config.findings import KeyPath
 
+# KEY.KEY: NUMBER  # remark
 _PROPOSED = re.compile(r"([A-Za-z_][\w.]*): ([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:\s+#.*)?")
-Path = tuple[str | int, ...]
 
 
-def proposed(sentences: Sequence[str]) -> Mapping[Path, float]:
+def proposed(sentences: Sequence[str]) -> Mapping[KeyPath, float]:
     """Return the settings that a step proposes, by their place in the site file.
 
     Raises
@@ -32,7 +33,7 @@ def proposed(sentences: Sequence[str]) -> Mapping[Path, float]:
     RefusedError
         There is none, or one that is no number.
     """
-    settings: dict[Path, float] = {}
+    settings: dict[KeyPath, float] = {}
     for text in sentences:
         match = _PROPOSED.fullmatch(text)
         if match is None:

@@ -146,7 +146,7 @@ def said_of(found: Sources) -> tuple[str, ...]:
 
 
 def by_whom() -> str:
-    """Return who runs this process, by the kernel."""
+    """Return who runs this process, as the kernel has it: user, and login where there is one."""
     me = own_process()
     login = login_behind(me)
     return f"{user_name(me.uid)}{f', {login}' if login else ''}"

@@ -9,11 +9,11 @@ from aff_runtime.app.commission.job_lines import JobLine, encode, read_reply
 from aff_runtime.app.commission.views import QuestionView, SaidLine
 from aff_runtime.base.printable import printable
 
-LONGEST = 600
+LONGEST = 600  # characters of a line
 
 
 class Talk:
-    """One job's end.
+    """The job's end of the conversation.
 
     Parameters
     ----------

@@ -17,7 +17,7 @@ from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.python_child import talking_child
 
 JOB = "aff_runtime.app.commission.job"
-KEPT_LINES = 40
+KEPT_LINES = 40  # newest lines of a job, for a screen
 DIED = "its process ended without an answer; see the log of the commissioner"
 STOPPED = "stopped"
 CUT = "stopped; look at the card and the site file"  # of a job that may have changed something
@@ -45,7 +45,7 @@ class Worker:
         self._is_stopped = False
 
     async def run(self) -> Answer:
-        """Return the job's answer, or a refusal; an answer counts that was heard before a stop."""
+        """Return the job's answer, or a refusal; an answer that came before a stop counts."""
         environment = without_service_manager() | ONE_THREAD
         self._process = process = await talking_child(JOB, environment, MAX_TOLD_BYTES)
         self._write(Start(asked=self.asked, where=self._where, parent=os.getpid()))
