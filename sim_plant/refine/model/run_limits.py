@@ -73,9 +73,11 @@ def shared(fitted: Sequence[Recording], held: Sequence[Recording]) -> list[str]:
             continue
         both = min(one.run.to_s, other.run.to_s) - max(one.run.from_s, other.run.from_s)
         if both > 0.0:
+            is_judged = any(other is one for one in held)
+            costs = "the error is judged on what was fitted" if is_judged else "it counts twice"
             sentences.append(
-                f"{one.path.name} and {other.path.name} share {both:.3g} s of one run: it counts "
-                "twice, and judges on what was fitted; give windows that do not overlap"
+                f"{one.path.name} and {other.path.name} share {both:.3g} s of one run: {costs}; "
+                "give windows that do not overlap"
             )
     return sentences
 

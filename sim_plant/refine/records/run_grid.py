@@ -59,7 +59,7 @@ class Scans:
     rows : of the table (scans,).
     taken_s : when, on the PLC's own clock (scans,), counted from the first.
     step_s : of the grid that they belong on: of the scans, or the run's cycle if that is longer.
-    scan_s : from scan to scan.
+    scan_s, cycle_s : from scan to scan of the PLC, from tick to tick of the service.
     breaks : in order.
     findings : sentences.
     """
@@ -68,6 +68,7 @@ class Scans:
     taken_s: Array
     step_s: float
     scan_s: float
+    cycle_s: float
     breaks: tuple[Break, ...]
     findings: tuple[str, ...]
 
@@ -116,6 +117,7 @@ def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
         taken_s=taken_s,
         step_s=step_s,
         scan_s=scan_s,
+        cycle_s=cycle_s,
         breaks=tuple(Break(row=k, why=breaks[k]) for k in sorted(breaks)),
         findings=tuple(said),
     )

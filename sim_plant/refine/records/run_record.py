@@ -212,7 +212,7 @@ def _on_grid(
     said = [f"{missing} missing samples are filled in between"] if missing > 0 else []
     # per sample of the grid, the newest row that was there
     newest = np.searchsorted(taken_s, grid + 1e-9, side="right") - 1
-    acted = _acted(table.columns, site, rows, scans.step_s)
+    acted = _acted(table.columns, site, rows, scans.cycle_s)
     for name, correction in acted.items():
         suffix = site.actuators[name].suffix
         columns[f"{CORRECTION}{name}_{suffix}"] = correction.values[newest]

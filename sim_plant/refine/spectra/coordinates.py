@@ -190,7 +190,7 @@ def periodic_support(
         in_time = next(s for s in found if s.kind == "time")
         return near(in_time, frequency_Hz, SPECTRA.same_frequency_share)
     if h.location == "all":
-        return max(s.peak[1] for s in found if s.kind == "travel") if found else 0.0
+        return max((s.peak[1] for s in found if s.kind == "travel"), default=0.0)
     seen = _over_turns(h, travel, found)
     if seen is None:
         return 0.0

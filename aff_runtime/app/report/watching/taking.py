@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from copy import deepcopy
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -47,11 +48,13 @@ def take_runs(folder: Path, runs: Iterable[Path], say: Say, complain: Say) -> Ta
                     shown, ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES
                 ):
                     run = run_hours(one)
-                    taken = store.add(run)
+                    with_run = deepcopy(store)  # what ends in the middle of a run leaves no half
+                    taken = with_run.add(run)
             except AffError as error:
                 refused += 1
                 complain(f"left out: {error}")
                 continue
+            store = with_run
             say(f"{shown}: {sentences.taken(taken)}")
             for lost in run.lost if taken.new else ():
                 say(f"{shown}: {lost}")

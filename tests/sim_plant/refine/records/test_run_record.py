@@ -5,6 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
+import yaml
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.run_table import read_table
@@ -72,6 +73,19 @@ def test_the_correction_is_the_same_without_the_plcs_own_words(made, run, missin
     assert record.columns[APPLIED][20:] == pytest.approx(whole[20:], abs=1.1e-5)
     assert record.run is not None
     assert record.run.delivery_known["unwind"] == (missing != "echo_age")
+
+
+def test_a_site_files_delay_counts_cycles_of_the_service_where_the_plc_scans_more_slowly(run):
+    for column in ("plc_applied_unwind_m_s", "echo_age"):
+        rename(run, column, f"gone_{column}")
+    halve_scans(run)
+    site = yaml.safe_load((run / "site.yaml").read_text())
+    site["actuators"]["unwind"]["drive"] = {"roll": "unwind", "transport_ms": 40}
+    (run / "site.yaml").write_text(yaml.safe_dump(site))
+    record = read_record(run)
+    assert record.sample_time_s == pytest.approx(2.0 * STEP_S)
+    # from the snapshot to the drive 40 ms of 10 ms each, less the one in which the drive takes it
+    assert said_of(record, "as sent, 3 cycles late (the site file's delay)")
 
 
 def test_on_off_and_the_piece_taken_are_said(made):
@@ -236,6 +250,19 @@ def rename(run, column, other):
             other.encode() if name == column.encode() else name for name in head.split(b",")
         )
         segment.write_bytes(gzip.compress(head + b"\n" + body, 1))
+
+
+def halve_scans(run):
+    """Let the PLC scan in every second cycle: heartbeat and freshness of the rows say so."""
+    for segment in run.glob("signals-*"):
+        head, *rows = gzip.decompress(segment.read_bytes()).decode().splitlines()
+        beat, fresh = (head.split(",").index(name) for name in ("plc_heartbeat", "fresh"))
+        cells = [row.split(",") for row in rows]
+        for row in cells:
+            counted = int(float(row[beat]))
+            row[beat], row[fresh] = str(counted // 2), str(1 - counted % 2)
+        lines = [head, *(",".join(row) for row in cells), ""]
+        segment.write_bytes(gzip.compress("\n".join(lines).encode(), 1))
 
 
 def cut(run, number, first, end):
