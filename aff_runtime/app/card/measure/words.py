@@ -11,6 +11,7 @@ import numpy as np
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Array, Figure, Finding, at_most, mean_and_half
 from aff_runtime.app.report.comparison.window import Window
+from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import NO_ECHO
 
@@ -24,7 +25,6 @@ OURS_WERE_LATE = (
     "heartbeat: in each rest that is too long, up to {:.0f} ms, the service missed or began late "
     "a tick of its own, which says nothing of the PLC: again on a machine that keeps its ticks"
 )
-UNITS = {"_N_m": "N m", "_rad_s": "rad/s", "_m_s": "m/s", "_rad": "rad", "_N": "N", "_m": "m"}
 
 
 def typed_names(evidence: Evidence) -> tuple[str, ...]:
@@ -47,11 +47,11 @@ def measure(evidence: Evidence) -> Finding:
     figures = [heartbeat, *_echo(evidence)]
     missing = list(again)
     for name in dict.fromkeys([*wanted(evidence), *evidence.typed.names]):
-        shown = evidence.typed.number(name, unit_of(name))
+        shown = evidence.typed.number(name, unit_of_name(name))
         if math.isfinite(shown):
             figures.append(_difference(window, name, shown))
         else:
-            missing.append(f"type what the display shows: {name}=... {unit_of(name)}")
+            missing.append(f"type what the display shows: {name}=... {unit_of_name(name)}")
     remarks = (
         ()
         if evidence.site.gateway.read.aff_echo
@@ -60,11 +60,6 @@ def measure(evidence: Evidence) -> Finding:
         )
     )
     return Finding(figures=tuple(figures), missing=tuple(missing), remarks=tuple(remarks))
-
-
-def unit_of(channel: str) -> str:
-    """Return the SI unit that a channel's name ends with."""
-    return next((unit for end, unit in UNITS.items() if channel.endswith(end)), "")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -146,13 +141,13 @@ def _difference(window: Window, name: str, shown: float) -> Figure:
     if values is None:
         raise RefusedError(f"{window.table.window}: no reading of {name} in it")
     mean, half = mean_and_half(values)
-    if unit_of(name) == "m":  # a roll runs down: by 6 % in ten seconds near its core
+    if unit_of_name(name) == "m":  # a roll runs down: by 6 % in ten seconds near its core
         mean, half = _at_the_reading(window, values, shown)
     size = abs(shown) or NAN
     error = 100.0 * (mean - shown) / size
     half = 100.0 * half / size
     return Figure(
-        name=f"{name}: {mean:.5g}, display {shown:.5g} {unit_of(name)}; difference",
+        name=f"{name}: {mean:.5g}, display {shown:.5g} {unit_of_name(name)}; difference",
         value=error,
         unit="%",
         low=error - half,
