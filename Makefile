@@ -39,8 +39,11 @@ demo-loop: setup
 		--wire $(WIRE) --out out/demo-loop
 
 # plant, service and screen on loopback: prints the address to look at; ctrl-c ends all three
+# (LINE=, WIRE=, SPEED=, LAW=, SITE=, LIMIT= as of `make demo`)
 hmi: setup
-	$(BIN)/python -m sim_plant.cli.main live --speed-fpm $(SPEED) --out out/hmi
+	$(BIN)/python -m sim_plant.cli.main live --machine $(LINE) --wire $(WIRE) --speed-fpm $(SPEED) \
+		$(if $(LIMIT),--limit-m-s $(LIMIT)) $(if $(SITE),--site $(SITE),$(if $(filter blocks,$(LAW)),--site config/euclid_blocks.yaml)) \
+		--out out/hmi
 
 # the README's picture, from a demo on a machine without other load
 picture: demo

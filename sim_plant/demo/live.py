@@ -62,7 +62,7 @@ def run_live(
         progress(f"\n  look at the line: {url}")
         progress(f"  bypass, arm, commission: log in as {ACCOUNT}, password {password}\n")
         if fresh:
-            wire = bench.plant_arguments[-1]
+            wire = bench.plant_arguments[bench.plant_arguments.index("--modbus") + 1]
             progress(f"  the PLC to commission: {wire}, 24 words from wire address 0\n")
         else:
             await_state(bench, service, {"FAULT", "OFF", "READY"}, 30.0)
