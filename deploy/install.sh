@@ -9,9 +9,11 @@
 # --dry-run     say what would be done, do nothing
 # --can         CAN, CANopen or a serial line: their packages, and the service's right to use them
 # --records     Parquet: aff-runtime watch and export
-# --hmi         the screen too: a user, an environment and a unit of its own; updated ever after.
-#               And the unit of the commissioner, which nothing starts
-# --remove-hmi  take the screen away again and nothing else; what lies in /etc/aff-hmi stays
+# --hmi         the screen too: a user, an environment and a unit of its own; updated ever after;
+#               a key and a certificate where it has none. And the unit of the commissioner, which
+#               nothing starts
+# --remove-hmi  take the screen away again and nothing else; what somebody put into /etc/aff-hmi
+#               stays
 # --line        one more line on this gateway: a service aff-runtime@NAME with a site file, folders
 #               and a processor of its own; may stand more than once
 # --fresh       new environments in place of those that are there, every package by its hash
@@ -236,6 +238,10 @@ if [ "$hmi" = remove ]; then
         "$units/aff-hmi.service" "$units/aff-commission.service" "$units/system-affview.slice"
     run rm -rf "$units/aff-hmi.service.d" "$units/aff-commission.service.d" "$hmi_opt"
     if [ -d "$hmi_etc" ]; then
+        if (cd "$hmi_etc" && sha256sum --status -c made.sha256 2> /dev/null); then
+            run rm -f "$hmi_etc/key.pem" "$hmi_etc/cert.pem"
+        fi
+        run rm -f "$hmi_etc/made.sha256"
         run rmdir --ignore-fail-on-non-empty "$hmi_etc"
     fi
     if [ -z "$prefix" ]; then
@@ -379,6 +385,23 @@ if [ "$hmi" = yes ]; then
     done
     run mkdir -p "$hmi_etc"
     run chmod 0750 "$hmi_etc"
+    # A key of its own and a certificate signed by itself, for the day on which listen.conf names
+    # them: elliptic (P-256), as a handshake by RSA costs a gateway several times as much. What is
+    # there, also one of the plant's own authority, stays.
+    if [ ! -e "$hmi_etc/key.pem" ] && [ ! -e "$hmi_etc/cert.pem" ] &&
+        command -v openssl > /dev/null; then
+        host=$(uname -n)
+        umask 077
+        run openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 365 \
+            -subj "/CN=$host" -addext "subjectAltName=DNS:$host" \
+            -keyout "$hmi_etc/key.pem" -out "$hmi_etc/cert.pem"
+        umask 022
+        run chmod 0640 "$hmi_etc/key.pem"
+        run chmod 0644 "$hmi_etc/cert.pem"
+        if [ -z "$prefix" ]; then run chgrp aff-hmi "$hmi_etc/key.pem"; fi
+        # By this --remove-hmi knows them again: what somebody put in their place is his.
+        [ "$dry_run" = yes ] || (cd "$hmi_etc" && sha256sum key.pem cert.pem > made.sha256)
+    fi
     if [ -z "$prefix" ]; then
         # Screen and commissioner read the accounts; a key of group aff-hmi the screen alone.
         run chown root:aff-door "$hmi_etc"
@@ -411,3 +434,7 @@ The screen: restart aff-runtime as above (it opens its door), then
 and look at http://127.0.0.1:8480/ ; from a network: $units/aff-hmi.service.d/listen.conf
 To bypass, arm or commission there: $units/aff-runtime.service.d/screen.conf
 DONE
+if [ "$hmi" = yes ] && [ -r "$hmi_etc/cert.pem" ] && command -v openssl > /dev/null; then
+    # What a browser shows of it when it asks whether to trust.
+    openssl x509 -in "$hmi_etc/cert.pem" -noout -fingerprint -sha256 -enddate || :
+fi

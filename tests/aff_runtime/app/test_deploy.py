@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import re
+import shlex
 import shutil
+import ssl
+import stat
 import subprocess
 import sys
 import zipfile
@@ -152,3 +155,33 @@ def test_can_brings_its_packages_and_the_right_to_use_the_bus(tmp_path: Path) ->
     assert f"{ROOT}[can]" in unlocked.stdout
     assert "aff-runtime.service.d/can.conf" in done.stdout
     assert "RestrictAddressFamilies=AF_CAN" in (ROOT / "deploy/aff-runtime.can.conf").read_text()
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is needed")
+def test_the_screen_gets_an_elliptic_key_that_only_its_group_reads(tmp_path: Path) -> None:
+    """The commands that a dry run tells, run in a folder of the test."""
+    prefix = tmp_path / "p"
+    told = install("--dry-run", "--hmi", "--prefix", str(prefix)).stdout.splitlines()
+    of_key = [row.removeprefix("+ ") for row in told if "/etc/aff-hmi" in row]
+    assert [shlex.split(row)[0] for row in of_key][:3] == ["mkdir", "chmod", "openssl"]
+    for row in of_key:
+        subprocess.run(shlex.split(row), check=True, capture_output=True)
+    key, certificate = prefix / "etc/aff-hmi/key.pem", prefix / "etc/aff-hmi/cert.pem"
+    assert stat.S_IMODE(key.stat().st_mode) == 0o640
+    show = ["openssl", "pkey", "-noout", "-text", "-in", str(key)]
+    said = subprocess.run(show, check=True, capture_output=True, text=True).stdout
+    assert "NIST CURVE: P-256" in said
+    served = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    served.load_cert_chain(certificate, key)  # they belong together
+    again = install("--dry-run", "--hmi", "--prefix", str(prefix)).stdout
+    assert "openssl req" not in again
+    assert "ingerprint=" in again
+
+
+def test_a_certificate_of_the_plants_own_stays(tmp_path: Path) -> None:
+    there = tmp_path / "p/etc/aff-hmi"
+    there.mkdir(parents=True)
+    (there / "cert.pem").write_text("the plant's")
+    assert (
+        "openssl req" not in install("--dry-run", "--hmi", "--prefix", str(tmp_path / "p")).stdout
+    )
