@@ -34,7 +34,7 @@ HEAD = """\
 class AffBlock:
     """One entry of a site file's list ``blocks``; ``entry`` returns it with that file's keys.
 
-    ``start`` are deviations that law shape may begin from; empty: none.
+    ``start`` are deviations of the moment arm that law shape may begin from; empty: none.
     """
 
     roll: str
@@ -96,7 +96,7 @@ def started_blocks(
 
 
 def _text(block: AffBlock) -> str:
-    """Return one entry of a site file's list ``blocks``, as far in as it stands there."""
+    """Return one entry of a site file's list ``blocks`` as YAML, indented as it stands there."""
     text = yaml.safe_dump(block.entry(), sort_keys=False, default_flow_style=None, width=88)
     first, *rest = text.splitlines()
     return "".join(f"{line}\n" for line in [f"      - {first}", *(f"        {x}" for x in rest)])
@@ -109,7 +109,7 @@ def site_name(roller: str) -> str:
 
 
 def _as_roll(name: str, declaration: Declaration | None) -> str:
-    """Return the comment that says how an idler comes into the site file; none for a drive's."""
+    """Return the comment on how an idler comes into the site file; empty for a driven roller."""
     if declaration is None or name in {drive.roller for drive in declaration.control.drives}:
         return ""
     at = declaration.body(name)
@@ -133,7 +133,10 @@ def with_start(
     declaration: Declaration,
     record: Recording | None,
 ) -> AffBlock:
-    """Return the block with start values where a drive turns its roller."""
+    """Return the block with start values where a drive turns its roller.
+
+    Its orders are then those that have a start value.
+    """
     if block.roll not in {drive.roller for drive in declaration.control.drives}:
         return block
     effects = [
@@ -154,9 +157,9 @@ def with_start(
 
 
 def _taken(effect: str, parameters: Mapping[str, Value]) -> dict[str, Value]:
-    """Return the parameters that the effect itself takes, each said once.
+    """Return the parameters that a line file accepts for the effect, none of them twice.
 
-    A verdict names amplitude and angle beside the components they were found as.
+    A verdict gives amplitude and angle beside the cosine and sine parts: the parts stay.
     """
     known = BY_NAME[effect]
     twice = {

@@ -23,6 +23,7 @@ HEAD = """\
 # ratio itself), all else as declared
 """
 CHANGED = ("corrections", "effects", "provenance")
+"""Keys of the line file that differ in the amended one."""
 
 
 def write_amended(
@@ -42,7 +43,7 @@ def write_amended(
     Raises
     ------
     PlantError
-        When the file would be the declaration itself, or what was written says something else.
+        When the file would be the declaration itself, or differs, as read again, in other keys.
     """
     path = out / FILE
     if path.resolve() == line.path.resolve():
@@ -89,8 +90,8 @@ def _entry(entry: EffectEntry) -> dict[str, Any]:
 
 
 def _kept(declaration: Declaration) -> Declaration:
-    """Return a declaration without what an amended one may say otherwise."""
-    blank = Declaration.model_fields
+    """Return a declaration with the keys that amending changes set to their defaults."""
+    fields = Declaration.model_fields
     return declaration.model_copy(
-        update={name: blank[name].get_default(call_default_factory=True) for name in CHANGED}
+        update={name: fields[name].get_default(call_default_factory=True) for name in CHANGED}
     )

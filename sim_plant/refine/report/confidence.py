@@ -1,4 +1,4 @@
-"""How surely a fitted number is known."""
+"""Standard deviations and intervals of fitted numbers."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from sim_plant.refine.fit.spread import SPREAD, model_errors
 
 
 def standard_deviations(fit: Fit) -> list[float]:
-    """Return one per fitted number: noise and tolerances, and for sizes the model's own error.
+    """Return the standard deviation of every fitted number, in its own unit.
 
-    Where no step of any number could be simulated there is no more to say than its bounds.
+    From noise and tolerances, and for sizes the model's own error. Without a covariance (no step
+    of any number could be simulated) that of a number anywhere within its bounds.
     """
     noise = [math.sqrt(max(0.0, float(v))) for v in fit.covariance.diagonal()]
     if not noise:
@@ -26,9 +27,13 @@ def standard_deviations(fit: Fit) -> list[float]:
 
 
 def amplitude_standard_deviation(fit: Fit, cos: int, sin: int) -> float:
-    """Return that of the length of a phasor, ``cos`` and ``sin`` its numbers in the row of all.
+    """Return the standard deviation of a phasor's length, in the unit of its parts.
 
-    Equation: u' C u along the phasor u: what only turns it says nothing of its length.
+    Equation: variance u' C u, u the unit vector along the phasor, C the covariance of its parts.
+
+    Parameters
+    ----------
+    cos, sin : positions of its parts in the row of all fitted numbers.
     """
     flat = [x for row in fit.values for x in row]
     both = [cos, sin]
@@ -42,11 +47,11 @@ def amplitude_standard_deviation(fit: Fit, cos: int, sin: int) -> float:
 
 
 def _anywhere(low: float, high: float) -> float:
-    """Return the standard deviation of a number that may lie anywhere within its bounds."""
+    """Return the standard deviation of a number anywhere within its bounds; pi without bounds."""
     return (high - low) / math.sqrt(12.0) if math.isfinite(high - low) else math.pi
 
 
 def interval(value: float, standard_deviation: float) -> tuple[float, float]:
-    """Return low and high between which the number lies with the stated confidence."""
+    """Return low and high of a number's interval of confidence ``CRITERIA.report.confidence``."""
     spread = SPREAD * standard_deviation
     return value - spread, value + spread

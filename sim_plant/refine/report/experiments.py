@@ -11,7 +11,8 @@ from sim_plant.refine.model.effect_at import EffectAt
 def experiment(one: EffectAt, other: EffectAt) -> str:
     """Return the experiment that tells two effects apart, as a sentence.
 
-    What the signatures of both say comes first, then what the effects themselves know.
+    The first that fits: two effects locked to the order of different rollers; what an effect's
+    own ``experiment`` gives; two on one roller; a record under other conditions.
     """
     a, b = BY_NAME[one.effect], BY_NAME[other.effect]
     elsewhere = one.location != other.location
@@ -36,13 +37,15 @@ def experiment(one: EffectAt, other: EffectAt) -> str:
 
 
 def _of_the_effects(one: EffectAt, other: EffectAt) -> str:
-    """Return what either effect knows against the other, a fault of a sensor first."""
-    ways = sorted(((one, other), (other, one)), key=lambda w: not BY_NAME[w[0].effect].sensor_only)
-    for mine, theirs in ways:
-        asked = BY_NAME[mine.effect].experiment
-        said = asked(mine.location, BY_NAME[theirs.effect], theirs.location) if asked else ""
-        if said:
-            return said
+    """Return what either effect gives against the other, a sensor's fault first; may be empty."""
+    pairs = sorted(
+        ((one, other), (other, one)), key=lambda p: not BY_NAME[p[0].effect].sensor_only
+    )
+    for mine, theirs in pairs:
+        given_by = BY_NAME[mine.effect].experiment
+        text = given_by(mine.location, BY_NAME[theirs.effect], theirs.location) if given_by else ""
+        if text:
+            return text
     return ""
 
 

@@ -14,13 +14,16 @@ from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 BEFORE, AFTER, MEASURED = "#b3261e", "#1a7f37", "#9aa0a6"
 POINTS = 3000
+"""At least so many points are drawn of a longer spectrum, each the largest of its neighbours."""
 HIGHEST_HZ = 15.0
+"""Highest frequency of the map over web travel, at the highest speed of the record."""
 
 
 def overlay(judged: Evaluation, sample_time_s: float, seconds: float = 8.0) -> str:
-    """Return measured against declared and amended, and the error of both, where it is worst.
+    """Return measured against declared and amended, and the error of both.
 
-    The channels with the largest error before, and at least one tension where there is one.
+    The three channels with the largest error before, one of them a tension where there is one;
+    of the record the ``seconds`` in which the declared line is worst.
     """
     ranked = channels_by_error(judged)
     show = ranked[:3]
@@ -60,7 +63,7 @@ def overlay(judged: Evaluation, sample_time_s: float, seconds: float = 8.0) -> s
 
 
 def worst_part(judged: Evaluation, channel: int, samples: int) -> slice:
-    """Return so many judged samples in which the declared line is furthest off the measured."""
+    """Return where the declared line is furthest off the measured, ``samples`` judged samples."""
     squared = (judged.measured[channel] - judged.declared[channel])[judged.first :] ** 2
     samples = min(samples, squared.size)
     total = np.concatenate(([0.0], np.cumsum(squared)))
@@ -71,7 +74,7 @@ def worst_part(judged: Evaluation, channel: int, samples: int) -> slice:
 def spectrum(
     before: Sequence[SpectralLines], after: Sequence[SpectralLines], threshold: float
 ) -> str:
-    """Return what a free line explains in time, travel and roll angle, with the threshold."""
+    """Return what a free spectral line explains in time, travel and roll angle, chi-square."""
     figure = Figure(figsize=(11, 2.6 * len(before)))
     axes = np.atleast_1d(figure.subplots(len(before), 1))
     labels = {"time": "Hz", "travel": "1/m of web", "angle": "times per turn of "}
@@ -98,9 +101,9 @@ def spectrum(
 
 
 def channels_by_error(judged: Evaluation) -> list[int]:
-    """Return channels by the declared line's error over noise, largest first; no angle or radius.
+    """Return indices of channels by the declared line's error over noise; no angle or radius.
 
-    An angle or a radius adds up what a speed shows: its error says nothing more.
+    Largest first. An angle or a radius adds up what a speed shows: its error says nothing more.
     """
     ratio = judged.before / np.maximum(judged.floor, 1e-12)
     kept = [int(k) for k in np.argsort(-ratio) if not judged.channels[k].endswith(("rad", "_m"))]
@@ -110,7 +113,8 @@ def channels_by_error(judged: Evaluation) -> list[int]:
 def wavenumber_map(judged: Evaluation, sample_time_s: float) -> str:
     """Return the residual's short spectra over web travel, before and after, on one channel.
 
-    A roller stands still in it at 1 / (2 pi R), at every speed; a roll drifts as it grows.
+    A roller shows at 1 / (2 pi R) at every speed; a roll drifts as its radius changes. Colours
+    go from 6 dB below the noise floor to 30 dB above it.
     """
     at, travel_m = channels_by_error(judged)[0], judged.travel_m
     step_m = float(np.max(np.gradient(travel_m)))

@@ -31,7 +31,7 @@ def verdict_of(selection: Selection, evaluation: Evaluation | None, holdout: str
 
     Parameters
     ----------
-    evaluation : on the record judged; None where there is none.
+    evaluation : errors on the record judged; None where none was judged.
     holdout : path of that record, the first held out or else the first fitted.
     """
     return Verdict(
@@ -76,19 +76,22 @@ def channel_errors(evaluation: Evaluation) -> dict[str, ChannelError]:
 
 def effect_findings(selection: Selection) -> tuple[EffectFinding, ...]:
     """Return one finding per effect: parameters, 95 % intervals, score and runner-up."""
-    findings, at = [], 0
+    findings, at = [], 0  # at: position of the effect's first number in the row of all
     sd = standard_deviations(selection.fit)
     fit = selection.fit
     ranges = selection.ranges or ({},) * len(fit.hypotheses)
     rows = zip(selection.accepted, fit.hypotheses, fit.values, ranges, strict=True)
     for accepted, h, values, known in rows:
-        numbers = {name: at + k for k, name in enumerate(h.names)}
-        sizes = {
-            pair.amplitude: amplitude_standard_deviation(fit, numbers[pair.cos], numbers[pair.sin])
+        position = {name: at + k for k, name in enumerate(h.names)}
+        amplitude_sd = {
+            pair.amplitude: amplitude_standard_deviation(
+                fit, position[pair.cos], position[pair.sin]
+            )
             for pair in h.effect.quadratures
-            if pair.cos in numbers and pair.sin in numbers
+            if pair.cos in position and pair.sin in position
         }
-        findings.append(_finding(accepted, h, values, sd[at : at + len(values)], sizes, known))
+        own_sd = sd[at : at + len(values)]
+        findings.append(_finding(accepted, h, values, own_sd, amplitude_sd, known))
         at += len(values)
     return tuple(findings)
 
@@ -98,9 +101,10 @@ def _finding(
     h: Hypothesis,
     values: Sequence[float],
     sd: Sequence[float],
-    sizes: Mapping[str, float],
+    amplitude_sd: Mapping[str, float],
     known: Ranges,
 ) -> EffectFinding:
+    """Return one finding; ``known`` are intervals that the search found, they go before others."""
     rows = list(zip(h.names, values, sd, strict=True))
     parameters: dict[str, Value] = dict(h.fixed) | {name: value for name, value, _ in rows}
     intervals = {name: interval(value, spread) for name, value, spread in rows} | dict(known)
@@ -110,7 +114,7 @@ def _finding(
             size = math.hypot(cos, sin)
             parameters[pair.amplitude] = size
             parameters[pair.angle] = math.atan2(sin, cos)
-            intervals[pair.amplitude] = interval(size, sizes.get(pair.amplitude, max(sd)))
+            intervals[pair.amplitude] = interval(size, amplitude_sd.get(pair.amplitude, max(sd)))
     return EffectFinding(
         place=EffectAt(h.effect.name_in_version_1 or h.effect.name, h.location),
         parameters=parameters,

@@ -1,4 +1,4 @@
-"""The folder that a refinement writes: asked before the work, whole or not at all after it."""
+"""The folder that refine writes: checked before the work, filled once all results are there."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.outcome import Plan
 
 FRESH = ".refine-"
+"""How the name of a folder begins that is filled before its files are put in place."""
 FILES = (
     "verdict.json",
     SUMMARY,
@@ -90,7 +91,7 @@ def _same(first: Recording, second: Recording) -> bool:
 
 @contextlib.contextmanager
 def _alone(folder: Path) -> Iterator[None]:
-    """Keep other runs from the folder meanwhile; take away what a killed one has left there."""
+    """Lock the folder against other refine processes; remove what a killed one has left there."""
     held = os.open(folder, os.O_RDONLY)
     try:
         fcntl.flock(held, fcntl.LOCK_EX)  # the kernel lets go of it when this process ends
@@ -104,7 +105,7 @@ def _alone(folder: Path) -> Iterator[None]:
 def publish(plan: Plan, write: Callable[[Plan], None]) -> None:
     """Let ``write`` fill a folder next to the results, then put them in place together.
 
-    A result of an earlier run that this one does not have is removed: an old AFF block with
+    A file of an earlier refine that this one does not write is removed: an old AFF block beside
     a new verdict would be pasted.
 
     Raises

@@ -17,16 +17,17 @@ from sim_plant.refine.search.selection import Selection
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """What to do.
+    """What refine is to do.
 
     Attributes
     ----------
-    line : declaration.
-    records : to fit.
-    holdout : the first is judged; empty: the first record fitted is, and said to be no proof.
+    line : path of the declaration.
+    records : paths, to fit.
+    holdout : the first is judged; empty: the first record fitted is, and the report calls it no
+        proof.
     out : folder to write.
-    without : effects left out of the library.
-    workers : processes.
+    without : names of effects left out of the library.
+    workers : number of processes.
     site : site file that the AFF block is to go into; None: none.
     """
 

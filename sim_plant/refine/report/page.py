@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 
 SHOWN_SHIFTS = 5
+"""Declared numbers estimated anew that the page shows; it folds the others away."""
 
 
 def headline(verdict: Verdict) -> str:
@@ -43,10 +44,10 @@ def headline(verdict: Verdict) -> str:
     for item in verdict.unknown:
         said = coordinate_text(item.kind, item.coordinate)
         text += f" Unknown: {said}; no effect of the library explains it."
-    for same in verdict.ambiguous:
-        text += f" {place_words(same.place)} cannot be told from "
-        text += f"{', '.join(map(place_words, same.alternatives))}."
-        text += "".join(f" To tell: {what}." for what in same.experiments)
+    for ambiguity in verdict.ambiguous:
+        text += f" {place_words(ambiguity.place)} cannot be told from "
+        text += f"{', '.join(map(place_words, ambiguity.alternatives))}."
+        text += "".join(f" To tell: {what}." for what in ambiguity.experiments)
     return text.strip()
 
 
@@ -90,7 +91,7 @@ def _left(judged: Evaluation, ranked: Sequence[int]) -> str:
 
 
 def above_noise(judged: Evaluation, ranked: Sequence[int]) -> dict[str, float]:
-    """Return the tensions and speeds that hold more than noise as amended, after over floor."""
+    """Return error over noise floor, as amended, of the tensions and speeds well above noise."""
     return {
         judged.channels[k]: float(judged.after[k] / judged.floor[k])
         for k in ranked
@@ -99,7 +100,13 @@ def above_noise(judged: Evaluation, ranked: Sequence[int]) -> dict[str, float]:
 
 
 def next_step(verdict: Verdict, block: bool, above: Collection[str] = ()) -> str:
-    """Return what the reader may do now; ``above``: channels that hold more than noise."""
+    """Return what the reader may do now.
+
+    Parameters
+    ----------
+    block : there is an AFF block to paste.
+    above : channels that hold more than noise.
+    """
     if verdict.ambiguous:
         return "Make the record that tells the candidates apart before anything is changed."
     what = [remedy(e.place.effect, location_words(e.place.location)) for e in verdict.effects]
@@ -152,7 +159,7 @@ def shift_rows(
     """Return declared numbers estimated anew, those first that used most of their tolerance."""
     rows = []
     for name, value in corrections.items():
-        known = tolerances.get(name, 0.0)
+        tolerance = tolerances.get(name, 0.0)
         factor, unit = 100.0, "%"
         if name.endswith((".offset", "_draw")):
             factor, unit = 1.0, "N" if name.endswith(".offset") else "(absolute)"
@@ -160,8 +167,8 @@ def shift_rows(
             ShiftRow(
                 name=name,
                 shift=f"{factor * value:+.3g} {unit}",
-                tolerance=f"{factor * known:.3g} {unit}" if known else "",
-                used=abs(value) / known if known else 0.0,
+                tolerance=f"{factor * tolerance:.3g} {unit}" if tolerance else "",
+                used=abs(value) / tolerance if tolerance else 0.0,
             )
         )
     return sorted(rows, key=lambda row: (-row.used, row.name))

@@ -22,7 +22,7 @@ KEYS = ("rolls", "actuators")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SiteFile:
-    """A site file as its owner wrote it; of its rules `aff-runtime check` is the judge.
+    """A site file as its owner wrote it; `aff-runtime check` judges whether it is right.
 
     Attributes
     ----------
@@ -64,7 +64,7 @@ def _are_sections(value: Any) -> bool:
 
 
 def _has_blocks(actuator: Any) -> bool:
-    """Return whether what is read of an actuator below is there."""
+    """Return whether an actuator has the keys that this module reads."""
     blocks, error = actuator.get("blocks"), actuator.get("error")
     return (
         isinstance(error, dict)
@@ -81,7 +81,8 @@ class Proposal:
     Attributes
     ----------
     text : as the owner's but for the blocks; the owner's own where nothing is to be added.
-    said : per block what was done, or why nothing was. ``adds`` : the text is another one.
+    said : per block what was done, or why nothing was.
+    adds : the text differs from the owner's.
     """
 
     text: str

@@ -19,11 +19,12 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recording import Recording
 
 POINTS = 1024
+"""Angles per turn at which the moment arm is taken."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class StartValue:
-    """What law shape may begin an order from: deviation of the moment arm and its angle."""
+    """What law shape may begin an order from: amplitude of the moment arm and its angle."""
 
     order: int
     deviation_m: float

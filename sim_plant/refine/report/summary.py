@@ -45,7 +45,7 @@ def summary(outcome: Outcome, *, is_block: bool) -> Summary:
     verdict, judged, held = outcome.verdict, outcome.evaluation, outcome.plan.holdout
     rivals = {a.place: a for a in verdict.ambiguous}
     above = above_noise(judged, channels_by_error(judged))
-    named = outcome.records[len(outcome.plan.records) if held else 0]
+    judged_record = outcome.records[len(outcome.plan.records) if held else 0]
     return Summary(
         kind=kind_of(verdict),
         headline=headline(verdict),
@@ -65,14 +65,14 @@ def summary(outcome: Outcome, *, is_block: bool) -> Summary:
             for row in error_rows(judged)
         ),
         limits=outcome.limits,
-        judged_on=named.path.name,
+        judged_on=judged_record.path.name,
         held_out=bool(held),
         site_said=outcome.proposal.said if outcome.proposal is not None else (),
     )
 
 
 def kind_of(verdict: Verdict) -> str:
-    """Return what a verdict is: an event apart from what else is unknown, a set by its name."""
+    """Return a verdict's answer, but ``event`` if every unknown is one, ``set`` if ambiguous."""
     if verdict.answer == "unknown":
         is_event = all(one.kind == "event" for one in verdict.unknown)
         return "event" if is_event else "unknown"

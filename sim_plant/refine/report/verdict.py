@@ -25,8 +25,9 @@ class EffectFinding:
     place : effect and location; an effect that version 1 (keys and words of ``verdict.json``) does
         not know goes by its name in the catalogue.
     parameters : as a declaration takes them; a cosine and a sine part also as amplitude and angle.
-    interval95 : low and high of the fitted ones, and of such that no record shows, 95 %.
-    score, margin : chi-square less the penalty of the numbers, and by how much the next is behind.
+    interval95 : low and high, 95 %, of the parameters fitted and of those that no record shows.
+    score : by how much it reduces chi-square, less the penalty of its numbers.
+    margin : by how much the score of the next best explanation is behind.
     runner_up : the next best explanation, if there is one.
     cancel : whether a drive can cancel it by feed-forward.
     text : what the effect is, a sentence without a stop.
@@ -94,7 +95,7 @@ class Verdict:
     holdout: str
 
     def names(self, place: EffectAt) -> bool:
-        """Whether ``place`` is an effect that was traced, or one that the record holds for it."""
+        """Whether ``place`` was traced, or cannot be told from a traced one by the record."""
         alike = (p for a in self.ambiguous for p in a.alternatives)
         return place in (*(e.place for e in self.effects), *alike)
 

@@ -13,9 +13,10 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.verdict import EffectFinding
 
 SMALL_M, SMALL_S = 0.1, 1.0
+"""A smaller length is written in mm, a shorter time in ms."""
 NOT_SHOWN = "not shown"
-TOLD_ORDERS = 6
-"""Orders of an outline that are told: the largest; the file has all."""
+SHOWN_ORDERS = 6
+"""Orders of an outline that are written out, the largest; the file has all."""
 
 
 def unit_of(effect: str, parameter: str) -> str:
@@ -60,7 +61,7 @@ def remedy(effect: str, place: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NumberRow:
-    """One parameter of a finding as text; ``low`` and ``high`` (95 %) are empty where assumed.
+    """One parameter of a finding as text; ``low`` and ``high`` (95 %) are empty without interval.
 
     ``value`` is ``NOT_SHOWN`` where the records do not tell the number from its absence.
     """
@@ -114,7 +115,7 @@ def tells_size(effect: str, parameter: str) -> bool:
 
 
 def assumed(effect: str, parameter: str) -> bool:
-    """Return whether the library sets a number, unless the record tells it."""
+    """Return whether the library has a single value for a number, its own unless it was fitted."""
     known = BY_NAME.get(effect)
     row = known.accepts.get(parameter) if known is not None else None
     return row is not None and row.role in ("option", "shape") and len(row.tries) == 1
@@ -127,12 +128,12 @@ def size_of(finding: EffectFinding) -> str:
         if not tells_size(effect, number.key):
             continue
         name = "" if isinstance(finding.parameters[number.key], str) else f"{number.name} "
-        sizes.append(f"{name}{_told(effect, number, finding.parameters[number.key])}")
+        sizes.append(f"{name}{_with_interval(effect, number, finding.parameters[number.key])}")
     return ", ".join([*sizes, *_orders_of(finding)])
 
 
-def _told(effect: str, number: NumberRow, value: Value) -> str:
-    """Return a number with unit and interval, as far as records tell it."""
+def _with_interval(effect: str, number: NumberRow, value: Value) -> str:
+    """Return a number with its unit and, where it was fitted, its interval."""
     if number.value == NOT_SHOWN:
         return f"{NOT_SHOWN}: between {number.low} and {number.high} {number.unit}".rstrip()
     text = f"{number.value} {number.unit}".rstrip()
@@ -145,7 +146,7 @@ def _told(effect: str, number: NumberRow, value: Value) -> str:
 
 
 def _orders_of(finding: EffectFinding) -> list[str]:
-    """Return the largest orders of an effect that is told by its orders alone, with units."""
+    """Return the largest orders of an effect that has no other size, with units."""
     known = BY_NAME.get(finding.place.effect)
     values = finding.parameters
     if known is None or (known.profiles is not None and known.profiles.size in values):
@@ -155,9 +156,9 @@ def _orders_of(finding: EffectFinding) -> list[str]:
         for order, pair in enumerate(known.quadratures, start=1)
         if not pair.amplitude and pair.cos in values and pair.sin in values
     ]
-    told = sorted(sorted(sizes, reverse=True)[:TOLD_ORDERS], key=lambda row: row[1])
+    shown = sorted(sorted(sizes, reverse=True)[:SHOWN_ORDERS], key=lambda row: row[1])
     orders = []
-    for size, order, name in told:
+    for size, order, name in shown:
         factor, unit = scaled(size, unit_of(finding.place.effect, name))
         orders.append(f"{order}x {factor * size:.4g} {unit}")
     return orders
@@ -166,7 +167,7 @@ def _orders_of(finding: EffectFinding) -> list[str]:
 def coordinate_text(kind: str, where: Mapping[str, float | str]) -> str:
     """Return what is known of an unknown as text."""
     if kind in ("time", "travel", "angle"):
-        return _rhythm_text(kind, where)
+        return _periodic_text(kind, where)
     if kind == "event":
         return (
             f"an event at {float(where['from_s']):.2f} s in {where['zone']}, first seen in "
@@ -186,7 +187,7 @@ def coordinate_text(kind: str, where: Mapping[str, float | str]) -> str:
     return "noise above the line's own, at no frequency in particular"
 
 
-def _rhythm_text(kind: str, where: Mapping[str, float | str]) -> str:
+def _periodic_text(kind: str, where: Mapping[str, float | str]) -> str:
     if kind == "time":
         return f"something that repeats in time, {where['frequency_Hz']:.4g} Hz at every speed"
     if kind == "angle":
