@@ -17,10 +17,11 @@ from sim_plant.refine.without_line.general.effect import (
 )
 
 SHARES = (0.1, 0.3, 0.8, 1.6)
+"""Plays that a fit starts from, of the input's standard deviation."""
 
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:
-    """Return the play operator: what follows ``values`` at no more than half the play."""
+    """Return what follows ``values`` at a distance of at most half the play (samples,)."""
     followed: Array = np.empty(values.size)
     _play(np.asarray(values, dtype=np.float64), 0.5 * abs(chosen.numbers[0]), followed)
     return followed
@@ -28,7 +29,7 @@ def change(_view: View, chosen: Chosen, values: Array) -> Array:
 
 @compiled
 def _play(values: Array, half: float, followed: Array) -> None:
-    """Write into ``followed`` what follows ``values`` at no more than ``half``."""
+    """Write into ``followed`` what follows ``values`` at a distance of at most ``half``."""
     at = values[0]
     for k in range(values.size):
         at = min(max(at, values[k] - half), values[k] + half)

@@ -1,4 +1,4 @@
-"""Channels whose clocks differ: an output later than the inputs by an own time in each record."""
+"""Channels whose clocks differ: an output is late by another time in each record."""
 
 from __future__ import annotations
 

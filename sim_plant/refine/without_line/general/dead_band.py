@@ -16,22 +16,23 @@ from sim_plant.refine.without_line.general.effect import (
 )
 
 SHARES = (0.1, 0.25, 0.5, 0.7)
+"""Of the readings that lie within the half widths that a fit starts from."""
 
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:
-    """Return sign(u) max(|u| - width, 0)."""
-    width = abs(chosen.numbers[0])
-    return values - np.clip(values, -width, width)
+    """Return sign(u) max(|u| - half width, 0)."""
+    half_width = abs(chosen.numbers[0])
+    return values - np.clip(values, -half_width, half_width)
 
 
 def starts(views: Sequence[View]) -> list[Chosen]:
-    """Return widths by the share of the readings that they hold."""
+    """Return half widths by the share of the readings that lie within."""
     choices = []
     for name in views[0].inputs:
         values = pooled(views, name)
         if values.min() < 0.0 < values.max():
-            for width in np.quantile(np.abs(values), SHARES):
-                choices.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(width),)))
+            for half in np.quantile(np.abs(values), SHARES):
+                choices.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(half),)))
     return choices
 
 

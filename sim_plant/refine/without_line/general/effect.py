@@ -18,7 +18,7 @@ Stage = Literal["filter", "shift", "own", "raw", "driven", "term", "past"]
 an input as read, an input as it enters the filter, a term beside the filter, past outputs."""
 
 LATER = 32
-"""Shifted inputs that are kept: a fit asks for the same again as it moves one number at a time."""
+"""Shifted inputs that stay cached: a fit moves one number at a time and needs the others again."""
 
 GENERAL = CRITERIA.without_line.general
 
@@ -95,8 +95,8 @@ class Chosen:
     ----------
     effect : name in the catalogue.
     place : the input or state that it acts on.
-    numbers : those that are fitted by steps, in the order of the effect.
-    constants : those that are taken from the records fitted and stay.
+    numbers : fitted by Gauss-Newton steps, in the order of the effect's ``numbers``.
+    constants : taken from the records fitted, and not changed by a fit.
     """
 
     effect: str
@@ -126,7 +126,7 @@ class GeneralEffect:
     name : unique word.
     stage : where it acts.
     text : what it is, a sentence without a stop.
-    numbers : fitted by steps.
+    numbers : fitted by Gauss-Newton steps.
     sizes : fitted as weights of its columns, in their order.
     starts : places and sizes to begin with.
     change : of an input, for stages ``raw`` and ``driven``.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from sim_plant.refine.without_line.general.effect import GeneralEffect
 
 PLAIN_HALF = 20
-"""A plain least-squares filter: 41 taps centred on the sample."""
+"""Samples on either side in a plain least-squares filter: 41 taps centred on the sample."""
 
 
 def reaches(taps: int) -> list[tuple[str, int, int]]:
@@ -13,7 +13,7 @@ def reaches(taps: int) -> list[tuple[str, int, int]]:
 
     Parameters
     ----------
-    taps : of the declaration, which no filter exceeds: all are judged on the same samples.
+    taps : declared, on either side; no filter reaches further: all are judged on the same samples.
     """
     halves = sorted({min(half, taps) for half in (1, 2, 4, 10, PLAIN_HALF, taps)})
     filters = [(f"{2 * half + 1} taps, centred", half, half) for half in halves]

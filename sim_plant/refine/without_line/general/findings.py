@@ -52,13 +52,14 @@ class Finding:
 
 
 def _between(value: float, deviation: float, blocks: int) -> Interval:
+    """Return a value's interval, by Student's t with one degree of freedom less than blocks."""
     reach = deviation * float(stdtrit(blocks - 1, 0.5 + 0.5 * CRITERIA.report.confidence))
     return (value - reach, value + reach)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Estimates:
-    """Weights and numbers of a trial with their deviations, in the order of the model."""
+    """Weights and numbers of a trial with their standard deviations, in the order of the model."""
 
     weights: Array
     weight_sd: Array
@@ -82,7 +83,7 @@ def _estimates(trial: Trial, views: Sequence[View]) -> _Estimates:
 
 
 def delays_of(trial: Trial, views: Sequence[View]) -> dict[str, tuple[float, float, float]]:
-    """Return by input the delay of the output behind it, s, with its interval.
+    """Return by input how far the output is behind it, s: value, low and high.
 
     Parameters
     ----------
@@ -90,18 +91,18 @@ def delays_of(trial: Trial, views: Sequence[View]) -> dict[str, tuple[float, flo
     """
     estimates = _estimates(trial, views)
     step_s = views[0].step_s
-    said = {}
+    delays = {}
     for name, value, deviation in zip(
         views[0].inputs, estimates.numbers, estimates.number_sd, strict=False
     ):
         low, high = _between(float(value), float(deviation), estimates.blocks)
-        said[name] = (float(value) * step_s, low * step_s, high * step_s)
-    return said
+        delays[name] = (float(value) * step_s, low * step_s, high * step_s)
+    return delays
 
 
 def pruned(search: Search, views: Sequence[View], view: View) -> tuple[Search, list[str]]:
-    """Return the search without effects that the record held out is clearly better without."""
-    said = []
+    """Return the search less effects that the record held out is better without, and why."""
+    reasons = []
     for name, place in effects_in(search.best.model):
         smaller = refined(without(search.best.model, name, place), views)
         less = replace(search, best=trial_of("chosen", search.best.what, *smaller))
@@ -109,8 +110,10 @@ def pruned(search: Search, views: Sequence[View], view: View) -> tuple[Search, l
         saved = 1.0 - (without_it.chosen_rms / with_it.chosen_rms) ** 2
         if saved > CRITERIA.without_line.general.least_share:
             search = less
-            said.append(f"{name} ({place}) saves on the records fitted, not on the one held out")
-    return search, said
+            reasons.append(
+                f"{name} ({place}) saves on the records fitted, not on the one held out"
+            )
+    return search, reasons
 
 
 def findings(
@@ -157,7 +160,10 @@ def _without_it(
 def _finding(
     best: Trial, e: _Estimates, views: Sequence[View], which: tuple[str, str], output: str
 ) -> Finding:
-    """Return one effect with its numbers; the errors are filled in later."""
+    """Return one effect with its numbers; the errors are filled in later.
+
+    ``at`` and ``column``: where an effect's numbers and its weights begin in the estimates.
+    """
     name, place = which
     model = best.model
     at = len(model.delays) + max(0, len(model.shifts) - 1)
@@ -197,9 +203,9 @@ def _claimed(
 
 
 def _own(e: _Estimates, column: int, records: int) -> dict[str, tuple[float, float]]:
-    """Return zero and drift of every record fitted; the zeros about their mean.
+    """Return zero and drift of every record fitted, each zero less the mean of all.
 
-    The constant that all records share takes their mean up.
+    That mean belongs to the constant that all records share.
     """
     values: dict[str, tuple[float, float]] = {}
     for k, size in enumerate(BY_NAME["offset_drift"].sizes):
@@ -223,8 +229,8 @@ def _shift(
 
     Nothing where the inputs do not count: the best of many shifts would follow the noise.
     """
-    still = replace(best.model, ahead=0, back=-1, delays=(), shifts=())
-    if not counts(fit(still, views).left_out(), best.left_out, len(views)):
+    no_inputs = replace(best.model, ahead=0, back=-1, delays=(), shifts=())
+    if not counts(fit(no_inputs, views).left_out(), best.left_out, len(views)):
         return []
     output, fitted, held = names
     step_s = view.step_s
@@ -236,15 +242,15 @@ def _shift(
     if judged.shift_samples is not None and held not in fitted:
         samples, sd = judged.shift_samples
         values[f"shift_s of {held}"] = (samples * step_s, sd * step_s)
-    for place, name in enumerate(views[0].inputs if delays else ()):
-        samples, sd = float(e.numbers[place]), float(e.number_sd[place])
+    for k, name in enumerate(views[0].inputs if delays else ()):
+        samples, sd = float(e.numbers[k]), float(e.number_sd[k])
         low, high = _between(samples, sd, e.blocks)
         if low * high > 0.0 and abs(samples) > CRITERIA.without_line.general.least_delay_samples:
             values[f"delay_s behind {name}"] = (samples * step_s, sd * step_s)
     if not values:
         return []
-    plainly = refined(replace(model, shifts=(), delays=()), views)
-    explained = explained_by(trial_of("", "", *plainly), view, shift=False, own=judged.own)
+    unshifted = refined(replace(model, shifts=(), delays=()), views)
+    explained = explained_by(trial_of("", "", *unshifted), view, shift=False, own=judged.own)
     claimed = _claimed(SHIFT, output, "output", values, e.blocks)
     before = rms(view.judged - explained)
     return [replace(claimed, before_rms=before, after_rms=judged.chosen_rms)]

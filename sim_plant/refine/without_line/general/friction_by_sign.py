@@ -14,7 +14,7 @@ GENERAL = CRITERIA.without_line.general
 
 
 def columns(view: View, chosen: Chosen) -> Array:
-    """Return s / sqrt(s^2 + soft^2), the sign of a state (samples, 1)."""
+    """Return s / sqrt(s^2 + soft^2), the sign of a state s that fades near zero (samples, 1)."""
     state = view.states()[chosen.place]
     sign: Array = (state / np.hypot(state, chosen.constants[0]))[:, None]
     return sign

@@ -18,7 +18,7 @@ def columns(view: View, chosen: Chosen) -> Array:
 
 
 def starts(views: Sequence[View]) -> list[Chosen]:
-    """Return every input and, where the filter takes none, every rate."""
+    """Return every input and, where the filter takes no rates, every rate."""
     return [Chosen(effect=EFFECT.name, place=name) for name in views[0].states()]
 
 

@@ -16,19 +16,21 @@ from sim_plant.refine.without_line.general.search import Search, Trial, counts, 
 
 Mask = NDArray[np.bool_]
 STEPS = 4
+"""Gauss-Newton steps to a record's own shift."""
 SLOPE_SAMPLES = 0.05
+"""By so much the shift is moved to find the slope of what is explained."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One line of the table: what was tried, what it gave.
+    """One row of the table: what was tried, what it gave.
 
     Attributes
     ----------
     effect : name in the catalogue.
     what : as text.
-    left_out_rms : on blocks of the records fitted that were left out.
-    held_out_rms : on the record judged.
+    left_out_rms : error on blocks of the records fitted that were left out.
+    held_out_rms : error on the record judged.
     taken : the model that was chosen has it.
     """
 
@@ -47,8 +49,8 @@ class Judged:
     ----------
     rows : everything that was tried.
     explained : by what is used in the end (judged,).
-    declared_rms, plain_rms, chosen_rms : of the declared filter, of plain least squares, and of
-        the model chosen.
+    declared_rms, plain_rms, chosen_rms : error of the declared filter, of plain least squares,
+        and of the model chosen.
     shift_samples : own shift of this record against the first fitted, and its standard
         deviation; None where it needs none.
     own : this record needed an own zero and drift.
@@ -74,9 +76,9 @@ def rms(values: Array) -> float:
 
 @lru_cache(maxsize=4)
 def _filter_part(trial: Trial, view: View, shift: float) -> Array:
-    """Return what the weights explain (judged,), without an own zero and drift; kept, not written.
+    """Return what the weights explain (judged,), without an own zero and drift.
 
-    Both halves of a record begin at the same shift.
+    Cached, so not to be written to: `explained_by` begins at the same shift for both its halves.
     """
     a = regressors(trial.model, view, shift)
     explained: Array = a @ trial.weights[: a.shape[1]]
@@ -152,27 +154,27 @@ def own_shift(trial: Trial, view: View) -> tuple[float, float]:
 def judge(search: Search, view: View) -> Judged:
     """Return what every trial gives on a record, and what is used in the end."""
     best = search.best
-    left = view.judged
+    output = view.judged
     shift, own = False, best.model.own
     explained = explained_by(best, view, shift=shift, own=own)
     for more in ((True, own), (shift, True), (True, True)):
         if (more[0] and (not view.inputs or best.model.back < 0)) or more == (shift, own):
             continue
         tried = explained_by(best, view, shift=more[0], own=more[1])
-        if counts(_blocks(left - explained), _blocks(left - tried)):
+        if counts(_blocks(output - explained), _blocks(output - tried)):
             explained, (shift, own) = tried, more
     simple = {
         trial.what: (trial, explained_by(trial, view, shift=False, own=False))
         for trial in (search.declared, search.plain)
     }
-    chosen_rms = rms(left - explained)
-    used, simpler = min(simple.values(), key=lambda pair: rms(left - pair[1]))
-    fell_back = rms(left - simpler) < chosen_rms
+    chosen_rms = rms(output - explained)
+    used, simpler = min(simple.values(), key=lambda pair: rms(output - pair[1]))
+    fell_back = rms(output - simpler) < chosen_rms
     return Judged(
         rows=tuple(_rows(search, view, (shift, own), chosen_rms)),
         explained=simpler if fell_back else explained,
-        declared_rms=rms(left - simple[search.declared.what][1]),
-        plain_rms=rms(left - simple[search.plain.what][1]),
+        declared_rms=rms(output - simple[search.declared.what][1]),
+        plain_rms=rms(output - simple[search.plain.what][1]),
         chosen_rms=chosen_rms,
         shift_samples=own_shift(best, view) if shift else None,
         own=own,
@@ -182,6 +184,7 @@ def judge(search: Search, view: View) -> Judged:
 
 
 def _rows(search: Search, view: View, own: tuple[bool, bool], chosen_rms: float) -> list[Row]:
+    """Return the table; ``own``: whether the record judged has an own shift, and zero and drift."""
     rows = []
     for trial in search.tried:
         explained = explained_by(trial, view, shift=bool(trial.model.shifts), own=trial.model.own)
@@ -194,8 +197,8 @@ def _rows(search: Search, view: View, own: tuple[bool, bool], chosen_rms: float)
                 taken=_taken(trial, search.best),
             )
         )
-    said = [w for w, used in zip(("shift", "zero and drift"), own, strict=True) if used]
-    what = "what was chosen" + (f", with this record's own {' and '.join(said)}" if said else "")
+    names = [w for w, used in zip(("shift", "zero and drift"), own, strict=True) if used]
+    what = "what was chosen" + (f", with this record's own {' and '.join(names)}" if names else "")
     rows.append(
         Row(
             effect="chosen",
@@ -209,7 +212,7 @@ def _rows(search: Search, view: View, own: tuple[bool, bool], chosen_rms: float)
 
 
 def _taken(trial: Trial, best: Trial) -> bool:
-    """Return whether the chosen model went through this trial."""
+    """Return whether the chosen model has the filter and every effect of this trial."""
     a, b = trial.model, best.model
     if (a.ahead, a.back, bool(a.delays)) != (b.ahead, b.back, bool(b.delays)):
         return False

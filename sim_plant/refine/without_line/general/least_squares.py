@@ -16,9 +16,11 @@ from sim_plant.refine.without_line.general.model import Model, own_columns, regr
 
 GENERAL = CRITERIA.without_line.general
 RIDGE = 1e-9
-"""Of every column's power: neighbouring lags of a smooth input are nearly the same."""
+"""Added to the diagonal, of a column's power: neighbouring lags of a smooth input are alike."""
 STEPS = 5
+"""Gauss-Newton steps at most."""
 HALVINGS = 6
+"""Lengths tried of a step, each half the one before."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -121,7 +123,7 @@ def fit(model: Model, views: Sequence[View]) -> Moments:
 
 
 def with_slopes(model: Model, views: Sequence[View]) -> Moments:
-    """Return the moments with a column for every number: the slope of what is explained."""
+    """Return the moments with a further column per number: the slope of what is explained."""
     parts = parts_of(model, views)
     outputs = [view.judged for view in views]
     weights = moments(parts, outputs).weights()

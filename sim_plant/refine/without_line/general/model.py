@@ -15,11 +15,12 @@ from sim_plant.refine.without_line.general.state_dependence import BY
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Model:
-    """What is fitted; weights are found apart.
+    """What is fitted, but for the weights of its regressors.
 
     Attributes
     ----------
-    ahead, back : samples of every input that the filter takes after and before the output's.
+    ahead, back : samples of every input that the filter takes after and before the output's own;
+        ``back`` is -1 for a filter that takes none.
     delays : of every input, samples; empty for none.
     shifts : of every record fitted, samples, the first 0; empty for none.
     own : each record has an own zero and drift.
@@ -62,7 +63,7 @@ class Model:
         return replace(self, delays=delays, shifts=shifts, effects=effects)
 
     def steps(self) -> Array:
-        """Return a small step of every number: a twentieth of a sample, a thousandth of a size."""
+        """Return a small step of every number: 0.05 samples of a time, 0.001 of any other."""
         times = len(self.delays) + max(0, len(self.shifts) - 1)
         found = [0.05] * times
         for x in self.effects:
@@ -71,9 +72,9 @@ class Model:
         return np.array(found)
 
 
-def _driven(model: Model, view: View, place: int, name: str, shift: float) -> Array:
+def _driven(model: Model, view: View, index: int, name: str, shift: float) -> Array:
     """Return an input as it enters the filter (samples,)."""
-    later = shift + (model.delays[place] if model.delays else 0.0)
+    later = shift + (model.delays[index] if model.delays else 0.0)
     raw = [x for x in model.acting("raw") if x.place == name]
     values = view.inputs[name]
     for x in raw:
@@ -94,8 +95,8 @@ def regressors(model: Model, view: View, shift: float) -> Array:
     """Return 1, the lagged inputs and the terms where the record is judged (judged, columns)."""
     first, last = view.margin, view.output.size - view.margin
     rows = [np.ones(last - first)]
-    for place, name in enumerate(view.inputs):
-        values = _driven(model, view, place, name, shift)
+    for index, name in enumerate(view.inputs):
+        values = _driven(model, view, index, name, shift)
         rows += [values[first - s : last - s] for s in range(-model.ahead, model.back + 1)]
     for x in model.acting("term"):
         columns = BY_NAME[x.effect].columns

@@ -16,6 +16,7 @@ from sim_plant.refine.without_line.general.effect import (
 )
 
 SHARES = (0.5, 0.7, 0.85, 0.95)
+"""Of the readings that lie within the limits that a fit starts from."""
 
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:

@@ -72,8 +72,8 @@ class Search:
 def better_by(before: Array, after: Array, records: int) -> tuple[float, float]:
     """Return share of the squared error saved, and Student's t of what the blocks save.
 
-    Each record counts by its own error and its blocks (as many in each) are compared with one
-    another: a record with more noise does not hide what is saved in a quiet one.
+    What a block saves is taken relative to the error of its record, and its spread among the
+    blocks of that record: a noisy record does not hide what is saved in a quiet one.
     """
     was = before.reshape(records, -1)
     saved = (was - after.reshape(records, -1)) / np.maximum(was.sum(axis=1), 1e-300)[:, None]
@@ -191,7 +191,7 @@ def _filters(views: Sequence[View]) -> list[Trial]:
 
 
 def _shortest(trials: Sequence[Trial], records: int) -> Trial:
-    """Return the shortest filter that the best one is not better than by enough."""
+    """Return the shortest filter that is not clearly worse than the best."""
     best = min(trials, key=lambda trial: trial.rms)
     for trial in trials:
         share, t = better_by(trial.left_out, best.left_out, records)
@@ -201,7 +201,7 @@ def _shortest(trials: Sequence[Trial], records: int) -> Trial:
 
 
 def _lengthened(best: Trial, views: Sequence[View]) -> Trial:
-    """Return the model with the filter that suits it: what was in the way hid what a tap gives.
+    """Return the model with a longer filter where, beside the effect just added, that saves.
 
     Otherwise the next effect would take the place of taps that are missing.
     """
@@ -215,7 +215,7 @@ def _lengthened(best: Trial, views: Sequence[View]) -> Trial:
 
 
 def _grown(best: Trial, views: Sequence[View]) -> tuple[Trial, list[Trial]]:
-    """Return the best model with one effect more, itself where none counts, and all trials."""
+    """Return the best model with one more effect, or as it was if none counts, and all trials."""
     tried = []
     for name, what, models in _candidates(best.model, views):
         start = min(models, key=lambda model: fit(model, views).total)

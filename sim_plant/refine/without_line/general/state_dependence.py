@@ -14,11 +14,13 @@ from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, 
 GENERAL = CRITERIA.without_line.general
 SPEED = "travel speed"
 BY = " by "
+"""Between input and state in the name of a place."""
 SHARES = (-0.3, 0.3)
+"""Changes of the gain per standard deviation of the state that a fit starts from."""
 
 
 def state_of(view: View, name: str) -> Array:
-    """Return a slow state (samples,)."""
+    """Return the speed or an input as a running mean, the slow state (samples,)."""
     speed = view.speed_m_s if name == SPEED else view.inputs[name]
     values: Array = uniform_filter1d(
         np.asarray(speed), max(1, round(GENERAL.slow_state_s / view.step_s)), mode="nearest"
@@ -27,7 +29,7 @@ def state_of(view: View, name: str) -> Array:
 
 
 def change(view: View, chosen: Chosen, values: Array) -> Array:
-    """Return (1 + a (s - middle)) x; the state goes no further than the records fitted have it."""
+    """Return (1 + a (s - middle)) x, the state s kept within its range in the records fitted."""
     middle, low, high = chosen.constants
     state = np.clip(state_of(view, chosen.place.split(BY)[1]), low, high)
     return values * (1.0 + chosen.numbers[0] * (state - middle))

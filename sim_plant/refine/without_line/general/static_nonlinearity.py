@@ -16,6 +16,7 @@ from sim_plant.refine.without_line.general.effect import (
 )
 
 SHARES = (-0.3, -0.1, 0.1, 0.3)
+"""Of the input, by which it changes at its rms in the curves that a fit starts from."""
 
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:
@@ -25,7 +26,7 @@ def change(_view: View, chosen: Chosen, values: Array) -> Array:
 
 
 def starts(views: Sequence[View]) -> list[Chosen]:
-    """Return sizes at which the curve bends by a tenth to a third at the input's rms."""
+    """Return a square or a cube alone, by how much either changes the input at its rms."""
     choices = []
     for name in views[0].inputs:
         size = float(np.sqrt(np.mean(pooled(views, name) ** 2)))
