@@ -27,8 +27,8 @@ class SpectralLine:
     kind : ``time`` or ``travel``.
     coordinate : Hz or 1/m.
     per_record : coordinate found in each record alone.
-    strength : drop over all records.
-    clock : why it is no effect of the machine; empty when it may be one.
+    strength : reduction of chi-square over all records.
+    clock : why the machine does not make it; empty when it may.
     seen : in which records and at which speeds; None for a clock of a raw output.
     """
 
@@ -53,6 +53,7 @@ class SpectralLine:
 
 
 def _spectra(item: Remainder, white: Array) -> list[SpectralLines]:
+    """Return the spectra of whitened rows (rows, samples) in time and, with a speed, in travel."""
     rate = 1.0 / item.record.sample_time_s
     size = white.shape[1]
     time_s: Array = np.arange(size, dtype=np.float64) * item.record.sample_time_s
@@ -88,7 +89,7 @@ def _spectra(item: Remainder, white: Array) -> list[SpectralLines]:
 
 
 def threshold(spectrum: SpectralLines) -> float:
-    """Return the drop that noise exceeds by chance ``false_alarm``, times ``safety``."""
+    """Return ``safety`` times the chi-square reduction that noise exceeds by ``false_alarm``."""
     per_bin = WITHOUT_LINE.false_alarm / max(1, spectrum.coordinate.size)
     return WITHOUT_LINE.safety * float(chdtri(spectrum.degrees, per_bin))
 
@@ -97,7 +98,7 @@ def find_spectral_lines(items: Sequence[Remainder]) -> list[SpectralLine]:
     """Return significant spectral lines over all records, strongest first.
 
     Each is taken out before the next is looked for. A spectral line counts in the coordinate in
-    which it is sharper: that with the larger drop.
+    which it is sharper: that with the larger reduction of chi-square.
     """
     whites = first = [item.whitened for item in items]
     lines: list[SpectralLine] = []
@@ -118,7 +119,7 @@ def find_spectral_lines(items: Sequence[Remainder]) -> list[SpectralLine]:
 
 
 def _same(line: SpectralLine, other: SpectralLine) -> bool:
-    """Return whether one is what was left of a stronger one whose coordinate wanders."""
+    """Return whether ``line`` is what was left of ``other``, a stronger one that wanders."""
     if line.kind != other.kind:
         return False
     apart = abs(line.coordinate / other.coordinate - 1.0)
@@ -150,16 +151,16 @@ def _line(
 def _orders(
     items: Sequence[Remainder], whites: Sequence[Array], lines: Sequence[SpectralLine]
 ) -> list[SpectralLine]:
-    """Return spectral lines, orders of a turn named; one that is an order is there in travel."""
+    """Return the spectral lines, those that are orders of one turn in travel and named so."""
     if items[0].travel_m is None:
         return list(lines)
     rows = [(x.kind, x.coordinate, x.seen) for x in lines if x.seen is not None and not x.clock]
     extents = [float(np.ptp(x.travel_m)) for x in items if x.travel_m is not None]
     named = iter(as_orders(rows, extents))
-    said = []
+    result = []
     for x in lines:
         if x.seen is None or x.clock:
-            said.append(x)
+            result.append(x)
             continue
         kind, at, where = next(named)
         per_record = x.per_record
@@ -168,8 +169,8 @@ def _orders(
             where = replace(where, present=seen(items, whites, kind, own).present)
             at = float(np.median([c for c, p in zip(own, where.present, strict=True) if p]))
             per_record = tuple(c if p else at for c, p in zip(own, where.present, strict=True))
-        said.append(replace(x, kind=kind, coordinate=at, per_record=per_record, seen=where))
-    return said
+        result.append(replace(x, kind=kind, coordinate=at, per_record=per_record, seen=where))
+    return result
 
 
 def clocks(items: Sequence[Remainder]) -> list[SpectralLine]:
@@ -200,13 +201,14 @@ def clocks(items: Sequence[Remainder]) -> list[SpectralLine]:
 
 
 def _best(spectra: Sequence[Sequence[SpectralLines]]) -> tuple[str, float, float] | None:
+    """Return kind, coordinate and chi-square reduction of the strongest; None: all are noise."""
     best: tuple[str, float, float] | None = None
     for k, first in enumerate(spectra[0]):
         total = first.chi2_reduction.copy()
         limit = threshold(first)
         for record in spectra[1:]:
             total += np.interp(first.coordinate, record[k].coordinate, record[k].chi2_reduction)
-            limit += first.degrees
+            limit += first.degrees  # what noise of one more record adds on average
         at = int(np.argmax(total))
         if total[at] > limit and (best is None or total[at] > best[2]):
             best = (first.kind, float(first.coordinate[at]), float(total[at]))
@@ -214,12 +216,12 @@ def _best(spectra: Sequence[Sequence[SpectralLines]]) -> tuple[str, float, float
 
 
 def sharpest(item: Remainder, white: Array, kind: str, near: float) -> float:
-    """Return the coordinate of the strongest spectral line near one, in one record alone."""
+    """Return the coordinate of the strongest spectral line near ``near``, in one record alone."""
     u = phase_of(item, kind)
     reach = max(1.0 / float(u[-1]), 0.002 * near)
     best = near
     for _ in range(3):
-        points = max(21, int(8.0 * reach * float(u[-1])) + 1)  # four to what the record resolves
+        points = max(21, int(8.0 * reach * float(u[-1])) + 1)  # four per 1 / extent of the record
         grid = np.linspace(best - reach, best + reach, points)
         best, reach = float(grid[int(np.argmax(_power(white, u, grid)))]), 0.15 * reach
     return best
@@ -228,16 +230,16 @@ def sharpest(item: Remainder, white: Array, kind: str, near: float) -> float:
 def _power(white: Array, u: Array, grid: Array) -> Array:
     """Return the power of all outputs (grid,) at evenly spaced coordinates.
 
-    From one to the next every sample's phasor is turned by what the step says: a product for an
-    exponential.
+    From one coordinate to the next every sample's phasor turns by the same angle: a product
+    takes the place of an exponential.
     """
     phasor = np.exp(-2j * np.pi * grid[0] * u)
     onward = np.exp(-2j * np.pi * (grid[1] - grid[0]) * u)
-    found = np.empty(grid.size)
+    power = np.empty(grid.size)
     for k in range(grid.size):
-        found[k] = np.sum(np.abs(white @ phasor) ** 2)
+        power[k] = np.sum(np.abs(white @ phasor) ** 2)
         phasor *= onward
-    return found
+    return power
 
 
 def basis(item: Remainder, kind: str, coordinate: float) -> Array:
@@ -251,13 +253,14 @@ def basis(item: Remainder, kind: str, coordinate: float) -> Array:
 
 
 def _without(item: Remainder, white: Array, kind: str, coordinate: float) -> Array:
+    """Return whitened outputs less a spectral line, fitted to them (outputs, samples)."""
     b = basis(item, kind, coordinate)
     rest: Array = white - (b @ np.linalg.lstsq(b, white.T, rcond=None)[0]).T
     return rest
 
 
 def _clock(items: Sequence[Remainder], kind: str, coordinate: float) -> str:
-    """Return why a spectral line is a clock of the experiment, empty when nothing says so."""
+    """Return why a spectral line is a clock of the experiment; empty when it is not."""
     if kind != "time":
         return ""
     rate = 1.0 / items[0].record.sample_time_s

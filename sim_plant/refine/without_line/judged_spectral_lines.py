@@ -46,7 +46,10 @@ def without_spectral_lines(
 
 
 def _fit(item: Remainder, rows: Array, spectral: SpectralLine) -> Array:
-    """Return least squares of a spectral line, residual and basis through the same whitening."""
+    """Return a spectral line's weights (2 or 4, outputs), by least squares on whitened rows.
+
+    The basis goes through the same whitening filter as the row.
+    """
     b = basis(item, spectral.kind, spectral.coordinate)
     columns = []
     for row in rows:
@@ -63,8 +66,8 @@ def _known_size(
 ) -> Array:
     """Return this record's phase with the size that the fitted records have at its speed."""
     sizes = []
-    for item, own in zip(items, spectral.per_record, strict=True):
-        alone = _fit(item, item.residual, replace(spectral, coordinate=own))
+    for item, coordinate in zip(items, spectral.per_record, strict=True):
+        alone = _fit(item, item.residual, replace(spectral, coordinate=coordinate))
         sizes.append(np.abs(_complex(alone)[0]))
     here = _complex(fitted)[0]
     size = _at_speed(items, np.stack(sizes), judged)
@@ -90,4 +93,5 @@ def _at_speed(items: Sequence[Remainder], sizes: Array, judged: Remainder) -> Ar
 
 
 def _complex(fitted: Array) -> NDArray[np.complex128]:
+    """Return each pair of cosine and sine weights as one complex number (1 or 2, outputs)."""
     return np.stack([fitted[k] + 1j * fitted[k + 1] for k in range(0, fitted.shape[0], 2)])

@@ -58,7 +58,15 @@ def limits_of(declaration: RecordDeclaration) -> list[str]:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Output:
-    """One output explained: search, what it gives on the record judged, what is claimed."""
+    """One output explained: search, what it gives on the record judged, what is claimed.
+
+    Attributes
+    ----------
+    fitted : what is explained of every record fitted (judged,).
+    found : the effects that are claimed.
+    refused : what is not claimed, as sentences.
+    delays : by input, s: how far the output is behind it by a gain alone, and its interval.
+    """
 
     name: str
     search: Search
@@ -86,8 +94,8 @@ def refine_records(
     everything = [s.record for s in stamped]
     records, held = everything[: len(plan.records)], everything[len(plan.records) :]
     check_apart(records, held)
-    cannot = [*limits_of(declaration), *holdout_limits(held)]
-    announce(cannot, everything, progress)
+    limits = [*limits_of(declaration), *holdout_limits(held)]
+    announce(limits, everything, progress)
     at = len(records) if held else 0
     outputs = [
         _output(declaration, name, stamped[: len(records)], stamped[at], progress)
@@ -109,7 +117,7 @@ def refine_records(
     verdict = RecordVerdict(
         unknown=tuple(machine),
         clocks=(*(x for x in lines if x.clock), *clocks(items)),
-        not_claimed=(*cannot, *(text for o in outputs for text in o.refused)),
+        not_claimed=(*limits, *(text for o in outputs for text in o.refused)),
         holdout=str((plan.holdout or plan.records)[0]),
         general=tuple(x for o in outputs for x in o.found),
         residual_rms={o.name: _error(o, left) for o, left in zip(outputs, left_over, strict=True)},
@@ -167,7 +175,7 @@ def _output(
 
 
 def _error(o: _Output, left: Array) -> ChannelError:
-    """Return the error of an output: lines count only where they make it smaller."""
+    """Return the error of an output; spectral lines count only where they make it smaller."""
     plain = min(o.judged.chosen_rms, o.judged.plain_rms, o.judged.declared_rms)
     return ChannelError(
         before=o.judged.declared_rms, after=min(rms(left), plain), noise_floor=float(np.std(left))

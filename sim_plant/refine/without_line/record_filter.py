@@ -60,7 +60,7 @@ class Remainder:
     record : what was read.
     residual : outputs less what is explained (outputs, samples).
     outputs : as measured (outputs, samples).
-    inputs : as used (inputs, samples).
+    inputs : as read (inputs, samples).
     travel_m : integral of the web's speed, or None.
     speed_m_s : the web's speed, or None.
     """

@@ -29,7 +29,7 @@ class Seen:
 
     Attributes
     ----------
-    scope : one of the six above.
+    scope : ``EVERY_SPEED`` or another of the six texts above.
     present : per record, whether it is there on its own.
     speeds_m_s : mean speed of the records in which it is there; empty without a speed.
     kind_proven : it is in time or in travel, by several speeds or by one that varies.
@@ -58,7 +58,12 @@ def phase_of(item: Remainder, kind: str) -> Array:
 
 
 def strength(item: Remainder, white: Array, kind: str, coordinate: float) -> tuple[float, int]:
-    """Return drop and degrees of a spectral line near a coordinate, in one record alone."""
+    """Return a spectral line's chi-square reduction in one record, and its degrees of freedom.
+
+    Parameters
+    ----------
+    coordinate : the largest reduction counts within 1 / extent of the record on either side.
+    """
     moving = item.speed_m_s if item.speed_m_s is not None else np.ones(white.shape[1])
     weights = speed_weights(moving, 2)
     u = phase_of(item, kind)
@@ -72,7 +77,7 @@ def strength(item: Remainder, white: Array, kind: str, coordinate: float) -> tup
 
 
 def own_threshold(degrees: int) -> float:
-    """Return the drop that noise exceeds near one known coordinate by chance ``false_alarm``.
+    """Return the chi-square reduction near a coordinate that noise exceeds by ``false_alarm``.
 
     That is chi-square theory; ``safety`` makes it larger, for residuals are not quite white.
     """
@@ -185,7 +190,7 @@ def _orders_of(base: float, wavenumbers: Sequence[float], widths: Sequence[float
 
 
 def _chance(base: float, orders: Sequence[int], widths: Sequence[float]) -> float:
-    """Return how often spectral lines anywhere would share a fundamental tried so closely."""
+    """Return how often, expected, spectral lines at random share a fundamental so closely."""
     reaches = sorted(2.0 * _reach(base, n, w) for n, w in zip(orders, widths, strict=True) if n)
     tried = len(orders) * max(orders) * math.comb(len(orders), len(reaches))
     return tried * math.prod(reaches[1:])

@@ -74,7 +74,7 @@ class RecordVerdict:
 
     @property
     def answer(self) -> Answer:
-        """``unknown`` with a line, else ``traced`` with a general effect, or ``nothing``."""
+        """``unknown`` with a spectral line, ``traced`` with a general effect alone, or ``nothing``."""
         if self.unknown:
             return "unknown"
         return "traced" if self.general else "nothing"
