@@ -74,7 +74,7 @@ class RecordVerdict:
 
     @property
     def answer(self) -> Answer:
-        """``unknown`` with a spectral line, ``traced`` with a general effect alone, or ``nothing``."""
+        """``unknown`` with a spectral line, ``traced`` with general effects alone."""
         if self.unknown:
             return "unknown"
         return "traced" if self.general else "nothing"

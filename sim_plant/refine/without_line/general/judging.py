@@ -184,7 +184,7 @@ def judge(search: Search, view: View) -> Judged:
 
 
 def _rows(search: Search, view: View, own: tuple[bool, bool], chosen_rms: float) -> list[Row]:
-    """Return the table; ``own``: whether the record judged has an own shift, and zero and drift."""
+    """Return the table; ``own``: has the record judged an own shift, an own zero and drift."""
     rows = []
     for trial in search.tried:
         explained = explained_by(trial, view, shift=bool(trial.model.shifts), own=trial.model.own)
