@@ -18,26 +18,37 @@ from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.residual import Residual
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response, arming_objections
 
-SAMPLES_PER_TURN = 20.0
-FADE_FROM = 0.9
-MIN_OMEGA_RAD_S = 1e-3
-REFRESHED_PER_TICK = 4
-MAX_ELAPSED_S = 0.1
-RATIO_EPS = 1e-9
+SAMPLES_PER_TURN = 20.0  # of an order's angle; an order with fewer does not go out
+FADE_FROM = 0.9  # of the frequency with so many samples: there the fade of an order begins
+MIN_OMEGA_RAD_S = 1e-3  # a roll or order that turns slower stands still
+REFRESHED_PER_TICK = 4  # blocks
+MAX_ELAPSED_S = 0.1  # the longest time that one sample moves a weight for
+RATIO_EPS = 1e-9  # a limit ratio this close to 1 is none
 BlockKind = Callable[[int, float, float], HarmonicBlock]
 """Order, settling time (s) and limit of amplitude to a block."""
 
 
 class Slot:
-    """One block with its roll, its monitor and what is known about its present frequency."""
+    """One block with its roll, its monitor and what is known about its present frequency.
+
+    Attributes
+    ----------
+    at : index of its roll among those of the bank.
+    response : P at the order's frequency, high-pass of the residual included.
+    passed : what that high-pass lets through of the order, its size.
+    bound_rad : of the error of P's phase.
+    rate_1_s, share : adaptation rate, and how much of it the blocks that it meets leave it, 0..1.
+    scale : factor from weight to output: the roll's speed, or 1.
+    fade : share of the output that goes out by its frequency, 0..1.
+    """
 
     __slots__ = (
         "at",
         "block",
         "bound_rad",
         "fade",
-        "heard",
         "monitor",
+        "passed",
         "phase",
         "rate_1_s",
         "response",
@@ -55,7 +66,7 @@ class Slot:
         self.block = block
         self.monitor = OrderMonitor()
         self.response = 0j
-        self.heard = 1.0
+        self.passed = 1.0
         self.bound_rad = math.pi
         self.rate_1_s = 0.0
         self.share = 0.0
@@ -136,7 +147,7 @@ class Bank:
         return self._sum(gate)
 
     def _speed_m_s(self, line_speed_m_s: float) -> float:
-        """Return the line speed, or the fastest surface of the rolls when there is no channel."""
+        """Return the line speed, or that of the fastest roll's surface when it is not known."""
         if math.isfinite(line_speed_m_s):
             return line_speed_m_s
         fastest = 0.0
@@ -145,6 +156,7 @@ class Bank:
         return fastest
 
     def _turn(self) -> None:
+        """Set carrier, scale, frequency and fade of every block by the angles of the rolls."""
         scaled, limit = self._p.scales_with_speed, self._omega_max
         fades_from = FADE_FROM * limit
         rolls = [(phase.lead(self._lead_s), phase.omega_rad_s) for phase in self._rolls]
@@ -178,7 +190,7 @@ class Bank:
                 continue
             frequency_Hz = omega / math.tau
             passed = self._residual.response(frequency_Hz)
-            slot.heard = abs(passed)
+            slot.passed = abs(passed)
             slot.response = self._response.at(frequency_Hz) * passed
             slot.bound_rad = self._response.phase_error_bound_rad(frequency_Hz)
             slot.rate_1_s = slot.block.adaptation_rate(self._response.memory_s(frequency_Hz))
@@ -186,6 +198,7 @@ class Bank:
             slot.share = gain_share(i, self._omegas, self._rates)
 
     def _learn(self, error: float, correcting: bool) -> None:
+        """Take one sample: into every monitor, and into the weights that may move."""
         elapsed_s, adapting = self._residual.elapsed_s, self._adapting
         dt_s = min(elapsed_s, MAX_ELAPSED_S)
         sure = [
@@ -195,7 +208,7 @@ class Bank:
         for slot in self.slots:
             block = slot.block
             slot.monitor.step(
-                error=error / slot.heard,
+                error=error / slot.passed,
                 carrier=block.carrier,
                 omega_rad_s=slot.phase.omega_rad_s,
                 dt_s=elapsed_s,
@@ -286,7 +299,7 @@ class Bank:
         return column_names([slot.name for slot in self.slots], self._columns)
 
     def state_of(self, slot: Slot) -> Trend:
-        """Return where a block stands."""
+        """Return the state of a block, for the record."""
         if self._gate.share == 0.0:
             return Trend.IDLE
         if slot.fade < 1.0:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import cmath
 
-SETTLE_EXPONENT = 4.0  # exp(-4) = 1.8 %, the source of "settled" in settle_s
+SETTLE_EXPONENT = 4.0  # exp(-4) = 1.8 % of the ripple is left after settle_s
 MEMORY_SHARE = 0.3  # adaptation rate times memory of the response stays below this
 MAX_STEP = 0.1  # share of the remaining error that one sample may remove
 
@@ -70,12 +70,12 @@ class HarmonicBlock:
 
         Does nothing when the step would not be a finite number.
         """
-        drive = response * scale
-        size = drive.real * drive.real + drive.imag * drive.imag
-        if not size > 0.0:
+        per_weight = response * scale
+        power = per_weight.real * per_weight.real + per_weight.imag * per_weight.imag
+        if not power > 0.0:
             return
         share = min(rate_1_s * dt_s, MAX_STEP)
-        step = (2.0 * share * error / size) * (self.carrier * drive).conjugate()
+        step = (2.0 * share * error / power) * (self.carrier * per_weight).conjugate()
         if not cmath.isfinite(step):
             return
         self.weight += step

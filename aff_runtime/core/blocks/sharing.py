@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-BAND_PER_RATE = 2.0
+BAND_PER_RATE = 2.0  # rad/s per 1/s of both rates: blocks further apart do not share
 
 
 def gain_share(index: int, omegas_rad_s: Sequence[float], rates_1_s: Sequence[float]) -> float:

@@ -10,7 +10,7 @@
 #define WIDE
 #endif
 
-/* np.maximum, np.minimum: what is no number goes through */
+/* np.maximum, np.minimum: NaN goes through */
 static inline double most(double a, double b) { return a >= b || a != a ? a : b; }
 static inline double least(double a, double b) { return a <= b || a != a ? a : b; }
 static inline double size_of(const double *z) { return sqrt(z[0] * z[0] + z[1] * z[1]); }
@@ -34,7 +34,7 @@ static inline __attribute__((always_inline)) void add_strip(
     for (int q = 0; q < Q; q++) *(four *)(to + q * row) = sum[q];
 }
 
-/* between two ticks others have had the cache: ask for all of it at once, not line by line */
+/* between two ticks the cache held other data: ask for all of it at once, not as it is read */
 static void fetch(const double *from, long count)
 {
     for (long i = 0; i < count; i += 8) __builtin_prefetch(from + i);
@@ -118,7 +118,7 @@ double filter_update(shape_filter *p, double error, const double *phi, double *p
                      long imbalance)
 {
     const long half = 2 * p->n, size = 2 * half + 1;
-    double *h = p->h, *gain = p->gain, told = 0.0, spread = 0.0;
+    double *h = p->h, *gain = p->gain, expected = 0.0, spread = 0.0;
     if (imbalance >= 0)
         for (int k = 0; k < 2; k++) {
             psi[2 * first + k] += psi[2 * imbalance + k];
@@ -128,8 +128,8 @@ double filter_update(shape_filter *p, double error, const double *phi, double *p
         h[i] = phi[i], h[i + 1] = -phi[i + 1];
         h[half + i] = psi[i], h[half + i + 1] = -psi[i + 1];
     }
-    for (long i = 0; i < size; i++) told += h[i] * p->state[i];
-    const double innovation = error - told;
+    for (long i = 0; i < size; i++) expected += h[i] * p->state[i];
+    const double innovation = error - expected;
     times_vector(size, p->covariance, h, gain);
     for (long i = 0; i < size; i++) spread += h[i] * gain[i];
     spread += p->sd * p->sd;
@@ -215,8 +215,8 @@ int monitor_judge(shape_monitor *p, const monitor_numbers *c, const double *devi
     for (long i = 0; i < p->n; i++) {
         const double turns = passed_s / turn_s[i], now = p->now[i];
         p->judged[i] += turns;
-        const double heard = least(p->judged[i], c->slow_turns);
-        p->slow[i] += turns / most(heard, most(turns, 1e-9)) * (now - p->slow[i]);
+        const double memory = least(p->judged[i], c->slow_turns);
+        p->slow[i] += turns / most(memory, most(turns, 1e-9)) * (now - p->slow[i]);
         const double without = p->without[i] = size_of(deviation + 2 * i) * p->size[i];
         const double noise = 2.0 * sd * sqrt(dt_s / (c->turns * turn_s[i]));
         const int bad = now > c->harm * without + 3.0 * noise && p->judged[i] > c->turns;

@@ -46,14 +46,14 @@ void filter_predict(shape_filter *p, const drift_numbers *c, const double *phi,
 /* ---- core/shape/monitor.py: ShapeMonitor ---- */
 typedef struct {
     long n;
-    double *phasor, *size, *pull, *now;                      /* complex, then doubles */
+    double *phasor, *size, *pull, *now;                      /* complex (n), then (n) each */
     double *age, *slow, *bad, *lost, *judged, *rest, *without;
     flag *astray;
     const flag *meets;
     const double *share;
 } shape_monitor;
 
-/* turns over which it listens, slow turns; shares and turns of its verdicts */
+/* turns of the lock-in's memory and of the slow mean; ratios and turns of its verdicts */
 typedef struct {
     double turns, slow_turns, harm, harm_turns, lost_ratio, lost_share, lost_turns, rest_turns;
 } monitor_numbers;
@@ -78,7 +78,8 @@ typedef struct {
     double *fade, *frequency_Hz;       /* (n) */
 } shape_basis;
 
-/* of the drive: K, corner c; lead of a command; where orders fade; what turns nothing */
+/* K and corner c of the drive, rad/s; lead of a command; end of the band, one over the width of
+ * its fade, 1/Hz; the speed (m/s, rad/s) that is none */
 typedef struct {
     double K, c, lead_s, fade_to_Hz, span, absurd;
 } basis_numbers;

@@ -83,11 +83,11 @@ class Arithmetic(Protocol):
         ...
 
     def monitor_hear(self, held: object, turn_s: Doubles, passed_s: float, dt_s: float) -> None:
-        """Sizes and pulls of ``ShapeMonitor._lock_in``."""
+        """``ShapeMonitor._read_amplitudes``."""
         ...
 
     def monitor_follow(self, held: object, phi: Complexes, error: float) -> None:
-        """Follow every column with one sample: the lock-in itself."""
+        """``ShapeMonitor._follow``: the lock-in itself."""
         ...
 
     def monitor_judge(
@@ -175,7 +175,7 @@ def holding(*arrays: Array) -> object:
 
 @contextmanager
 def using(arithmetic: Arithmetic | None) -> Iterator[None]:
-    """Have parts made inside use this binary, or numpy (None), to hold one beside the other."""
+    """Have parts made inside use this binary, or numpy (None), to compare the two."""
     _chosen.append(arithmetic)
     try:
         yield

@@ -1,4 +1,4 @@
-/* The law's arithmetic for Python: `aff_runtime.core.compiled.Arithmetic` says what is here.
+/* The law's arithmetic for Python: `core.compiled.binary.Arithmetic` says what is here.
  *
  * Built on the limited API, so that one binary serves every Python from 3.11 on. */
 #include "arrays.h"
@@ -142,7 +142,7 @@ static PyObject *py_monitor_follow(PyObject *m, PyObject *const *args, Py_ssize_
     monitor_numbers numbers;
     if (begin(&c, "monitor_follow", args, given, 3) < 0) return NULL;
     shape_monitor p = monitor_of(&c, &numbers);
-    c.guest++; /* turn_s, of hearing */
+    c.guest++; /* turn_s, of monitor_hear */
     const double *phi = GUESTS(&c, 2 * p.n);
     const double error = number(&c);
     if (!PyErr_Occurred()) monitor_follow(&p, error, phi);
@@ -157,7 +157,7 @@ static PyObject *py_monitor_judge(PyObject *m, PyObject *const *args, Py_ssize_t
     if (begin(&c, "monitor_judge", args, given, 9) < 0) return NULL;
     shape_monitor p = monitor_of(&c, &numbers);
     const double *turn_s = GUESTS(&c, p.n);
-    c.guest++; /* phi, of following */
+    c.guest++; /* phi, of monitor_follow */
     const double *deviation = GUESTS(&c, 2 * p.n), *ratio = GUESTS(&c, 2 * p.n);
     const double passed_s = number(&c), dt_s = number(&c), sd = number(&c);
     const long first = whole(&c), imbalance = whole(&c);
@@ -219,7 +219,7 @@ static PyObject *py_basis_step(PyObject *m, PyObject *const *args, Py_ssize_t gi
     for (long i = 0; i < p.rolls; i++)
         if (read_roll(&p, &numbers, i, PyList_GetItem(phases, i), speed_m_s, slope_m_s2) < 0)
             return NULL;
-    /* after the phases, whose attributes may be anybody's code */
+    /* only now: to read the attributes of a phase may run any Python code */
     for (long i = 0; i < n; i++)
         if (p.roll_of[i] < 0 || p.roll_of[i] >= p.rolls)
             return PyErr_Format(PyExc_ValueError, "column %ld: no roll %ld", i,
@@ -249,8 +249,8 @@ static PyObject *py_newton_step(PyObject *m, PyObject *const *args, Py_ssize_t g
     RETURN_NONE;
 }
 
-/* ---- sending: weight, b, carrier, factor, three shares, step_1_s, order, sent, parts, and of the bound
- * its orders, order_of, cosines, sines, sums; omega_rad_s ---- */
+/* ---- sending: weight, b, carrier, factor, three shares, step_1_s, order, sent, parts, and of the
+ * bound its orders, order_of, cosines, sines, sums; omega_rad_s ---- */
 
 static PyObject *step_names[3];
 

@@ -14,7 +14,7 @@ from aff_runtime.core.shape.law import ShapeLaw
 
 
 def in_blocks(block: BlockKind) -> LawBuilder:
-    """Return how a law is built that is a bank of this kind of block."""
+    """Return the builder of a law that is a bank of this kind of block."""
 
     def build(setup: LawSetup) -> ActuatorLaw:
         return Bank(

@@ -8,7 +8,7 @@ import math
 from aff_runtime.core.blocks.block import HarmonicBlock
 
 MOVES_OVER = 0.5  # of a turn; the rest of it the line has to settle
-PASS_TURNS = 2.0
+PASS_TURNS = 2.0  # of the roll: one to move and settle, one to measure
 STILL = 0.01  # share by which a weight may have changed and still stands still
 WIDEST_RAD = 1.0  # between two samples of one mean; beyond it one has been missed
 
@@ -35,7 +35,7 @@ class IterativeBlock(HarmonicBlock):
     order. Here the weight stands still while it is measured. The price: what changes is answered
     one to two turns later.
 
-    The move goes evenly over half a turn, and its rate is told as that of every block. Whatever
+    The move goes evenly over half a turn; its rate goes to the guard as every block's. Whatever
     else changes the weight (a limit in force, a roll that is forgotten) begins the measurement
     anew; so does a sample that was missed or a roll that turns back. ``hold`` ends the pass.
     """
@@ -85,16 +85,16 @@ class IterativeBlock(HarmonicBlock):
         self._weight_then = self.weight
         self.rate_1_s = abs(step) / dt_s if dt_s > 0.0 else 0.0
 
-    def _decide(self, found: complex, drive: complex, rate_1_s: float) -> None:
-        """Plan the next move, from what a turn has shown."""
-        size = drive.real * drive.real + drive.imag * drive.imag
+    def _decide(self, mean: complex, per_weight: complex, rate_1_s: float) -> None:
+        """Plan the next move: ``mean`` is c of the derivation, ``per_weight`` s P."""
+        power = per_weight.real * per_weight.real + per_weight.imag * per_weight.imag
         move = 0j
-        if size > 0.0:
-            move = -math.expm1(-rate_1_s * self._pass_s) * found * drive.conjugate() / size
+        if power > 0.0:
+            move = -math.expm1(-rate_1_s * self._pass_s) * mean * per_weight.conjugate() / power
         self._begin(move if cmath.isfinite(move) else 0j)
 
     def _begin(self, move: complex) -> None:
-        """Begin a pass; without a move it goes straight to the measurement's rest."""
+        """Begin a pass; without a move the weight rests from its start."""
         self._move = move
         self._left = 1.0 if move else 0.0
         self._turned_rad = self._pass_s = 0.0
