@@ -6,12 +6,12 @@ import math
 from dataclasses import dataclass
 
 PASSED = 1.0 / 8.0
-"""A drive that lets less of a correction through has no authority: what is wrong with the
-command (rounding, a lost tick, noise in the weights) comes slowly, passes whole, weighs eight
-times."""
+"""Share of a correction that a drive must let through. What is wrong with the command (rounding, a
+lost tick, noise in the weights) is slow and passes whole: below it, that weighs eight times."""
 IMAGE = 0.1
 """The image that the hold leaves, over the order itself: 20 dB."""
 FADE_FROM = 0.895
+"""Of the frequency from which on an order does not go out: there its fade begins."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -23,12 +23,12 @@ class Band:
 
 
 def held_Hz(cycle_s: float) -> float:
-    """Return up to which frequency a command that is held for a cycle is the order that is meant.
+    """Return up to which frequency a command that is held for a cycle still stands for its order.
 
     Derivation. A hold of T leaves the order f with an image at f' = 1/T - f, sin(pi f T)/(pi f T)
     and sin(pi f' T)/(pi f' T) of it; the two sines are equal, so the image is f/f'. The web adds
     up length, another f/f'; a drive takes off more, a fast one does not. (f/f')^2 = 1/10 gives
-    f = 1/(T (1 + sqrt 10)) = 0.24/T. A way that is half a cycle longer or shorter than the
+    f = 1/(T (1 + sqrt 10)) = 0.24/T. A delay that is half a cycle longer or shorter than the
     measured one, as where the grids of two clocks pass each other, turns the phase by pi f T: at
     most 43 degrees here, within the 60 at which a correction helps no more.
     """
@@ -48,6 +48,6 @@ def driven_Hz(K_ref_rad_s: float, corner_rad_s: float) -> float:
 
 
 def band_of(K_ref_rad_s: float, corner_rad_s: float, cycle_s: float) -> Band:
-    """Return the band of one actuator; what of it P is known for, and the limit, stand apart."""
+    """Return the band of one actuator, by drive and cycle; its response may allow less."""
     end_Hz = min(held_Hz(cycle_s), driven_Hz(K_ref_rad_s, corner_rad_s))
     return Band(full_Hz=FADE_FROM * end_Hz, end_Hz=end_Hz)

@@ -19,7 +19,7 @@ from aff_runtime.core.shape.law import ShapeLaw
 
 
 class RollPhases:
-    """Angles of every roll of a site, and which of them a new roll id concerns."""
+    """Angles of every roll of a site; a new roll id restarts those of rolls that it exchanges."""
 
     def __init__(self, site: SiteParams) -> None:
         """Resolve channel names; ConfigError names a roll whose channel does not exist."""
@@ -119,6 +119,7 @@ class Controller:
         return {a.name: (*law.objections(), *self._of_rolls(a)) for a, law in named}
 
     def _of_rolls(self, actuator: ActuatorParams) -> list[str]:
+        """Return what stands against the encoders of an actuator's rolls."""
         rolls = dict.fromkeys(block.roll for block in actuator.blocks)
         return [text for roll in rolls if (text := self._phases.by_name[roll].objection())]
 
@@ -198,6 +199,7 @@ class Controller:
 def _check(
     actuator: ActuatorParams, index: Mapping[str, int], rolls: Mapping[str, RollPhase]
 ) -> None:
+    """Raise ConfigError when a channel or a roll that an actuator names does not exist."""
     for channel in (actuator.signal, actuator.reference):
         if channel is not None and channel not in index:
             raise ConfigError(f"actuator {actuator.name} reads {channel}, which the gateway lacks")

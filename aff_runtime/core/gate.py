@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-RAMP_S = 0.5
-HYSTERESIS = 1.2
+RAMP_S = 0.5  # from closed to open
+HYSTERESIS = 1.2  # speed at which it opens over that at which it closes
 
 
 class SpeedGate:
     """``share`` goes to 1 above 1.2 times the threshold and to 0 below it, within half a second.
 
     Near standstill an adaptive block becomes a DC integrator against the tension loop, hence the
-    gate; a speed that is not a number closes it.
+    gate; a speed that is not a number closes it. ``opened``: where the share goes; ``moving``: it
+    changed in this tick.
     """
 
     __slots__ = ("_threshold_m_s", "moving", "opened", "share")

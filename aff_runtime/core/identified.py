@@ -45,7 +45,7 @@ class IdentifiedDrive:
     friction_N_m_s : viscous.
     delay_s : from a snapshot to its correction at the drive.
     stiffness_N_m : of the web from this roll to the next driven one.
-    misfit : what is left over what noise leaves, squared; 1 when the model is right.
+    misfit : squared error of the model over that which noise alone leaves; 1 when it is right.
     band_Hz, tones : up to where the model was fitted, and to how many tones.
     """
 

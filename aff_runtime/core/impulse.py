@@ -14,8 +14,11 @@ from aff_runtime.core.response import Response
 
 Floats = npt.NDArray[np.float64]
 DECAY_S = 1.0
+"""Time constant with which the taps' variance decays a priori."""
 POINTS = 160
+"""Frequencies, at least, at which the measured curve is read."""
 MIN_ERROR = 0.01
+"""Added to the relative error of every frequency."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,8 +73,8 @@ def from_response(response: Response, *, cycle_s: float, memory_s: float) -> Loo
     Kernel-based identification: taps are a priori a decaying random walk (the "tuned/correlated"
     kernel lambda^max(i, j)), the points are linear in them, so the most likely taps follow from
     one linear system. Between points the measured curve itself stands in, with an error that
-    grows outside the band and with the points' own; a frequency of zero answers
-    nothing, because the tension loop integrates. The curve is read closely enough that a response
+    grows outside the band and with the points' own; a frequency of zero answers nothing, because
+    the tension loop integrates. The curve is read closely enough that a response
     of ``memory_s`` follows from it (``_frequencies``).
 
     Parameters

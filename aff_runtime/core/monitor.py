@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from enum import IntEnum
 
-TURNS = 2.0
-MIN_TAU_S = 0.5
-SLOW = 3.0
-ROSE = 1.3
-FELL = 0.95
-SETTLED = 0.3
+TURNS = 2.0  # time constant of the lock-in, turns of the roll
+MIN_TAU_S = 0.5  # and at least so long
+SLOW = 3.0  # time constant of the slow mean, in those of the lock-in
+ROSE = 1.3  # ripple over that before, above which an order diverges
+FELL = 0.95  # ripple over its slow mean, below which it still falls
+SETTLED = 0.3  # ripple over that before, up to which an order is settled
 SLOWEST_RAD_S = 1e-3  # below this a roll stands still
 
 

@@ -109,9 +109,9 @@ class DriveParams:
     def weight_of_shape_N(self, radius_m: float) -> complex:
         """Return the gravity torque per metre of order 1 of the wound web's shape, N, as a phasor.
 
-        What sticks out is heavy: a centre of gravity e from the axis pulls with -j m g e e^{j l}
-        on the angle at which its side passes where the web leaves, l that place counted from the
-        roll's highest point in the sense of rotation. 0 where that place is not declared.
+        What sticks out is heavy: a centre of gravity e from the axis gives the torque
+        -j m g e e^{j l}, a phasor that counts from where the web leaves; l is the angle of that
+        place from the roll's highest point in the sense of rotation. 0 where l is not declared.
         """
         if math.isnan(self.web_leaves_rad):
             return 0j

@@ -8,16 +8,16 @@ from enum import IntEnum
 
 from aff_runtime.core.params import RollParams
 
-JUMP_RAD = 0.2
-JITTER_S = 0.05
-OMEGA_TAU_S = 0.05
-ORIGIN_SLACK_RAD = 1e-3
-PREDICT_MAX_S = 0.5
-AGREEING_SAMPLES = 4
-STUCK_CHECK_RAD = 0.5
-STUCK_SHARE = 0.3
-CREDIBLE_SHARE = 0.7
-RATIO_RANGE = (0.7, 1.4)
+JUMP_RAD = 0.2  # an encoder reading may be off the expected angle by this,
+JITTER_S = 0.05  # and by so much motion at the present speed
+OMEGA_TAU_S = 0.05  # time constant of the speed
+ORIGIN_SLACK_RAD = 1e-3  # a modulus this close to whole turns is whole turns
+PREDICT_MAX_S = 0.5  # without a reading for longer the angle is lost
+AGREEING_SAMPLES = 4  # encoder readings in a row that make a new reference
+STUCK_CHECK_RAD = 0.5  # of motion by the speed channel, over which the encoder is judged:
+STUCK_SHARE = 0.3  # of it, and an encoder that moved less is out of service,
+CREDIBLE_SHARE = 0.7  # of it, and one that moved more is back
+RATIO_RANGE = (0.7, 1.4)  # turn of the encoder over turn by the speed channel that is no objection
 
 
 class Source(IntEnum):
@@ -110,10 +110,10 @@ class RollPhase:
         self._last_model = math.nan
 
     def objection(self) -> str:
-        """Return what the encoder tells against its own settings, empty when nothing.
+        """Return what speaks against the encoder's settings, empty when nothing does.
 
-        ``encoder_ratio`` is its last turn over that of the speed channel. One that stands still is
-        none of this: the speed channel takes its place.
+        ``encoder_ratio`` is how far it went over a turn by the speed channel. An encoder that
+        stands still is no objection: the speed channel takes its place.
         """
         low, high = RATIO_RANGE
         ratio = self.encoder_ratio
@@ -257,6 +257,7 @@ class RollPhase:
         return True
 
     def _hold_reference(self, angle: float, theta_rad: float) -> None:
+        """Keep an encoder reading, and the angle of the roll that goes with it."""
         self._raw = angle
         self._raw_gap_s = 0.0
         self._theta_at_raw = theta_rad

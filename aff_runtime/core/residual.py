@@ -8,7 +8,7 @@ ABSURD = 1e6  # no tension (N) or speed (m/s) error is that large; it would spoi
 
 
 CORNER_SHARE = 0.3  # corner of the high-pass over the slowest order's frequency
-SHORTEST_S = 0.05
+SHORTEST_S = 0.05  # time constant, at least
 
 
 class Residual:
@@ -16,11 +16,11 @@ class Residual:
 
     The mean covers what has been seen until the time constant, so the first seconds are no step.
     The time constant follows the slowest order, at most ``tau_s``: a zone without a tension loop
-    answers to a slow correction tens of times stronger than to an order, and a block that heard
-    that answer would close a loop at zero frequency and run away (at 200 FPM a follower block
+    answers to a slow correction tens of times stronger than to an order, and a block that learned
+    from it would close a loop at zero frequency and run away (at 200 FPM a follower block
     with settle_s 8 swung the pull-roll tension by 25 N rms). What the high-pass does to an order
-    is told by ``response`` and belongs into P. Duplicate samples give NaN; ``elapsed_s`` is the
-    time since the last good one.
+    is what ``response`` returns; it belongs into P. Duplicate samples give NaN; ``elapsed_s`` is
+    the time since the last good one.
     """
 
     __slots__ = ("_longest_s", "_mean", "_pending_s", "_seen_s", "_tau_s", "elapsed_s", "value")

@@ -14,15 +14,16 @@ from aff_runtime.core.identified import IdentifiedDrive
 
 FORMAT = "aff-response-1"
 MAX_PHASE_ERROR_RAD = math.radians(60.0)
-BASE_ERROR_RAD = math.radians(3.0)
-# of standard errors, half of whose power turns the phase: an order diverges beyond 90 degrees,
-# which are 3.5 of them then (one order in two thousand)
+BASE_ERROR_RAD = math.radians(3.0)  # of a phase, noise apart
+# standard errors of P that its phase may be off; half of their power turns the phase, hence the
+# root. An order diverges beyond 90 degrees: where the bound is 60, those are 3.5 standard errors
+# of the phase (one order in two thousand)
 SIGMAS = 2.3 / math.sqrt(2.0)
 OUTSIDE_RAD_PER_OCTAVE = math.radians(90.0)
 MIN_COHERENCE = 0.73  # 1 / (1 + e^2) at the error e whose phase is known to 60 degrees
-BAND_SLACK = 1.02
+BAND_SLACK = 1.02  # an order this little outside the probed band, by ratio, may arm
 GAIN_RANGE = (1e-9, 1e12)  # signal unit per output unit; far outside what any line does
-COHERENCE_ROUNDING = 1e-6
+COHERENCE_ROUNDING = 1e-6  # of a coherence above 1
 _UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
 
@@ -106,14 +107,14 @@ class Response:
             phase = p.phase_rad + math.tau * p.frequency_Hz * delay_s
             before = self._phase[-1] if self._phase else 0.0
             self._phase.append(before + math.remainder(phase - before, math.tau))
-        segments = range(max(1, len(self.points) - 1))
-        self._memory_s = [self._memory_of(i) for i in segments]
-        noise = [max(p.relative_error for p in self.points[i : i + 2]) for i in segments]
+        pairs = range(max(1, len(self.points) - 1))  # point i and the next one
+        self._memory_s = [self._memory_of(i) for i in pairs]
+        noise = [max(p.relative_error for p in self.points[i : i + 2]) for i in pairs]
         self._noise_rad = [BASE_ERROR_RAD + SIGMAS * worst for worst in noise]
 
-    def _memory_of(self, segment: int) -> float:
-        """Return |dlnP/dw| between two points."""
-        pair = slice(segment, segment + 2)
+    def _memory_of(self, i: int) -> float:
+        """Return |dlnP/dw| between point ``i`` and the next one, s."""
+        pair = slice(i, i + 2)
         if len(self._f[pair]) == 1:
             return abs(self.delay_s)
         (f, f_next), (phase, later) = self._f[pair], self._phase[pair]
@@ -129,7 +130,7 @@ class Response:
         return self._f[0], self._f[-1]
 
     def _between(self, frequency_Hz: float) -> tuple[int, float]:
-        """Return the segment and the place in it, 0..1; clamped to the band."""
+        """Return the point below and how far on the way to the next, 0..1; clamped to the band."""
         last = len(self._f) - 1
         if last == 0 or frequency_Hz <= self._f[0]:
             return 0, 0.0

@@ -4,25 +4,25 @@ from __future__ import annotations
 
 from math import inf, isfinite, nan, sqrt
 
-ROSE = 1.3
-NOISE_SIGMAS = 4.0
-ROSE_TURNS = 4.0
-FADE_TURNS = 5.0
-LAG_TURNS = 3.0
-NOISE_TURNS = 10.0
-FALLING = 0.9
-SAME_SPEED = 0.2
+ROSE = 1.3  # ripple over the reference, above which it rose
+NOISE_SIGMAS = 4.0  # standard deviations above the reference, above which it rose
+ROSE_TURNS = 4.0  # for so long it has to stand above both
+FADE_TURNS = 5.0  # after a closing or a change of speed the ripple is on its way for so long
+LAG_TURNS = 3.0  # memory of the ripple that the present one is a decline of
+NOISE_TURNS = 10.0  # memory of mean and scatter without correction
+FALLING = 0.9  # ripple over that, below which it declines
+SAME_SPEED = 0.2  # of the speed: a larger change asks for another reference
 
 
 class RippleWatch:
     """Compares one actuator's ripple with what it was before its output opened.
 
-    The reference is the ripple without correction; its own scatter tells the noise. It is taken
-    anew after every closing, and after the speed has moved by a fifth, since ripple changes with
-    speed: then the law's word of what would be without correction counts, up to what was there
-    without; a quiet moment of the correction would call its next louder one a rise. A closing so
+    The reference is the ripple without correction; its own scatter is the noise. It is taken anew
+    after every closing, and after the speed has moved by a fifth, since ripple changes with speed:
+    then it is what the law expects without correction, never above what was there without, never
+    below the ripple now; a quiet moment alone would make the next louder one a rise. A closing so
     short that the ripple could not come back, as for an edit of the blocks, changes nothing.
-    ``step`` says True once ripple has stood above 1.3 times the reference and four standard
+    ``step`` returns True once ripple has stood above 1.3 times the reference and four standard
     deviations above it for four turns that were not a decline, as after a step of the setpoint.
     Never raises; an unknown ripple (NaN) is never judged.
 
@@ -49,7 +49,7 @@ class RippleWatch:
 
         Parameters
         ----------
-        ripple : before and now, as ``ActuatorLaw.ripple`` tells it.
+        ripple : before and now, as ``ActuatorLaw.ripple`` returns them.
         is_open : a correction goes out.
         speed_m_s : line speed; NaN when unknown.
         turns : turns of the slowest roll since the last reading.
@@ -68,8 +68,8 @@ class RippleWatch:
         if self._settle_turns > 0.0:
             self._settle_turns -= turns
             self._lagged = now
-            is_told = isfinite(before) and isfinite(self._without)
-            self.reference = max(now, min(before, self._without)) if is_told else now
+            is_known = isfinite(before) and isfinite(self._without)
+            self.reference = max(now, min(before, self._without)) if is_known else now
             return False
         if not isfinite(self.reference):
             self.reference = before if isfinite(before) else now
