@@ -16,12 +16,12 @@ from aff_runtime.core.shape.wish import Wish
 
 Floats = npt.NDArray[np.float64]
 MARGIN = 0.98  # of the headroom, so that the guard need not scale what is on its way
-FOLLOW_S = 0.1
+FOLLOW_S = 0.1  # time constant with which the factors follow the fit
 FIT_S = 0.005  # from one step of the fit to the next; a shorter cycle has no time for more
-DAMPED = 0.1
-WHOLE = 1e-3
+DAMPED = 0.1  # of the way to what the price leaves of another roll's column, per step of the fit
+WHOLE = 1e-3  # factors this close to 1 are 1, and no limit takes anything
 LEAST_SLEW = 0.2  # of the slew limit, what learning leaves at least
-TINY = 1e-12
+TINY = 1e-12  # output units, rad/s or ripple: no less is divided by
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,6 +81,8 @@ class OutputAllocation:
         self.share = state.array("allocation.share", 1.0)
         mine = np.array([roll == own for roll in roll_of])
         self._mine, self._others = np.flatnonzero(mine), np.flatnonzero(~mine)
+        # an imbalance has the order of another column: per different order the first column that
+        # has it, per column of the own roll the index of its order
         orders, first, of = np.unique(order[mine], return_index=True, return_inverse=True)
         self._first, self._of = self._mine[first], of
         self._gather = (of == np.arange(orders.size)[:, None]).astype(np.float64)
@@ -110,6 +112,7 @@ class OutputAllocation:
         self._follow(size, dt_s)
 
     def _find(self, headroom: Headroom, wish: Wish, size: Floats) -> None:
+        """Take one step of the fit: the own roll's waveform, then the columns of other rolls."""
         own, others, fitted = self._mine, self._others, self._fitted
         omega = max(abs(float(wish.omega_rad_s[own[0]])), TINY) if own.size else TINY
         turning = np.abs(self._order * wish.omega_rad_s)[others]

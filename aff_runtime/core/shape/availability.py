@@ -11,7 +11,7 @@ from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.shape.columns import ColumnState
 
 FADE_S = 0.3
-"""Faster than a rest of the monitor: without an angle every correction is wrong at once."""
+"""From 1 to 0: faster than the monitor, for without an angle every correction is wrong at once."""
 LOST = Quality.LOST
 
 

@@ -1,4 +1,4 @@
-"""What a shape does to the web, turned round: the velocity reference per metre of deviation."""
+"""The velocity reference that cancels what a shape does to the web, per metre of deviation."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from aff_runtime.core.shape.columns import ColumnMap, ColumnState
 
 Complexes = npt.NDArray[np.complex128]
 Floats = npt.NDArray[np.float64]
-SPEED_TAU_S = 0.3
+SPEED_TAU_S = 0.3  # time constant of the tracker
 ABSURD = 1e4  # no line runs at that speed (m/s), no roll turns at it (rad/s)
 
 
@@ -120,6 +120,7 @@ class ShapeBasis:
         self._own = self.rolls.index(drive.roll)
         self._index = np.array([self.rolls.index(roll) for roll, _ in entries], dtype=np.int64)
         self.order = np.array([float(n) for _, n in entries])
+        # per column, 0 or 1: the tension pulls at it; its first term; its weight pulls at it
         self._pull = np.array([float(roll == drive.roll) for roll, _ in entries])
         self._pull *= float(drive.torque_term)
         self._owns = np.ones(count)
@@ -206,7 +207,7 @@ class ShapeBasis:
         np.negative(self.b, out=self.b)
 
     def _read_rolls(self, K: float, c: float) -> None:
-        """Fill the numbers that every order of a roll shares; what is absurd turns nothing."""
+        """Fill the numbers that every order of a roll shares; an absurd speed counts as none."""
         rolls, track = self._rolls, self._track
         for i, phase in enumerate(self._phases):
             radius = phase.radius_m
@@ -260,9 +261,9 @@ class ShapeBasis:
         self._track = SpeedTrack()
 
     def adopt(self, old: ShapeBasis, both: ColumnMap) -> None:
-        """Go on with every array per column, and with how the rolls of ``old`` turn.
+        """Go on with every array per column, and with how fast the rolls of ``old`` turn.
 
-        A new order of a known roll knows how it turns, too.
+        A new order of a known roll has its speed, too.
         """
         self.state.adopt(old.state, both)
         self._track = old._track

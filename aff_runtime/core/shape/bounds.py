@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
-POINTS_PER_ORDER = 16
+POINTS_PER_ORDER = 16  # samples around the turn, per unit of the highest order
 
 
 class PeakBound:

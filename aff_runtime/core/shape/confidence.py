@@ -13,8 +13,8 @@ from aff_runtime.core.shape.basis import ShapeBasis
 from aff_runtime.core.shape.columns import ColumnState
 
 Floats = npt.NDArray[np.float64]
-FADE_S = 1.0
-RENEWED_PER_TICK = 2
+FADE_S = 1.0  # of a share, from 1 to 0
+RENEWED_PER_TICK = 2  # columns
 
 
 class ResponseConfidence:

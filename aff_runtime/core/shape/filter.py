@@ -10,9 +10,9 @@ from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.shape.columns import ColumnMap
 
 Complexes = npt.NDArray[np.complex128]
-RADIUS_STEP = 0.002
-MAX_MISSED = 40
-BLOCK = 16
+RADIUS_STEP = 0.002  # of the radius: a smaller change keeps the taps
+MAX_MISSED = 40  # ticks, at most, that one push stands for
+BLOCK = 16  # ticks
 
 
 class LoopFilter:

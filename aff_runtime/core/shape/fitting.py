@@ -11,9 +11,9 @@ from aff_runtime.core.shape.bounds import POINTS_PER_ORDER
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
-STIFFNESS = 2.0
+STIFFNESS = 2.0  # of the bounds' penalty, over the geometric mean of 2 q_n
 RETURN = 0.1  # of what is missing, per step, where nothing binds
-LEAST = 1e-6
+LEAST = 1e-6  # of the largest: smaller c_n do not set the penalty, smaller q_n count as this
 
 
 class WaveFit:

@@ -12,18 +12,18 @@ from aff_runtime.core.shape.columns import ColumnMap
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
-START_DEVIATION_M = 1e-3
-START_CORRECTION = 0.6
-CORRECTION_PER_TURN = 0.01
-CORRECTION_PER_OCTAVE = 0.15
-TRAVEL_OCTAVES = 0.02
-BIAS_SDS_PER_SQRT_S = 0.17
-START_BIAS = 30.0
-SMALLEST_GAIN = 1e-6
-KNOWN_SHARE = 0.2
-KNOWN_M = 3e-5
-KNOWN_CORRECTION = 0.2
-PREDICT_TICKS = 8
+START_DEVIATION_M = 1e-3  # standard deviation of re and im of a_n at the start
+START_CORRECTION = 0.6  # the same of d_n
+CORRECTION_PER_TURN = 0.01  # by which d_n walks, per root of a turn
+CORRECTION_PER_OCTAVE = 0.15  # by which d_n walks, per root of an octave
+TRAVEL_OCTAVES = 0.02  # a frequency that moved by less since it was noted has not moved
+BIAS_SDS_PER_SQRT_S = 0.17  # by which the bias walks, standard deviations of a reading
+START_BIAS = 30.0  # standard deviation of the bias at the start, in those of a reading
+SMALLEST_GAIN = 1e-6  # information of a turn, at least, over that of the start
+KNOWN_SHARE = 0.2  # standard deviation of a known shape: of its size,
+KNOWN_M = 3e-5  # and this on top
+KNOWN_CORRECTION = 0.2  # standard deviation of a known d_n
+PREDICT_TICKS = 8  # readings from one addition of process noise to the next
 NEWS_LIMIT = 10.0
 """Expected standard deviations by which a reading may move the state. In tension none is 6 off on
 the benches' lines, start-up, steps of speed and mismatched drives included; a spike of 100 N is
@@ -45,8 +45,9 @@ class ShapeFilter:
     ``a_n`` is what would be there without correction, in metres of column n; g_n = 1 + d_n is the
     true P over the assumed one at that column's frequency. Process noise of a_n is set from the
     information one turn brings, (1/memory)^2 / info_n, so every column forgets after the same
-    number of turns. d_n belongs to a frequency: it walks 0.15 per octave that its order moves, and
-    0.01 per turn for what changes on the line itself. No variance grows past its start value.
+    number of turns. d_n belongs to a frequency: it walks 0.15 in an octave that its order moves,
+    and 0.01 in a turn for what changes on the line itself; variances add. None grows past its
+    start value.
 
     State, real: a_n and g_n as pairs re, im (n pairs each), bias. The covariance is updated by a
     rank-one product of a vector with itself, which keeps it symmetric; process noise is added

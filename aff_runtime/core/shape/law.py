@@ -34,12 +34,12 @@ from aff_runtime.core.shape.profile import ShapeProfile
 from aff_runtime.core.shape.sending import Sending
 from aff_runtime.core.shape.wish import wish_of
 
-NEWTON_TURNS = 0.5
-RATIO_FROM, RATIO_TO = 1.0 / 3.0, 3.0
-IMBALANCE_DRIFT = 0.1
-ABSURD = 1e6
-CHECK_TICKS = 100
-GIVES_WAY = 0.95  # share below which an order is said to give way to the limit
+NEWTON_TURNS = 0.5  # time constant of a weight, turns of its roll
+RATIO_FROM, RATIO_TO = 1.0 / 3.0, 3.0  # |1 + d| outside counts as this in the rate of a step
+IMBALANCE_DRIFT = 0.1  # process noise of an imbalance over that of a shape
+ABSURD = 1e6  # no error and no reference is that large
+CHECK_TICKS = 100  # from one check of the filter, and for orders that meet, to the next
+GIVES_WAY = 0.95  # share below which the state of an order is CLAMPED: it gives way to the limit
 SILENT = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
 
 
@@ -57,7 +57,7 @@ class ShapeLaw:
     W_n <- W_n - rate m_n / (1 + d_n), so an error of the gain correction slows but leaves nothing
     behind. The weights stay when the speed changes. What goes out of a column is its weight times
     shares: of the speed gate, of the roll's presence (its angle is known, it was not changed), of
-    the monitor's trust, and times the factor that the limit's headroom leaves; the filter is told
+    the monitor's trust, and times the factor that the limit's headroom leaves; the filter takes in
     what went out, so none of these is mistaken for the roll.
     """
 
@@ -275,7 +275,7 @@ class ShapeLaw:
         )
 
     def start_from(self, profile: ShapeProfile) -> None:
-        """Start with known shapes: from a saved profile or a refinement's verdict."""
+        """Start with known shapes: a saved profile, or ``start`` of the site file."""
         for i, key in enumerate(self._keys):
             if key in profile.weight_m:
                 self.weight[i] = profile.weight_m[key]
@@ -331,9 +331,9 @@ class ShapeLaw:
     def ripple(self) -> tuple[float, float]:
         """Return the root sum of squares of all orders' amplitudes, without and now.
 
-        An imbalance has the frequency of order 1 and is in it. NaN before two turns were heard.
-        Without counts at least what is there now: what the filter has not yet told from noise is
-        no proof that the roll was quiet.
+        An imbalance has the frequency of order 1 and is in it. NaN before two turns are through.
+        Without correction counts at least what is there now: what the filter has not yet told from
+        noise is no proof that the roll was quiet.
         """
         monitor = self.monitor
         if not monitor.has_two_turns:

@@ -23,7 +23,7 @@ TURNS = 2.0
 SLOW_TURNS = 8.0
 """Memory of the mean that the newest amplitude is compared with: is it still falling?"""
 HARM_RATIO, HARM_TURNS = 1.4, 4.0
-"""Ripple over that without correction, and for how long: 1 is no help at all. 0.4
+"""Ripple over that without correction, and for how many turns: 1 is no help at all. 0.4
 more, for two memories of the lock-in, is told from chance and from a ramp."""
 NOISE_SDS = 3.0
 """Standard deviations of the lock-in's noise that are no harm."""
@@ -32,10 +32,10 @@ SETTLED_RATIO = 0.3
 CONVERGING_RATIO = 0.95
 """Ripple over its slow mean below which it still falls."""
 LOST_RATIO, LOST_SHARE, LOST_TURNS = 0.1, 0.7, 2.0
-"""P over the assumed one, ripple over that without correction, and for how long: a drive that
-does not take corrections leaves 0 and 1 of them."""
+"""P over the assumed one, ripple over that without correction, and for how many turns: with a
+drive that does not take corrections the first is 0 and the second 1."""
 REST_TURNS = 20.0
-"""A rest, after which it is tried again: the cause may have gone."""
+"""Length of a rest; after it the column is tried again: the cause may have gone."""
 FADE_S = 1.0
 """Of a share: slow enough not to be felt as a step."""
 JUDGE_TICKS = 8
@@ -46,7 +46,7 @@ NUMBERS = np.array(
 
 
 class Estimate(Protocol):
-    """What a filter says per column: disturbance, m, and true P over the assumed one."""
+    """What a filter estimates per column: disturbance, m, and true P over the assumed one."""
 
     deviation: Complexes
     response_ratio: Complexes
@@ -194,7 +194,7 @@ class ShapeMonitor:
         self._phasor += work
 
     def _judge(self, passed_s: float, found: Estimate, turn_s: Floats, dt_s: float) -> bool:
-        """Say of every column whether it helps; return whether all is calm."""
+        """Judge of every column whether it helps; return whether all is calm."""
         if self._compiled is not None:
             numbers = (passed_s, dt_s, self._noise, *self._imbalance_pair)
             deviation, ratio = found.deviation, found.response_ratio
@@ -226,7 +226,7 @@ class ShapeMonitor:
 
     @property
     def has_two_turns(self) -> bool:
-        """Whether every column was heard for two turns."""
+        """Whether every column was followed for two turns."""
         return bool((self._age >= TURNS).all())
 
     def compare(self, frequency_Hz: Floats, turn_s: Floats, memory_turns: float) -> None:

@@ -1,4 +1,4 @@
-"""A learned shape: what a refinement may start from and what arms the next start."""
+"""Shapes that a law has learned, or that it may start from."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ class ShapeProfile:
     """Shapes of rolls: W by (roll, order), m, at the roll angle's zero; d likewise, a number.
 
     ``weight_m`` is the complex deviation of the moment arm, arm = R + Re sum W e^{j n theta};
-    ``correction`` is the learned d of P (true P = (1 + d) P), which may be missing.
+    ``correction`` is the learned d of P (true P = (1 + d) times the assumed); it may be missing.
     ``imbalance_m`` is the weight of a roll's imbalance column, 100 N m per m, where there is one.
     """
 

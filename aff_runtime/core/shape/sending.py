@@ -25,7 +25,7 @@ class Sending:
     basis, bounds : of the same columns.
     weight_m : what the law has learned, (columns,).
     factor : complex, what of each the limit leaves, (columns,).
-    sent_m : becomes what goes out of it, (columns,).
+    sent_m : written: what goes out of each weight, (columns,).
     step_1_s : how fast each weight moves now, m/s, (columns,).
     shares : three of 0..1, (columns,) each.
     """
@@ -66,7 +66,7 @@ class Sending:
         )
 
     def step(self, gate: float, ramp_s: float) -> ActuatorStep:
-        """Return what goes out now; ``ramp_s``: how fast a share moves, 0 when none does."""
+        """Return what goes out now; ``ramp_s``: time of a share from 0 to 1, 0 when none moves."""
         if self._compiled is not None:
             omega_rad_s, slack, at = self._basis.omega_rad_s, self._bounds.slack, self._bounds.at
             return self._compiled.send(

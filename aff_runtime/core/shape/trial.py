@@ -11,13 +11,13 @@ import numpy.typing as npt
 
 Complexes = npt.NDArray[np.complex128]
 Floats = npt.NDArray[np.float64]
-TURNS = 3.0
-ANGLES = 720
-AGREES = 0.8
-AGREES_TURNED = 0.9
-ORDERS_TO_TURN = 3
-SIGMAS = 4.0
-SIZE_RANGE = (0.4, 2.5)
+TURNS = 3.0  # of every roll, that a trial takes
+ANGLES = 720  # tried around the turn
+AGREES = 0.8  # agreement, at least, of a shape as it is
+AGREES_TURNED = 0.9  # agreement, at least, of a turned shape
+ORDERS_TO_TURN = 3  # above the noise, at least, for a shape to be turned
+SIGMAS = 4.0  # of the noise of an order: what is larger is above it
+SIZE_RANGE = (0.4, 2.5)  # ripple seen over ripple expected
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,7 +40,7 @@ class Fit:
 
 
 class ShapeTrial:
-    """Compares A_n = -(1 + d_n) W_n |phi_n|, what a shape makes, with what the signal holds.
+    """Compares A_n = -(1 + d_n) W_n |phi_n|, the ripple that a shape makes, with the signal's.
 
     Runs while the line runs and nothing goes out. The signal's order n, M_n, is a lock-in on
     phi_n = P[b_n] over whole turns. Where three orders or more are above the noise the encoder's

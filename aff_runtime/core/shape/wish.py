@@ -11,7 +11,7 @@ from aff_runtime.core.shape.basis import ShapeBasis
 
 Floats = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
-FADED = 0.05  # of the largest b: the signal still hears what has faded since
+FADED = 0.05  # of the largest b: the signal still answers to what has faded since
 
 
 @dataclass(frozen=True, slots=True)
