@@ -44,11 +44,11 @@ class CycleSettings:
         lost, s.
     channel_count, output_count, law_columns : sizes of a record.
     overruns_in_a_row : this many late ticks in a row are an overrun.
-    advice_every_ticks : ticks between two questions to the law's side.
+    advice_every_ticks : ticks from one question to the law's side to the next.
     zero_commands : commands with zero that are sent before the cycle returns.
     command_life_s : a command older than this is not applied any more, s.
-    config_revision : shown to the PLC.
-    first_heartbeat : the first command carries the next one.
+    config_revision : sent to the PLC in every command, its low 16 bits.
+    first_heartbeat : the heartbeat before that of the first command.
     """
 
     period_ns: int
@@ -66,7 +66,7 @@ class CycleSettings:
 
 
 class Cycle:
-    """Runs gateway, guard and law on the grid of a clock until told to stop.
+    """Runs gateway, guard and law on the grid of a clock until a stop is asked for.
 
     What the exchange, the guard's judgement, the law, the record or a message raises is caught in
     ``_attempt`` and latched in the guard as INTERNAL_FAULT: the guard fades the corrections to
@@ -200,9 +200,9 @@ class Cycle:
         return True
 
     def _note_fault(self, error: Exception) -> None:
-        """Latch INTERNAL_FAULT in the guard, and tell the log why.
+        """Latch INTERNAL_FAULT in the guard, and send the log the reason.
 
-        Only a guard that cannot latch it is lost. A log that cannot be told changes nothing.
+        Only a guard that cannot latch it is lost. A log that cannot be reached changes nothing.
         """
         try:
             self._guard.internal_fault()

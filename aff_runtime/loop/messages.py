@@ -1,4 +1,4 @@
-"""What the supervisor may say to the cycle; taken between two ticks, in order."""
+"""Messages of the supervisor to the cycle; taken between two ticks, in order."""
 
 from __future__ import annotations
 

@@ -23,9 +23,9 @@ class RealtimeRequest:
     fifo_priority : SCHED_FIFO priority 1..99; 0 does not ask.
     cpus : processors to stay on; empty does not ask.
     lock_memory : keep every page in memory.
-    shallow_sleep : hold ``/dev/cpu_dma_latency`` at 0 us.
+    shallow_sleep : hold ``/dev/cpu_dma_latency`` at 0 us, so that no processor sleeps deeply.
     quiet_collector : freeze and stop Python's garbage collector; call after warm-up.
-    timer_slack_ns : 0 does not ask.
+    timer_slack_ns : how late the kernel may end a sleep; 0 does not ask.
     """
 
     fifo_priority: int = 80
@@ -52,7 +52,8 @@ class RealtimeReport:
     Attributes
     ----------
     grants : one per right asked for.
-    latency_fd : descriptor that holds the processors awake while it is open; -1 when refused.
+    latency_fd : descriptor of ``shallow_sleep``, in force while it is open; -1: refused, or not
+        asked for.
     """
 
     grants: tuple[Grant, ...]

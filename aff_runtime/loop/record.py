@@ -29,7 +29,16 @@ TIMING = ("wake_us", "io_us", "tick_us", "missed_count")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TickTiming:
-    """Time of one tick: ``time_s`` is whole periods since the start of the cycle."""
+    """When a tick was and how long it took.
+
+    Attributes
+    ----------
+    time_s : whole periods since the start of the cycle.
+    periods : whole periods since the last tick.
+    wake_ns : lateness against the grid; ``io_ns``, ``tick_ns``: how long the exchange with the PLC
+        and the tick took.
+    missed : ticks that were skipped since the start.
+    """
 
     tick: int
     time_s: float

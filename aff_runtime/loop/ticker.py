@@ -6,7 +6,7 @@ from typing import Final
 
 from aff_runtime.base.ports import Clock
 
-_MOST_SHIFT: Final = 200  # a period is made longer or shorter by at most this part of itself
+_MOST_SHIFT: Final = 200  # a period is made longer or shorter by at most 1/200 of itself
 
 
 class Ticker:

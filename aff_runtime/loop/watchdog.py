@@ -1,4 +1,4 @@
-"""Words to systemd: ready, alive, stopping; silence when nobody listens."""
+"""Notices to systemd: ready, alive, stopping; none where it gave no socket."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ class ServiceNotifier:
         self._is_ready = False
         self._socket: socket.socket | None = None
         address = environment.get("NOTIFY_SOCKET", "")
-        for_us = environment.get("WATCHDOG_PID", str(os.getpid())) == str(os.getpid())
-        self._feeds = for_us
+        own_pid = str(os.getpid())
+        self._feeds = environment.get("WATCHDOG_PID", own_pid) == own_pid
         if not address:
             return
         self._address = "\0" + address[1:] if address.startswith("@") else address
@@ -33,7 +33,7 @@ class ServiceNotifier:
         )
 
     def tick_done(self, first_exchange_ok: bool) -> None:
-        """Tell of a completed tick: READY=1 once the wire has worked, WATCHDOG=1 now and then."""
+        """Count a completed tick; send READY=1 once the wire has worked, WATCHDOG=1 in turn."""
         if self._socket is None:
             return
         if first_exchange_ok and not self._is_ready:
@@ -45,7 +45,7 @@ class ServiceNotifier:
             self._send(b"WATCHDOG=1")
 
     def stopping(self) -> None:
-        """Tell that the service is on its way down."""
+        """Send that the service is on its way down."""
         self._send(b"STOPPING=1")
 
     def close(self) -> None:

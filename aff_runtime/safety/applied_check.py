@@ -11,7 +11,7 @@ from aff_runtime.safety.params import AppliedParams
 _RING = 1024  # commands kept: 3 x 290 ms at 1 ms, the longest that a site file may ask for
 _MASK = _RING - 1
 SIGNS_TO_ACCUSE = 3  # readings, as with a foreign echo
-_FORGOTTEN_AFTER_NS = 500_000_000
+_FORGOTTEN_AFTER_NS = 500_000_000  # since the last sign, so long that none counts any more
 
 
 class _Output:
@@ -23,9 +23,9 @@ class _Output:
     taken, low, high : of what was sent: the command that the PLC took, least and largest of all
         that it may show now.
     least, most : the same of what it took since the reading before, and a tick to either side.
-    shown : the last reading that said something.
-    level : the last reading that went with ours; a PLC that cuts at its limit stays there.
-    since_ns : since when the readings do not go with ours; None while they do, or are cut.
+    shown : the last reading that was taken in.
+    level : the last reading that followed ours; a PLC that cuts at its limit stays there.
+    since_ns : since when the readings do not follow ours; None while they do, or are cut.
     known : there was a reading, and none has been missed since.
     """
 
@@ -86,7 +86,7 @@ class _Output:
             if self.since_ns is None and self._is_cut(shown, within):
                 self.shown = shown
                 return False
-            # ours passes by something that does not go with it
+            # ours moves past a reading that stays
             if not min(self.least, 0.0) - within <= shown <= max(self.most, 0.0) + within:
                 self.level = 0.0  # larger than what was taken: nothing is cut
         elif min(self.low, 0.0) - within <= shown <= max(self.high, 0.0) + within:
@@ -106,7 +106,7 @@ class _Output:
         return now_ns - self.since_ns > between_ns
 
     def _is_cut(self, shown: float, within: float) -> bool:
-        """Return whether it stands at the PLC's limit, and what was taken lies beyond."""
+        """Return whether a reading is at the PLC's limit, and what was taken lies beyond."""
         beyond = self.taken >= shown if shown > 0.0 else self.taken <= shown
         return beyond and abs(shown - self.level) <= within
 
@@ -123,11 +123,11 @@ class AppliedCheck:
     - between the two, or between zero and its last reading: it ramps to zero, for no longer than
       ``between_s``; or its own limit cuts ours, and it stays where it was when ours went beyond.
 
-    What stays while ours passes by does not go with ours: that counts as between the two.
-    Anything else is a sign of somebody else; three of them, never half a second apart, are an
-    accusation. It is over half a second after the last one. Only fresh data are judged; between
-    them the last verdict stands. Signs under an echo that is not ours and stands still count when
-    ours is back: one that moves is another runtime's, whom the echo's check names.
+    A reading that stays while ours moves past it counts as between the two. Anything else is a
+    sign of somebody else; three signs, never half a second apart, are an accusation, which ends
+    half a second after the last sign. Only fresh data are judged; between them the last verdict
+    stands. Signs under an echo that is not ours and stands still count when ours is back: an echo
+    that moves is another runtime's, whom the echo's check names.
     The first reading after a start or a gap may be anything, and has ``between_s`` to become ours
     or zero; an echo that was not ours for a while is no gap, or anybody could make one.
     """

@@ -6,17 +6,17 @@ from aff_runtime.base.signals import Outcome, Snapshot
 from aff_runtime.safety.params import EchoParams
 
 _WORD = 0xFFFF
-_SURE = 3  # a PLC that starts anew, twice in a row, shows two
-_FORGOTTEN_AFTER_NS = 500_000_000
+_SURE = 3  # foreign echoes that prove another writer; a PLC that starts twice in a row shows two
+_FORGOTTEN_AFTER_NS = 500_000_000  # since the last foreign echo, so long that none counts any more
 
 
 class EchoCheck:
     """Finds that the heartbeats which the PLC took are not those that we sent. Never raises.
 
     A heartbeat is ours when we sent it within the last ``ticks`` ticks. Somebody else writes too
-    when three times, never half a second apart, the echo turned to one that is not ours; and
-    nothing of ours counts when none has been ours for ``missing_after_s``. What else there is for
-    a moment is no alarm: words left by who was there before, the zero of a PLC that starts, our
+    when the echo turned three times, never half a second apart, to a heartbeat that is not ours;
+    our commands do not count when no echo has been ours for ``missing_after_s``. No alarm is an
+    echo that is foreign for a moment: what another master left, the zero of a PLC that starts, our
     own last command from before a loss. Only fresh data are judged; between them the last verdict
     stands.
 

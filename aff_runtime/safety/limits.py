@@ -8,9 +8,9 @@ from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.safety.params import ActuatorLimits
 
 SLEW_SHARE = 0.95  # of the slew limit to the sines; the rest is for envelope and scale in motion
-SCALE_DOWN_PER_S = 10.0
-SCALE_UP_PER_S = 0.5
-_SATURATED_BELOW = 1.0 - 1e-6
+SCALE_DOWN_PER_S = 10.0  # fastest fall of the scale, which is 0 to 1
+SCALE_UP_PER_S = 0.5  # its fastest rise
+_SATURATED_BELOW = 1.0 - 1e-6  # a scale below is that of a limit, not of rounding
 
 
 class Limiter:
@@ -24,7 +24,7 @@ class Limiter:
 
     Attributes
     ----------
-    output : the number that went out last.
+    output : the correction that went out last, in the actuator's SI unit.
     scale : smoothed scale in force; ``wanted_scale`` without smoothing, for the law's projection.
     limit : bound in force; moves to a new setting within one fade time.
     saturated : True while the scale is below one.

@@ -11,7 +11,7 @@ class PlcReset:
     """Finds the moment in which RESET_EDGE rises while REMOTE is set.
 
     An edge is a 0 and then a 1 with trusted data all the while: a bit that is already high when
-    the connection comes up, or that rose in a gap, is no operator's hand. Never raises.
+    the connection comes up, or that rose in a gap, is no operator's request. Never raises.
 
     Attributes
     ----------
