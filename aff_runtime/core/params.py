@@ -167,7 +167,7 @@ class ActuatorParams:
 
     @property
     def turned_roll(self) -> str:
-        """Name of the roll that the drive turns; empty when nothing tells it."""
+        """Name of the roll that the drive turns; empty when none is named."""
         if self.drive is not None:
             return self.drive.roll
         return self.turns or next((block.roll for block in self.blocks), "")

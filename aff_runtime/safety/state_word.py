@@ -16,8 +16,8 @@ _OPENABLE = (State.READY, State.ARMED, State.ACTIVE, State.FADING)
 def state_word(standing: Standing, *, zeros_sent: bool, saturated: bool, comm_warn: bool) -> int:
     """Return the bits of ``StateBits``.
 
-    FADING is set in any closed state until the PLC has been told zero: without the bit it takes
-    no correction, zero included, and would ramp down from the last one that was not.
+    FADING is set in any closed state until zeros have been sent: without the bit the PLC takes no
+    correction, zero included, and would ramp down from the last one that was not zero.
     """
     bits = int(_OF_STATE.get(standing.state, 0))
     if standing.state in _OPENABLE:

@@ -99,7 +99,7 @@ static PyType_Slot arrays_slots[] = {
 static PyType_Spec arrays_spec = {
     "aff_runtime.core.compiled.Arrays", sizeof(arrays), 0, Py_TPFLAGS_DEFAULT, arrays_slots};
 
-/* ---- arguments: read one after the other, the first mistake is told in the end ---- */
+/* ---- arguments: read one after the other, the first mistake is raised at the end ---- */
 
 typedef struct {
     const char *name;
