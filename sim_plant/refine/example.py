@@ -19,8 +19,9 @@ HIDDEN = EffectEntry(
     location="R6",
     parameters={"eccentricity_m": 2.5e-4, "angle_rad": 1.0},
 )
+"""What the records have and the line file lacks."""
 PLANS = {"a": (0.9, 1.3, 1), "b": (1.2, 0.8, 2)}
-"""Speeds before and after a ramp, m/s, and seed."""
+"""Per record: speeds before and after a ramp, m/s, and the seed of its noise."""
 
 
 def references(samples: int, step_s: float, slow: float, fast: float) -> tuple[Array, Array]:
@@ -39,12 +40,12 @@ def simulated(
     duration_s: float,
     seed: int,
 ) -> dict[str, Array]:
-    """Return the columns of a record of ``line`` with an effect that it does not declare."""
-    guilty = line.model_copy(update={"effects": (hidden,)}) if hidden else line
+    """Return the columns of a record of ``line`` with the effect ``hidden``, if there is one."""
+    machine = line.model_copy(update={"effects": (hidden,)}) if hidden else line
     slow, fast = speeds_m_s
     samples = round(duration_s / line.sample_time_s)
     speed, tension = references(samples, line.sample_time_s, slow, fast)
-    run = make_line(guilty, seed=seed, speed_m_s=slow, tension_N=float(tension[0]))
+    run = make_line(machine, seed=seed, speed_m_s=slow, tension_N=float(tension[0]))
     run.settle()
     out = run.simulate(speed, tension)
     columns: dict[str, Array] = {
@@ -80,10 +81,10 @@ def write_example(source: Source, folder: Path, duration_s: float = 60.0) -> tup
     data.pop("effects", None)
     paths = []
     for name, (slow, fast, seed) in PLANS.items():
-        own = Declaration.model_validate(data)
+        declared = Declaration.model_validate(data)
         path = folder / f"example_{name}.csv"
-        write_table(simulated(own, HIDDEN, (slow, fast), duration_s, seed), path)
-        side = path.with_suffix(".yaml")
-        side.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
+        write_table(simulated(declared, HIDDEN, (slow, fast), duration_s, seed), path)
+        sidecar = path.with_suffix(".yaml")
+        sidecar.write_text(yaml.safe_dump(data, sort_keys=False), encoding="utf-8")
         paths.append(path)
     return paths[0], paths[1]

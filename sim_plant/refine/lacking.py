@@ -1,4 +1,4 @@
-"""What records lack for a verdict, record by record, without any work on them."""
+"""What records lack for a verdict, record by record, without a simulation."""
 
 from __future__ import annotations
 

@@ -60,7 +60,7 @@ class Recorded:
 
 
 def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
-    """Run everything and write the folder; nothing is written before all inputs are accepted.
+    """Run refine and write the plan's folder; nothing is written before all inputs are accepted.
 
     ``line`` is the file that the plan names.
 
@@ -72,11 +72,11 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     check_folder(plan)
     site = SiteFile.read(plan.site) if plan.site is not None else None
     fitted, held = read_all(plan, line.declaration)
-    cannot = limits_of([(f.record, f.twin) for f in fitted])
-    cannot += holdout_limits([h.record for h in held])
+    limits = limits_of([(f.record, f.twin) for f in fitted])
+    limits += holdout_limits([h.record for h in held])
     records = tuple(recorded.record for recorded in (*fitted, *held))
-    cannot += [*shared([r.record for r in fitted], [h.record for h in held]), *lines_of(records)]
-    announce(cannot, records, progress)
+    limits += [*shared([r.record for r in fitted], [h.record for h in held]), *lines_of(records)]
+    announce(limits, records, progress)
     selection = find(fitted, plan.without, plan.workers, progress)
     if selection.corrections:
         progress(f"{len(selection.corrections)} declared numbers estimated anew with the effects")
@@ -85,11 +85,11 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     evaluation = judge(judged, selection, plan.workers, progress, held_out=bool(held))
     against = denied(selection, evaluation) if held else ""
     if against:
-        cannot.append(not_confirmed(selection, judged.record, against))
-        progress(cannot[-1])
+        limits.append(not_confirmed(selection, judged.record, against))
+        progress(limits[-1])
         selection, evaluation = withdrawn(selection), as_declared(evaluation)
     while held and (weak := imitating(judged, selection, evaluation, plan.workers, progress)):
-        cannot.append(weak.said)
+        limits.append(weak.said)
         progress(weak.said)
         selection, evaluation = weak.selection, weak.evaluation
     outcome = Outcome(
@@ -97,7 +97,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         line=line,
         declared=fitted[0].twin.declaration,
         records=records,
-        limits=tuple(cannot),
+        limits=tuple(limits),
         selection=selection,
         evaluation=evaluation,
         verdict=verdict_of(selection, evaluation, str(judged.record.path)),
@@ -109,7 +109,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
 
 
 def proposal_of(outcome: Outcome, site: SiteFile, progress: Progress) -> Proposal | None:
-    """Return the site file with the AFF blocks, and what is said of it; None without a block."""
+    """Return the site file with the AFF blocks, and remarks on it; None without a block."""
     line, first = outcome.line.declaration, outcome.records[0]
     blocks = started_blocks(outcome.verdict.effects, line, first)
     if not blocks:
@@ -142,7 +142,7 @@ def read_all(plan: Plan, line: Declaration) -> tuple[list[Recorded], list[Record
 
 
 def at_its_start_angles(recorded: Recorded) -> Recorded:
-    """Return the twin with its declared effects as they stood at its record's start; say so."""
+    """Return the record with declared effects at its own start angles, which its findings name."""
     twin, angles = at_start_angles(recorded.twin, recorded.measured)
     text = tuple(
         f"what is declared at {place} begins {angle_rad:+.3g} rad further on than declared"
@@ -155,7 +155,7 @@ def at_its_start_angles(recorded: Recorded) -> Recorded:
 def find(
     fitted: Sequence[Recorded], without: Collection[str], workers: int, progress: Progress
 ) -> Selection:
-    """Return what the records show, effects in ``without`` left out of the library."""
+    """Return the effects that explain the records; those in ``without`` are not tried."""
     twins = [f.twin for f in fitted]
     with SimulationPool(twins, workers, progress) as pool:
         progress("simulating the declared line, its noise and its tolerances")
@@ -196,7 +196,12 @@ def judge(
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Imitating:
-    """What is claimed without an effect that can be an imitation, and what is said of it."""
+    """What is claimed without an effect that can be an imitation.
+
+    Attributes
+    ----------
+    said : the sentence that names the effect and why it is not claimed.
+    """
 
     selection: Selection
     evaluation: Evaluation
@@ -210,9 +215,11 @@ def imitating(
     workers: int,
     progress: Progress,
 ) -> Imitating | None:
-    """Return the claim without the weakest effect that takes less away than all of them leave.
+    """Return what is claimed without the weakest effect, where it can be an imitation, or None.
 
-    Asked only where known effects leave surely more than noise on the record held out.
+    It can be one where it takes less away on the record held out than all effects leave there,
+    and that is surely more than noise. A lone effect, or one beside something unknown, is not
+    looked at.
     """
     if selection.unknown or len(selection.accepted) < 2 or not leaves_much(evaluation):
         return None
@@ -227,7 +234,7 @@ def imitating(
 
 
 def denied(selection: Selection, evaluation: Evaluation) -> str:
-    """Return how the record held out speaks against the effects found; "" where it does not."""
+    """Return why the record held out refutes the effects found, as part of a sentence, or ""."""
     if not selection.accepted:
         return ""
     if not selection.unknown:
@@ -237,7 +244,7 @@ def denied(selection: Selection, evaluation: Evaluation) -> str:
 
 
 def not_confirmed(selection: Selection, record: Recording, against: str) -> str:
-    """Return what is said of effects that the record held out speaks against."""
+    """Return the sentence on effects that the record held out refutes."""
     effects = " and ".join(str(accepted.hypothesis.key) for accepted in selection.accepted)
     return f"not claimed: {effects}: {against} {record.path.name}"
 

@@ -14,8 +14,8 @@ from sim_plant.refine.criteria.search import SearchCriteria
 class Criteria:
     """Every threshold that decides something, by section.
 
-    Iteration counts, steps and grids of a solver are not here, nor limits of size, nor what only
-    reads a run of the service: they stand in the file that uses them.
+    Not here but in the file that uses them: iteration counts, steps and grids of a solver, limits
+    of size, and numbers that only serve to read a run of the service.
     """
 
     records: RecordCriteria = field(default_factory=RecordCriteria)

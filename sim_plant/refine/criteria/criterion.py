@@ -1,4 +1,4 @@
-"""One number that decides: its value as a field of a frozen dataclass, its reason with it."""
+"""A criterion: a number that decides, as a field of a frozen dataclass that holds its reason."""
 
 from __future__ import annotations
 
@@ -8,7 +8,9 @@ from types import MappingProxyType
 from typing import Any
 
 NOT_RECORDED = "not recorded"
+"""Origin of a number that nobody wrote down when it was set."""
 DEVELOPMENT = "not recorded by itself; the search was set on campaign seeds 1 to 9 and data/lines"
+"""Origin of a number that was set together with the whole search."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -17,10 +19,10 @@ class Reason:
 
     Attributes
     ----------
-    name : section and field, ``search.acceptance.periodic_score``.
+    name : sections and field: ``search.acceptance.periodic_score``.
     value : the number, or the numbers.
     unit : SI, ``chi2`` for a fall of the weighted squared error, ``1`` for a share or a count.
-    meaning : what it decides.
+    meaning : what it decides; some go on from ``unit`` ("24 taps", "of the filter that ...").
     origin : data, theory or decision it was set on.
     """
 

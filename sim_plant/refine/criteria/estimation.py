@@ -1,4 +1,4 @@
-"""Criteria for weighing and fitting: noise, spectra of free lines, the objective and its fit."""
+"""Criteria for weighing and fitting: noise, free spectral lines, the objective and its fit."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NoiseCriteria:
-    """What of a residual may be noise."""
+    """How the noise of channels is modelled, and what of a residual may be noise."""
 
     settling_s: float = criterion(
         20.0,
@@ -18,7 +18,7 @@ class NoiseCriteria:
         "the start state of a record is unknown; a pull-roll zone settles in about 10 s",
     )
     settling_share: float = criterion(
-        0.25, "1", "no more of a short record is left out of judgement", NOT_RECORDED
+        0.25, "1", "share of a short record, from its start, that is not judged", NOT_RECORDED
     )
     bands: tuple[float, ...] = criterion(
         (0.0, 1.0 / 16.0, 1.0 / 8.0, 1.0 / 4.0, 1.0 / 2.0, 3.0 / 4.0, 1.0),
@@ -35,14 +35,14 @@ class NoiseCriteria:
     rounded_share: float = criterion(
         0.5,
         "of a channel's noise power",
-        "above which it is the rounding of its word",
+        "rounding above which a channel is one of coarse words",
         "a majority: the rounding is most of what is there",
     )
     calm_share: float = criterion(
         0.75,
         "of the bins of a band",
-        "the quietest bins that say the level of a band",
-        "lines of rollers take up fewer than the rest",
+        "the quietest bins, from which the level of a band is taken",
+        "spectral lines of rollers take up fewer than the rest",
     )
     upper_bands: int = criterion(
         2,
@@ -59,7 +59,7 @@ class NoiseCriteria:
     white_shares: tuple[float, ...] = criterion(
         (0.0, 0.5, 0.8, 0.95),
         "of the power",
-        "how far the sawtooth of a word may be white, to choose from by the data",
+        "shares of a word's rounding sawtooth that may be white; the data choose one",
         "late scans break the sawtooth up",
     )
     coarse_word_factor: float = criterion(
@@ -72,49 +72,52 @@ class NoiseCriteria:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpectraCriteria:
-    """Where free lines are looked for, and what counts as the same line."""
+    """Where free spectral lines are looked for, and which count as the same one."""
 
     fewest_cycles: float = criterion(
-        3.0, "cycles per record", "a slower line is none", NOT_RECORDED
+        3.0, "cycles per record", "a slower spectral line is not looked for", NOT_RECORDED
     )
     alias_cycles: float = criterion(
         8.0,
         "cycles per record",
-        "a slower line is no alias of a known frequency",
-        "mains wander by 0.05 Hz, their harmonics by more: a line that slow is none; "
-        "a ramp or two in a minute have lines below",
+        "a slower spectral line is no alias of a known frequency",
+        "mains wander by 0.05 Hz, their harmonics by more: an alias is not that slow; "
+        "a ramp or two in a minute have spectral lines below",
     )
     nyquist_share: float = criterion(
-        0.98, "of half the sample rate", "a faster line in travel is none", NOT_RECORDED
+        0.98,
+        "of half the sample rate",
+        "a faster spectral line in travel is not looked for",
+        NOT_RECORDED,
     )
     least_travel_m: float = criterion(
-        1.0, "m", "lines in web travel need more of it", NOT_RECORDED
+        1.0, "m", "spectral lines in travel are looked for over more of it", NOT_RECORDED
     )
     fewest_turns: float = criterion(
-        6.0, "turns", "lines at a roll's angle need more of them", NOT_RECORDED
+        6.0, "turns", "spectral lines at a roll's angle are looked for over more", NOT_RECORDED
     )
     highest_order: float = criterion(
-        16.0, "per turn", "no finer lines are looked for at a roll's angle", NOT_RECORDED
+        16.0, "per turn", "highest order looked for at a roll's angle", NOT_RECORDED
     )
     same_coordinate_share: float = criterion(
         0.006,
         "1",
-        "coordinates closer than this are one line",
+        "coordinates closer than this, relative, are one spectral line",
         "what a record of a minute resolves",
     )
     same_frequency_share: float = criterion(
-        0.003, "1", "the same for a line in time whose frequency is known", NOT_RECORDED
+        0.003, "1", "the same for a spectral line in time at a known frequency", NOT_RECORDED
     )
     whole_order_reach: float = criterion(
         0.1,
         "of an order",
-        "a line further off a whole order proposes none",
-        "lines of other rollers lie anywhere between whole orders",
+        "a spectral line further off a whole order proposes none",
+        "spectral lines of other rollers lie anywhere between whole orders",
     )
     least_speed_spread: float = criterion(
         1e-3,
         "of the mean speed",
-        "a speed that changes less lets no line grow with speed",
+        "a speed that spreads less: no spectral line is free to grow with speed",
         NOT_RECORDED,
     )
 
@@ -129,13 +132,13 @@ class FitCriteria:
     coarse_power: float = criterion(
         1.5,
         "of the power that is expected",
-        "a channel of coarse words that leaves less leaves noise",
+        "what a channel of coarse words leaves up to this counts as noise",
         "steps nearly in time with the samples: local power is 0.7 to 2.0 of the mean",
     )
     free_orders: int = criterion(
         12,
         "orders of the roll",
-        "orders of a traced shape that stay free: more than a detail has to be explained",
+        "orders of a traced shape that stay free: a further effect must explain more than them",
         NOT_RECORDED,
     )
     simulated_norm: float = criterion(
@@ -147,8 +150,8 @@ class FitCriteria:
     start_tension_share: float = criterion(
         0.1,
         "of the tension",
-        "a run's line begins no further from rest, in torques of drives and in the web: what "
-        "records show of that by less than noise is not estimated",
+        "how far from rest the start state of a run may be, in torques of drives and in the web; "
+        "a part of it that shows by less than noise is not estimated",
         "a probe and a step of tension leave some 0.02 in the drives of an S-wrap (ADR 0038)",
     )
     astray_sd: float = criterion(

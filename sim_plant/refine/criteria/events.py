@@ -15,7 +15,7 @@ class EventCriteria:
     response_moments: int = criterion(
         4,
         "1",
-        "moments of a record at which a response is simulated; in between it is taken to be equal",
+        "moments of a record at which a response is simulated; for others the nearest is shifted",
         "speed and radius change little over a quarter of a record",
     )
     window: Mapping[str, float] = criterion(
@@ -28,7 +28,7 @@ class EventCriteria:
         1.0,
         "s or m",
         "least distance of two moments of one effect; half as much again is searched around one",
-        "what is closer is taken for one",
+        "what is closer is taken for one event",
     )
     before_step: Mapping[str, float] = criterion(
         {"s": 1.0, "m": 0.1},
@@ -37,7 +37,10 @@ class EventCriteria:
         "a seam passes a roller within its length, some 0.1 m; no filter sees what is not judged",
     )
     wide_step_s: float = criterion(
-        3.0, "s", "step between moments tried of an effect that lasts", "a zone's time constant"
+        3.0,
+        "s",
+        "step between moments at which an effect that lasts is tried",
+        "a zone's time constant",
     )
     ends_step_s: float = criterion(
         1.5,
@@ -48,24 +51,26 @@ class EventCriteria:
     episode_step_s: float = criterion(
         0.5,
         "s",
-        "step between beginnings and ends of an episode; a fifth of it beside the best",
+        "step between beginnings, and between ends, of an episode; a fifth of it beside the best",
         "a fit finds an edge from a fraction of its rise, which is 0.5 s at the least",
     )
     episode_reach_s: float = criterion(
         4.0,
         "s",
-        "farthest distance of its beginning from the moment that the filter gives",
+        "farthest distance of an episode's beginning from the moment that the filter gives",
         "the filter has another length: its moment is off by half of the difference",
     )
     most_peaks: int = criterion(2, "1", "moments taken from one response", DEVELOPMENT)
-    most_moments: int = criterion(2, "1", "moments tried of an effect at a place", DEVELOPMENT)
+    most_moments: int = criterion(
+        2, "1", "moments at which an effect at a place is tried", DEVELOPMENT
+    )
     most_places: int = criterion(
-        4, "1", "pairs of place and moment tried of one effect", DEVELOPMENT
+        4, "1", "pairs of place and moment at which one effect is tried", DEVELOPMENT
     )
     least_chi2: float = criterion(
         60.0,
         "chi2",
-        "least that a matched filter has to explain",
+        "least that an event has to explain, by a matched filter or on grids",
         "chance gives 2 ln of all moments and places, 25, model error about as much; rounded up",
     )
     least_share: float = criterion(
@@ -84,7 +89,8 @@ class EventCriteria:
     passes: int = criterion(
         3,
         "1",
-        "passes over moments and shapes by turns; the step of a place in a zone halves with each",
+        "passes over moments and shape parameters in turn; with each the step of the first one's "
+        "grid (a place in a zone) halves",
         "web passes a span of some 0.5 m in about a second, two rises of warm web: half a span",
     )
     coarse_grid: tuple[float, ...] = criterion(
@@ -102,7 +108,9 @@ class EventCriteria:
     price: float = criterion(
         14.0, "chi2", "penalty for choosing a moment", "2 ln of 1200 moments of 50 ms in a minute"
     )
-    most_told: int = criterion(4, "1", "effects that progress names", "a screen has few lines")
+    most_told: int = criterion(
+        4, "1", "events that the progress text names", "a screen has few file lines"
+    )
     judged_peaks: int = criterion(
         4,
         "peaks",
@@ -112,14 +120,17 @@ class EventCriteria:
     level_share: float = criterion(
         0.1,
         "of the record, from its start",
-        "whose median is the level that later bins are held against",
-        "an event later than that stands out whole; one before it is no onset that a record shows",
+        "whose median is the level to which later bins are compared",
+        "a later event has its full power above it; of an earlier one the record shows no onset",
     )
     bin_s: float = criterion(
         0.5, "s", "length over which the residual's power is averaged", "some periods of a loop"
     )
     bin_sd: float = criterion(
-        5.0, "1", "standard deviations above which a bin is loud", "a minute has 120 bins"
+        5.0,
+        "1",
+        "standard deviations above that level from which a bin is loud",
+        "a minute has 120 bins",
     )
     quiet_s: float = criterion(
         4.0, "s", "how long a record is quiet before an event, and louder after it", DEVELOPMENT

@@ -1,4 +1,4 @@
-"""Criteria of named profiles: when their name, their age and their details are looked at."""
+"""Criteria of named profiles: when other names, ages and details of them are tried."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ class ProfileCriteria:
     strong: float = criterion(
         1e5,
         "chi2",
-        "cost explained from which a profile is looked at for where it was formed",
+        "cost explained from which a profile is also fitted as formed at another radius",
         "ADR 0015, on the pairs of data/lines",
     )
     weak: float = criterion(
@@ -26,14 +26,14 @@ class ProfileCriteria:
     most_names: int = criterion(
         2,
         "1",
-        "names of profiles, the nearest first, that a strong one is fitted under",
+        "other names, of the most similar profiles, under which a strong one is fitted",
         "an outline has flanks or a flat; an ellipse or a flat spot near by is behind both",
     )
     age_room: float = criterion(
         3.0,
-        "of what is possible",
-        "width of an age's interval, by the slopes where its fit would begin, from which none is "
-        "made",
-        "a fit keeps an age at 1 at the most; three times that is left to slopes that are others "
-        "where it ends than where it begins",
+        "of the distance of its bounds",
+        "width of an age's interval, by the slopes where its fit would begin, from which no age "
+        "is fitted",
+        "after a fit an age is kept up to a width of 1; three times that allows for slopes that "
+        "differ between where a fit begins and where it ends",
     )

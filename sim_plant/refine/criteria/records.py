@@ -10,7 +10,7 @@ from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecordCriteria:
-    """Whether a file is a record, and what is said to be odd about it."""
+    """Whether a file is a record, and what of it is reported as odd."""
 
     largest_reading: float = criterion(
         1e30,
@@ -25,34 +25,35 @@ class RecordCriteria:
     misplaced_stamp_share: float = criterion(
         0.2,
         "sample times",
-        "an odd step that makes two with its neighbour to within this is one misplaced stamp",
+        "an odd step between stamps is one misplaced stamp where it and its neighbour add up to "
+        "two sample times to within this",
         NOT_RECORDED,
     )
     jitter_share: float = criterion(
         0.02,
         "sample times",
-        "stamps off an even grid by more are put on one, and that is said",
+        "stamps off an even grid by more are put on one, and that is reported",
         NOT_RECORDED,
     )
     coarse_levels_share: float = criterion(
         0.2,
         "levels per row",
-        "a column with fewer levels is said to be read in steps",
+        "a column with fewer levels is reported as read in steps",
         NOT_RECORDED,
     )
     stuck_share: float = criterion(
         0.05,
         "of the rows",
-        "a column that stands at one end of its range for more is said",
+        "a column that stands at one end of its range for more is reported as stuck",
         NOT_RECORDED,
     )
     stuck_levels: int = criterion(
-        20, "levels", "a column of no more levels is not said to be stuck", NOT_RECORDED
+        20, "levels", "a column of no more levels is not reported as stuck", NOT_RECORDED
     )
     spike_sigma: float = criterion(
         12.0,
         "robust standard deviations",
-        "a sample further off the median of its 7 neighbours is a spike, said",
+        "a sample further off the median of its 7 neighbours is reported as a spike",
         NOT_RECORDED,
     )
 
@@ -84,15 +85,15 @@ class MatchCriteria:
         0.02, "1", "a roll radius begins within this share of the declared one", NOT_RECORDED
     )
     running_speed_share: float = criterion(
-        0.1, "of the fastest speed", "the line runs where it is faster", NOT_RECORDED
+        0.1, "of the fastest speed", "the line counts as running where it is faster", NOT_RECORDED
     )
     least_running_share: float = criterion(
-        0.1, "of the rows", "in fewer the line does not run enough", NOT_RECORDED
+        0.1, "of the rows", "a line that runs in fewer does not run enough", NOT_RECORDED
     )
     one_speed_share: float = criterion(
         0.02,
         "1",
-        "a speed that changes by less of its mean is said to be one speed only",
+        "a speed that changes by less of its mean is reported as one speed only",
         NOT_RECORDED,
     )
 
@@ -104,8 +105,8 @@ class ModelCriteria:
     ramp_look_s: float = criterion(
         0.2,
         "s",
-        "a rate is judged over this; a reference that is there sooner is a step",
-        "some tens of samples; the ramps of lines last seconds",
+        "span over which a rate is taken; a reference that changes within it is a step",
+        "some tens of samples; ramps of a line last seconds",
     )
     ramp_steady_share: float = criterion(
         0.03, "of a rate", "rates that differ by less are one ramp", NOT_RECORDED
@@ -122,7 +123,7 @@ class ModelCriteria:
     radius_change_share: float = criterion(
         0.005,
         "of the radius",
-        "a roll that changes by less is told from no roller of its size",
+        "a roll whose radius changes by less cannot be told from a roller of its size",
         "its frequency stays to within a turn in 200",
     )
     default_tolerance: Mapping[str, float] = criterion(

@@ -14,14 +14,14 @@ class JudgeCriteria:
     least_power: float = criterion(
         1.0,
         "of the power of noise, mean over channels",
-        "beyond noise, by which the record held out shows that there is something to explain",
+        "power beyond noise from which a record held out has something to explain",
         "below, what declared numbers leave within their tolerance is as much",
     )
     refuted_share: float = criterion(
         0.5,
-        "of that power",
-        "effects that leave more are no explanation of it",
-        "right effects leave 0.01 to 0.1 (refine-pairs); half is no matter of a model's accuracy",
+        "of that power beyond noise",
+        "effects that leave more of it are refuted",
+        "right effects leave 0.01 to 0.1 (refine-pairs); half is beyond a model's error",
     )
     taken_share: float = criterion(
         1.0,
@@ -48,10 +48,16 @@ class RangeCriteria:
     """How the ends of an interval are found for what a line does not answer to in proportion."""
 
     looks: int = criterion(
-        7, "values", "at which a number is held on the way to one end", "64 of the first width"
+        7,
+        "values",
+        "at which a number is held on the way to one end",
+        "2^6 = 64 times the expected width",
     )
     near_share: float = criterion(
-        0.3, "of the rise of the cost at an end", "closer is near enough", "15 % of the width"
+        0.3,
+        "of the rise of the cost at an end",
+        "a value whose rise is this close to it is the end",
+        "15 % of the width",
     )
     between_share: float = criterion(
         0.8,
@@ -60,16 +66,22 @@ class RangeCriteria:
         "the cost is taken to grow with the square in between",
     )
     corrections: int = criterion(
-        2, "steps", "by which all other numbers follow one that is held", "the slopes are known"
+        2,
+        "steps",
+        "at most, by which all other numbers are fitted to one that is held",
+        "the slopes are known",
     )
     passes: int = criterion(
-        2, "passes", "as a walk may come by numbers that explain more", "one mends, one confirms"
+        2,
+        "passes",
+        "at most: a walk may find numbers that explain more",
+        "one mends, one confirms",
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ReportCriteria:
-    """What a report says of numbers that were found."""
+    """How sure reported numbers are, and what the report leaves out."""
 
     confidence: float = criterion(
         0.95, "probability", "of the intervals that a verdict gives", "convention"
@@ -77,19 +89,19 @@ class ReportCriteria:
     model_share: float = criterion(
         0.0066,
         "of a size",
-        "standard deviation of a size because no model is exact",
+        "standard deviation of a size that the error of any model adds",
         "lines that other code simulated, one record each: a flat spot 1.2 %, a delay 0.8 %, a "
         "modulus 0.5 %, an eccentricity 0.3 % off; noise alone would promise a hundredth of that",
     )
     interval_s: float = criterion(
         2.0,
         "s",
-        "within which what a model leaves pulls a number one way",
+        "within which the error of a model moves a number in one direction",
         "a zone answers within seconds; a minute has 30 of them, enough for a variance",
     )
     ranges: RangeCriteria = field(default_factory=RangeCriteria)
     above_noise: float = criterion(
-        1.1, "after over floor", "a channel from here on holds more than noise", NOT_RECORDED
+        1.1, "after over floor", "a channel from this ratio on holds more than noise", NOT_RECORDED
     )
     smallest_start_m: float = criterion(
         1e-6, "m", "orders of a start shape below this are left out", NOT_RECORDED
@@ -112,32 +124,35 @@ class GeneralCriteria:
     blocks: int = criterion(
         20,
         "blocks",
-        "of all records fitted, each left out in turn",
+        "in all records together, each left out in turn",
         "enough for a standard error; each is longer than the noise remembers",
     )
     fewest_blocks: int = criterion(6, "blocks", "of one record", "alternate ones judge each other")
     least_share: float = criterion(
         0.003,
-        "of the squared error left out",
+        "of the squared error of blocks left out",
         "an effect that saves less is not claimed",
-        "decision: 0.15 % of the rms is worth no sentence",
+        "decision: 0.15 % of the rms is not worth reporting",
     )
     least_t: float = criterion(
         4.0,
         "standard errors",
-        "what the blocks save on average, at least",
+        "least mean of what an effect saves in the blocks",
         "Student's t of 20 blocks: 4e-4 by chance; some 50 candidates are tried, and each has to "
         "save its share as well",
     )
     filter_share: float = criterion(
         0.001,
-        "of the squared error left out",
+        "of the squared error of blocks left out",
         "a longer filter that saves less is not taken",
         "decision: a twentieth of a percent of the rms",
     )
     most_effects: int = criterion(6, "effects", "are added to a filter at most", "decision")
     shift_reach: int = criterion(
-        200, "samples", "channels are not shifted by more", "2 s at 10 ms; and never the taps"
+        200,
+        "samples",
+        "channels are not shifted by more",
+        "2 s at 10 ms; and never more than the taps",
     )
     least_delay_samples: float = criterion(
         0.05, "samples", "a shorter mean shift between channels is no delay", NOT_RECORDED
@@ -151,8 +166,8 @@ class GeneralCriteria:
     soft_sign_share: float = criterion(
         0.002,
         "of the rms of a state",
-        "closer to zero than this the sign counts for less",
-        "there it is the sign of noise",
+        "state below which its sign counts for less than 1",
+        "so close to zero it is the sign of noise",
     )
     slow_state_s: float = criterion(
         0.4, "s", "mean over which a gain's state is taken", "what is faster is the input itself"
@@ -160,14 +175,14 @@ class GeneralCriteria:
     standardised: float = criterion(
         1e-6,
         "unit of the input",
-        "a mean and a standard deviation this close to 0 and 1 were made so",
+        "a column whose mean and standard deviation are this close to 0 and 1 was standardised",
         NOT_RECORDED,
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WithoutLineCriteria:
-    """What is a line, and what a clock, in records without a line declaration."""
+    """What is a spectral line, and what a clock, in records without a line declaration."""
 
     general: GeneralCriteria = field(default_factory=GeneralCriteria)
     rows_beyond_taps: int = criterion(
@@ -195,7 +210,10 @@ class WithoutLineCriteria:
         "decision: one record in ten thousand, by chi-square theory",
     )
     safety: float = criterion(
-        1.5, "of the theoretical threshold", "a line needs more", "residuals are not quite white"
+        1.5,
+        "of the theoretical threshold",
+        "a spectral line needs more",
+        "residuals are not quite white",
     )
     bins: int = criterion(
         5,
@@ -204,13 +222,20 @@ class WithoutLineCriteria:
         NOT_RECORDED,
     )
     speed_share: float = criterion(
-        3e-4, "of an order", "how exactly a mean speed turns Hz into 1/m", NOT_RECORDED
+        3e-4,
+        "of an order",
+        "error of an order where a mean speed turned Hz into 1/m",
+        NOT_RECORDED,
     )
     clock_safety: float = criterion(
         1.2, "of the theoretical threshold", "a clock in a raw output needs more", NOT_RECORDED
     )
-    most_spectral_lines: int = criterion(12, "lines", "are taken out at most", NOT_RECORDED)
-    clock_share: float = criterion(0.002, "1", "a line this close to a clock is one", NOT_RECORDED)
+    most_spectral_lines: int = criterion(
+        12, "spectral lines", "are taken out at most", NOT_RECORDED
+    )
+    clock_share: float = criterion(
+        0.002, "1", "a spectral line this close to a clock is that clock", NOT_RECORDED
+    )
     highest_divisor: int = criterion(
         20, "samples", "a clock of the recorder is no slower", NOT_RECORDED
     )
@@ -218,18 +243,21 @@ class WithoutLineCriteria:
         (50.0, 60.0), "Hz", "frequencies of the mains", "the world's grids"
     )
     fewest_cycles: float = criterion(
-        5.0, "cycles per record", "a slower line is none", NOT_RECORDED
+        5.0, "cycles per record", "a slower spectral line is not looked for", NOT_RECORDED
     )
     highest_frequency_share: float = criterion(
-        0.49, "of the sample rate", "a faster line is none", NOT_RECORDED
+        0.49, "of the sample rate", "a faster spectral line is not looked for", NOT_RECORDED
     )
     highest_travel_share: float = criterion(
-        0.49, "of samples per metre at the mean speed", "a finer line is none", NOT_RECORDED
+        0.49,
+        "of samples per metre at the mean speed",
+        "a finer spectral line is not looked for",
+        NOT_RECORDED,
     )
     highest_wavenumber_1_m: float = criterion(
         48.0,
         "1/m",
-        "nor is one above this",
+        "nor one above this",
         "a speed column that counts turns has orders there: 24 and their doubles",
     )
     other_speed: float = criterion(
@@ -238,15 +266,15 @@ class WithoutLineCriteria:
     kind_share: float = criterion(
         0.1,
         "of the drop",
-        "by how much a line has to be stronger in time than in travel, or the other way round, "
-        "for one record with a varying speed to prove which it is",
-        "decision: no line is that much stronger by chance",
+        "by how much a spectral line has to be stronger in time than in travel, or the other way "
+        "round, for one record with a varying speed to prove which it is",
+        "decision: none is that much stronger by chance",
     )
     highest_order: int = criterion(
-        40, "per turn", "a line is no higher multiple of a fundamental", "decision"
+        40, "per turn", "highest multiple of a fundamental that a spectral line can be", "decision"
     )
     fewest_orders: int = criterion(
-        3, "lines", "that share a fundamental before they are orders of it", "decision"
+        3, "spectral lines", "that share a fundamental before they are orders of it", "decision"
     )
     order_share: float = criterion(
         0.03, "of the fundamental", "an order is no further off a whole number", "decision"
@@ -254,6 +282,6 @@ class WithoutLineCriteria:
     chance: float = criterion(
         0.02,
         "1",
-        "lines at random are orders of one fundamental less often",
+        "spectral lines at random are orders of one fundamental less often",
         "decision: each has to be that close to a whole multiple, for all fundamentals tried",
     )

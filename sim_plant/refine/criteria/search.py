@@ -17,26 +17,29 @@ class ScreeningCriteria:
     periodic_support: float = criterion(
         80.0,
         "chi2 above its degrees of freedom",
-        "a free spectral line below this makes no order-locked effect worth simulating",
+        "a periodic effect is simulated where a free spectral line at its coordinate has more",
         DEVELOPMENT,
     )
     profile_support_share: float = criterion(
         0.5,
         "of periodic_support",
-        "what a profile needs",
-        "it spreads what it does over many orders: each of them is small",
+        "the same for a profile",
+        "its power is spread over many orders: each of them is small",
     )
     profile_pairs: int = criterion(
         2,
         "pairs of numbers",
-        "an effect of more is a profile: it has the orders that pay",
+        "an effect of more is a profile: only the orders that pay are kept",
         "definition",
     )
     strongest_share: float = criterion(
-        0.01, "of the strongest line", "a weaker line is not worth an effect", DEVELOPMENT
+        0.01, "of the strongest spectral line", "a weaker one is not worth an effect", DEVELOPMENT
     )
     resonance_share: float = criterion(
-        0.3, "of the strongest line", "what a resonance needs at its line", DEVELOPMENT
+        0.3,
+        "of the strongest spectral line",
+        "a resonance is simulated where a free spectral line at its coordinate has more",
+        DEVELOPMENT,
     )
     idler_step: int = criterion(
         3,
@@ -66,7 +69,7 @@ class ScreeningCriteria:
         0.15,
         "of the best score",
         "the same for an effect whose response is not proportional to its size",
-        "one linear step says little of it: a second chance",
+        "one linear step ranks it badly: a second chance",
     )
     shortlist_floor: float = criterion(
         0.5, "of periodic_score", "nor is any effect below this", DEVELOPMENT
@@ -74,7 +77,10 @@ class ScreeningCriteria:
     shortlist_places: int = criterion(3, "places", "of one effect are fitted", DEVELOPMENT)
     shortlist_length: int = criterion(8, "effects", "are fitted in one round", DEVELOPMENT)
     first_size: tuple[float, float] = criterion(
-        (0.1, 3.0), "typical sizes", "where the fit of a curved effect may begin", NOT_RECORDED
+        (0.1, 3.0),
+        "typical sizes",
+        "between which the fit of a curved effect begins",
+        NOT_RECORDED,
     )
 
 
@@ -85,7 +91,7 @@ class AcceptanceCriteria:
     score: float = criterion(
         120.0,
         "chi2",
-        "least score of an effect without a line of its own",
+        "least score of an effect without a spectral line of its own",
         "healthy records of other code, and line01, reach 85 to 115",
     )
     later_score: float = criterion(
@@ -97,13 +103,14 @@ class AcceptanceCriteria:
     periodic_score: float = criterion(
         50.0,
         "chi2",
-        "least score of an effect at orders of a body; a line in time is chosen among thousands",
+        "least score of an effect at orders of a body; a frequency is chosen among thousands",
         "what a model lacks seldom has the same coordinate; the value: " + DEVELOPMENT,
     )
     beyond_doubt: float = criterion(
         3000.0,
         "chi2",
-        "a score above needs no second look at the declared drive tick, nor for two places",
+        "an effect of a higher score is not weighed again at the declared drive tick, nor against "
+        "two places together",
         "coarse encoder words rest at speeds that depend on the tick "
         "(docs/engineer/refine-method.md); above, two places only mend what the model has wrong "
         "(ADR 0016)",
@@ -111,22 +118,24 @@ class AcceptanceCriteria:
     weak: float = criterion(
         150.0,
         "chi2",
-        "an effect without a line is not claimed below this when another explains nearly as much",
+        "below, an effect that is not periodic is not claimed when another is within ``margin``",
         DEVELOPMENT,
     )
     margin: float = criterion(
         10.0,
         "chi2",
-        "effects whose scores are closer than this cannot be told apart",
+        "effects whose scores are closer than this are not distinguished",
         "not recorded; it is 2 ln of a Bayes factor of 150, very strong [Kass, Raftery 1995]",
     )
     certain_size: float = criterion(
         14.0,
         "chi2, two degrees of freedom",
-        "an effect whose strengths exceed nothing by less is no estimate",
+        "an effect whose strengths differ from absence by less is no estimate",
         "probability 0.001",
     )
-    most_looks: int = criterion(3, "effects", "are looked at again in one round", NOT_RECORDED)
+    most_looks: int = criterion(
+        3, "effects", "are weighed in one round by what is lost without them", NOT_RECORDED
+    )
     explained_share: float = criterion(
         0.001,
         "of what was explained",
@@ -142,17 +151,20 @@ class AcceptanceCriteria:
     decisive_share: float = criterion(
         0.8,
         "of what is left",
-        "an effect that explains more ends the look at further groups",
+        "a periodic effect that explains more is taken before other groups are looked at",
         NOT_RECORDED,
     )
     floor_share: float = criterion(
         2e-4,
         "of what was explained",
-        "the search ends when what is left is surely less",
+        "the search ends when what is left beyond noise is surely less",
         "a share of 3e-3 hid a true second effect",
     )
     least_excess: float = criterion(
-        225.0, "chi2", "what is left counts as no less for decisive_share", NOT_RECORDED
+        225.0,
+        "chi2",
+        "for decisive_share, what is left beyond noise counts as no less",
+        NOT_RECORDED,
     )
     most_effects: int = criterion(4, "effects", "are accepted at most", NOT_RECORDED)
     most_free_terms: int = criterion(2, "rounds", "of search beside free terms", NOT_RECORDED)
@@ -163,31 +175,38 @@ class AcceptanceCriteria:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CompletenessCriteria:
-    """Whether an effect explains what a free spectral line at its coordinates would."""
+    """Whether an effect explains what a free spectral line at its coordinate would."""
 
     explained_share: float = criterion(
-        0.8, "of the free spectral line", "an effect explains more", DEVELOPMENT
+        0.8,
+        "of what the free spectral line explains",
+        "an effect that is complete explains more",
+        DEVELOPMENT,
     )
     left_share: float = criterion(
-        0.15, "of the free spectral line", "an effect leaves less", DEVELOPMENT
+        0.15,
+        "of what the free spectral line explains",
+        "an effect that is complete leaves less there",
+        DEVELOPMENT,
     )
     fair_share: float = criterion(
         0.3,
         "of all that is left",
-        "an effect that is no line explains more; so does a line beside something that is none",
+        "an effect that is not periodic explains more; so does a periodic one that is claimed "
+        "where what is left has no spectral line",
         "the largest of up to three true ones does, an imitation of something else seldom",
     )
     twins_left_share: float = criterion(
         0.01,
         "of what was explained",
-        "two of one effect at one spectral line leave less",
-        "their four numbers answer most lines in part; true ones leave what the model has wrong, "
-        "at most 4 model_error",
+        "two effects that are accepted together at one spectral line leave less",
+        "their four numbers explain most spectral lines in part; true ones leave the error of the "
+        "model, at most 4 model_error",
     )
     sure_sd: float = criterion(
         3.0,
         "standard deviations of a chi-square cost",
-        "by which what is left surely exceeds noise",
+        "by which what is left has to exceed noise to be surely more",
         NOT_RECORDED,
     )
 
@@ -197,7 +216,7 @@ class DegeneracyCriteria:
     """Whether two places explain as much as one, and declared numbers as an effect."""
 
     same_coordinate_share: float = criterion(
-        0.003, "1", "rollers whose lines of travel differ by less are alike", NOT_RECORDED
+        0.003, "1", "rollers whose spectral lines of travel differ by less are alike", NOT_RECORDED
     )
     most_places: int = criterion(
         4, "places", "are looked at in pairs, the best first", NOT_RECORDED
@@ -208,7 +227,7 @@ class DegeneracyCriteria:
     outside_prior_sd: float = criterion(
         4.0,
         "prior standard deviations",
-        "a declared number further off is tried as the effect that says the same",
+        "a declared number further off is tried as the effect that changes it",
         NOT_RECORDED,
     )
     most_outside: int = criterion(
@@ -217,71 +236,71 @@ class DegeneracyCriteria:
     joint_sd: float = criterion(
         6.0,
         "standard deviations of chi-square",
-        "declared numbers together further off than this are no tolerance",
+        "declared numbers together further off than this are beyond tolerance",
         NOT_RECORDED,
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class UnexplainedCriteria:
-    """What is left over: noise, a line, or something irregular."""
+    """What is left over: noise, a spectral line, or something irregular."""
 
     periodic: float = criterion(
         260.0,
         "chi2, 72 degrees of freedom, best of all bins",
-        "a free spectral line above is one, when noise is as unlikely to show it",
+        "a free spectral line above counts, where noise is as unlikely to show it",
         "healthy records stay below; as unlikely: channels that noise moves together count less, "
         "nine are 14 degrees of freedom at 0.5 Hz in seeded runs of another code's lines",
     )
     periodic_degrees: int = criterion(
         72,
         "degrees of freedom",
-        "of the line that periodic is set for",
+        "of the spectral line that ``periodic`` is set for",
         "twelve channels, two phases, three powers of speed",
     )
     periodic_share: float = criterion(
-        0.12, "of what is left", "a free spectral line above is what is left", DEVELOPMENT
+        0.12, "of what is left", "a free spectral line above is named as what is left", DEVELOPMENT
     )
     spectral_line_cycles: float = criterion(
         8.0,
         "cycles a record",
-        "that a spectral line has which is no step: a step's are slow",
-        "the same as of an alias (spectra.alias_cycles)",
+        "a slower spectral line may be that of a step",
+        "the same as for an alias (spectra.alias_cycles)",
     )
     ringing_share: float = criterion(
         0.5,
         "of what begins at a moment",
-        "a spectral line above is what begins",
-        "a resonance that a speed brings to sound; a step has most of its power in a few cycles",
+        "a spectral line that explains more is named instead of an event",
+        "a resonance that a speed excites; a step has most of its power in a few cycles",
     )
     remainder_share: float = criterion(
         0.04,
-        "of what was there",
-        "beside effects less is nothing",
+        "of what was there without effects",
+        "where effects are found, less is not named as unknown",
         "a law that is 20 % off in shape leaves as much; slip of other code leaves 0.03",
     )
     imitated_share: float = criterion(
         0.005,
-        "of what was there",
-        "beside a strong line an effect that is none and leaves more, and a fair share, imitates",
+        "of what was there without effects",
+        "beside a periodic effect, one that is not and leaves more, and a fair share, imitates",
         "a model may be wrong by as much of a strong effect; right pairs leave 0.0001",
     )
     loud: float = criterion(
         1.12,
         "power over noise",
-        "a channel above holds something broadband",
+        "a channel with more holds something broadband",
         "records without an effect, of other code with coloured noise and late scans: up to 1.05",
     )
     loud_sd: float = criterion(
         4.0,
         "standard deviations of what seeded runs keep",
-        "that a channel holds above their mean before it is loud",
+        "above their mean from which a channel is loud",
         "loud is four to six where noise is the same all the time: 60 s differ by 2 to 3 %",
     )
     coupled: float = criterion(
         20.0,
-        "score of coherence, exponential with mean 1 for noise",
-        "a pair of channels above is pushed by something that is no noise",
+        "score of coherence, for noise exponential with mean 1",
+        "a pair of channels above is moved by something other than noise",
         "36 records without an effect, of other code: the oddest pair has 10.2",
     )
     coupling_bands: tuple[float, ...] = criterion(
@@ -291,7 +310,7 @@ class UnexplainedCriteria:
         "below, tolerances move channels together (ADR 0016)",
     )
     fewest_bins: int = criterion(
-        16, "bins", "a band with fewer says nothing of coupling", NOT_RECORDED
+        16, "bins", "a band with fewer is not looked at for coupling", NOT_RECORDED
     )
 
 
@@ -302,16 +321,19 @@ class FreeTermCriteria:
     harmonics: Mapping[str, int] = criterion(
         {"angle": 16, "travel": 6, "time": 2},
         "orders",
-        "that a free spectral line brings, by its coordinate",
+        "of a free term, by the coordinate of its spectral line",
         NOT_RECORDED,
     )
     half_waves: int = criterion(
-        8, "half waves over the record", "by which a free spectral line may change", NOT_RECORDED
+        8,
+        "half waves over the record",
+        "at most, in which the size of a free term may change",
+        NOT_RECORDED,
     )
     whole_order_share: float = criterion(
         0.02,
         "1",
-        "a line this close to a whole order of a roll brings all orders of that roll",
+        "a spectral line this close to a whole order of a roll frees all orders of that roll",
         NOT_RECORDED,
     )
 
@@ -323,37 +345,39 @@ class WanderingCriteria:
     interval_s: float = criterion(
         2.0,
         "s",
-        "over which its size is one",
+        "over which its size counts as constant",
         "a roller's hold changes with what lies on it, a zone answers within seconds",
     )
     share: float = criterion(
-        0.1, "of its size", "that the response to a change is taken from", "it is linear in that"
+        0.1, "of its size", "change of size from which a response is taken", "it is linear in that"
     )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ExchangeCriteria:
-    """Where effects are tried when all others are there, and which are taken out."""
+    """Where effects are tried once all are found, and which are taken out again."""
 
-    reach: int = criterion(2, "rollers", "how far an effect is moved to either side", DEVELOPMENT)
-    close: int = criterion(3, "places", "of those that came close are tried again", DEVELOPMENT)
+    reach: int = criterion(
+        2, "rollers", "to either side of an effect's place are tried", DEVELOPMENT
+    )
+    close: int = criterion(3, "places", "with the next best scores are tried again", DEVELOPMENT)
     rounds: int = criterion(4, "Gauss-Newton steps", "of a fit elsewhere", DEVELOPMENT)
     bridle_share: float = criterion(
         0.04,
         "of what was explained",
-        "one effect on a bridle may leave so much more than one on each of its rollers",
+        "by how much more one effect on an S-wrap may leave than one on each of its rollers",
         "how much a roller slips wanders by as much (search.unexplained.remainder_share)",
     )
     missed: float = criterion(
         40.0,
         "chi2",
-        "an effect that is missed less, its numbers paid, is taken out",
+        "an effect is taken out if that costs less, beyond the price of its numbers",
         "a search that looks everywhere finds 30 in noise; the value: " + DEVELOPMENT,
     )
     model_error: float = criterion(
         0.005,
         "1",
-        "how wrong a model's response may be, relative",
+        "relative error that a model's response may have",
         "0.3 to 1 % between two codes of one line; a rival behind by less than 4 e^2 of what was "
         "explained may be the true one",
     )

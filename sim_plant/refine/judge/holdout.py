@@ -18,9 +18,9 @@ from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
 
 SIMPLEX = ((0.0, 0.0), (0.05, 0.0), (0.08, 0.5))
-"""First corners round the fitted angle and unwound length: rad, cm."""
+"""Corners of the first simplex, as steps from the fitted angle (rad) and age (cm)."""
 SIMPLEX_ENDS = {"xatol": 2e-3, "fatol": 5.0, "maxfev": 60}
-"""The search ends when corners are this close (rad or cm, and chi-square), or after so many."""
+"""Ends of the search: corners this close (rad or cm; chi-square), or so many simulations."""
 
 Shifts = tuple[tuple[str, float], ...]
 
@@ -33,13 +33,14 @@ class Evaluation:
     ----------
     channels : names.
     before, after, floor : rms per channel; ``floor`` is what noise alone leaves.
-    measured, declared, amended : channels (channels, samples), for the overlay.
-    effects : with the start angles of this record.
+    measured, declared, amended : (channels, samples): the record, and its simulation without and
+        with the effects found.
+    effects : those found, with the start angles of this record.
     angles_rad, unwound_m : states of rolls estimated on this record, per location: start angles,
-        and of a profile how much web has left the roll since it was formed; all else is as
-        fitted.
-    moments : when its events begin, s or m of web, per effect and place.
-    first : first judged sample.
+        and the age of a profile, the length of web that has left the roll since it was formed; all
+        else is as fitted.
+    moments : when events begin in this record, s or m of web, by "effect at location".
+    first : index of the first judged sample.
     travel_m : length of web that has passed, from the speed reference (samples,).
     """
 
@@ -59,7 +60,7 @@ class Evaluation:
 
 
 def rms(channels: Sequence[str], residual: Array, first: int) -> Array:
-    """Return the rms per channel from ``first`` on; an angle's zero is free."""
+    """Return the rms per channel from sample ``first`` on, of an angle without its mean."""
     part = residual[:, first:].copy()
     for c, name in enumerate(channels):
         if name.endswith("_angle_rad"):
@@ -78,9 +79,9 @@ def evaluate(
 ) -> Evaluation:
     """Return before and after on the only record of the pool.
 
-    ``shifts`` are the declared numbers of the line as re-estimated with the effects. A roll's
-    start angle differs from record to record and is found anew (``find_angles``); so is the state
-    that a run's line began with, always.
+    ``shifts`` are changes of declared numbers as re-estimated with the effects. With
+    ``find_angles`` what differs from record to record is found anew: start angles of rolls, ages
+    of profiles, moments of events. The start state of a run is found anew always.
     """
     twin = pool.twins[0]
     runs = pool.run([Case(quick=False), Case(quick=False, seed=0)])
@@ -123,9 +124,10 @@ def evaluate(
 def with_unwound_lengths(
     pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
-    """Return the effects with this record's roll as it is: how far it was unwound since formed.
+    """Return the effects with the ages of their profiles in this record, and those ages, m.
 
-    Only where the fit has that number. It changes the length of a turn, so the angle goes with it.
+    An age is the length of web unwound since the profile was formed; only those that were fitted
+    are found anew. It changes the length of a turn, so the angle is found together with it.
     """
     unwound: dict[str, float] = {}
     for at, effect in enumerate(case.effects):
@@ -139,9 +141,9 @@ def with_unwound_lengths(
 def _with_best_age(
     pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, at: int, age: str
 ) -> Case:
-    """Return the case with the ``age`` of profile ``at`` and the angle of its body at their best.
+    """Return the case with the age of effect ``at`` and the angle of its body that cost least.
 
-    Whatever else is on that body turns with it.
+    ``age`` is the parameter's name. Other effects on that body turn with it.
     """
     effect = case.effects[at]
     values, row = dict(effect.parameters), BY_NAME[effect.effect].accepts[age]

@@ -1,4 +1,4 @@
-"""The moments of events in another record: what began once begins there at another time."""
+"""The moments at which the events that were fitted begin in the record that is judged."""
 
 from __future__ import annotations
 
@@ -19,15 +19,17 @@ from sim_plant.refine.spectra.onset_filter import best_moments, moment_axis, par
 
 EVENTS = CRITERIA.search.events
 FINEST = (-0.02, -0.01, 0.0, 0.01, 0.02)
+"""Steps, s or m, of the last grid of moments around the best one."""
 
 
 def with_moments(
     pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
-    """Return the effects with events at this record's moments, and those by effect and place.
+    """Return the effects with events at this record's moments, and the moments.
 
-    An event that this record does not have is left out. One that began before what is judged is
-    steady there: the zeros that a search leaves free take it up, so its plain power counts too.
+    Moments are by "effect at location". An event that this record does not have is left out. One
+    that began before the judged part is constant there, and channels' free zeros explain it as
+    well: so it also stays where it takes power from the plain residual (``_takes_power``).
     """
     moments: dict[str, float] = {}
     for event in case.effects:
@@ -45,29 +47,33 @@ def with_moments(
         for grid in (EVENTS.coarse_grid, EVENTS.fine_grid, FINEST):
             near = [_at(best, onset, _moment(best, onset) + d) for d in grid]
             best, cost = _best(pool, measured, rest, near, model)
-        there = replace(case, effects=tuple(best if e is event else e for e in case.effects))
+        with_event = replace(case, effects=tuple(best if e is event else e for e in case.effects))
         without = float(costs_of(pool, measured, model, [rest])[0])
-        if cost < without or _stands(pool, measured, model, there, rest):
+        if cost < without or _takes_power(pool, measured, model, with_event, rest):
             moments[f"{event.effect} at {event.location}"] = _moment(best, onset)
-            case = there
+            case = with_event
         else:
             case = rest
     return case.effects, moments
 
 
-def _stands(
-    pool: SimulationPool, measured: Array, model: NoiseModel, there: Case, rest: Case
+def _takes_power(
+    pool: SimulationPool, measured: Array, model: NoiseModel, with_event: Case, rest: Case
 ) -> bool:
-    """Return whether an event takes steady power away, in powers of noise over the channels."""
+    """Return whether the residual's power, over that of noise, is surely less with an event.
+
+    Mean over all channels but angles, steady parts included; ``rest`` is without the event.
+    """
     judged = np.array([not name.endswith("_angle_rad") for name in pool.twins[0].channels])
     powers = []
-    for run in pool.run([there, rest]):
+    for run in pool.run([with_event, rest]):
         left = (measured - run[0])[judged, model.first :]
         powers.append(float(np.mean(np.square(left / model.floor[judged, np.newaxis]))))
     return powers[0] < powers[1] - CRITERIA.judge.standing_power
 
 
 def _begins_later(event: Added, onset: Onset) -> bool:
+    """Return whether an effect has a moment: at its default it is there from the start."""
     return (
         dict(event.parameters).get(onset.moment, -1.0)
         != BY_NAME[event.effect].accepts[onset.moment].default
@@ -98,7 +104,7 @@ def _tries(
     onset: Onset,
     model: NoiseModel,
 ) -> list[Added]:
-    """Return the event at the moments where a matched filter finds it."""
+    """Return the event at moments around the peaks of a matched filter."""
     twin = pool.twins[0]
     axis = moment_axis(twin, model.first, onset.unit)
     parts = parts_of(axis)
@@ -106,9 +112,9 @@ def _tries(
     base, *runs = (run[0] for run in pool.run([rest, *cases], keep=False))
     white = resampled(model.whiten(measured - base), axis.moments, axis.grid)
     peaks = [
-        one
+        peak
         for part, run in zip(parts, runs, strict=True)
-        for one in best_moments(axis, white, model.whiten(run - base), part, onset.unit)
+        for peak in best_moments(axis, white, model.whiten(run - base), part, onset.unit)
     ]
     peaks.sort(reverse=True)
     near = [m + d for _, m in peaks[: EVENTS.judged_peaks] for d in EVENTS.coarse_grid[::2]]
@@ -118,6 +124,7 @@ def _tries(
 def _best(
     pool: SimulationPool, measured: Array, rest: Case, tries: Sequence[Added], model: NoiseModel
 ) -> tuple[Added, float]:
+    """Return which of ``tries``, beside the ``rest``, costs least, and that cost."""
     cases = [replace(rest, effects=(*rest.effects, event)) for event in tries]
     costs = costs_of(pool, measured, model, cases)
     best = int(np.argmin(costs))

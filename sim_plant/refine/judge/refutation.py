@@ -12,14 +12,14 @@ from sim_plant.refine.judge.holdout import Evaluation
 
 JUDGE = CRITERIA.judge
 STATES = ("_angle_rad", "_radius_m")
-"""Ends of channels that begin anew in each record."""
+"""Ends of names of channels whose start differs from record to record: not judged here."""
 
 
 def refuted(evaluation: Evaluation) -> bool:
     """Return whether the effects found leave most of what a record held out shows.
 
-    So does a line that does not run there with them: an outline that no web follows on a smaller
-    roll.
+    Also where the line does not run there with them (``after`` is not finite): no web follows
+    some outlines on a smaller roll.
 
     Equation: mean max(0, (after / floor)^2 - 1) > ``refuted_share`` mean max(0, (before /
     floor)^2 - 1), and the latter mean at least ``least_power``; over all channels but angles and
@@ -27,8 +27,8 @@ def refuted(evaluation: Evaluation) -> bool:
     """
     if not np.isfinite(evaluation.after).all():
         return True
-    there = _beyond_noise(evaluation, evaluation.before)
-    return there >= JUDGE.least_power and left(evaluation) > JUDGE.refuted_share * there
+    shown = _beyond_noise(evaluation, evaluation.before)
+    return shown >= JUDGE.least_power and left(evaluation) > JUDGE.refuted_share * shown
 
 
 def left(evaluation: Evaluation) -> float:
@@ -55,16 +55,18 @@ def takes_little(evaluation: Evaluation, without: Evaluation) -> bool:
 
 
 def _beyond_noise(evaluation: Evaluation, rms: Array) -> float:
+    """Return the mean of ``left`` for these rms values (channels,)."""
     judged = np.array([not name.endswith(STATES) for name in evaluation.channels])
     power = (rms[judged] / evaluation.floor[judged]) ** 2 - 1.0
     return float(np.mean(np.maximum(power, 0.0)))
 
 
 def made_worse(evaluation: Evaluation) -> tuple[str, ...]:
-    """Return the channels of force and speed to which the effects found add what is not there.
+    """Return the channels of force and speed in which the effects found raise the error.
 
-    Equation: after^2 - before^2 > ``worse_power`` floor^2  [own]. Beside something unknown
-    nothing tells how much effects have to explain; but what an effect adds is there or not.
+    Equation: after^2 - before^2 > ``worse_power`` floor^2  [own]. For effects found beside
+    something unknown: how much they have to explain is not known then, but an effect that is
+    there raises the error in no channel.
     """
     added = (evaluation.after**2 - evaluation.before**2) / evaluation.floor**2
     return tuple(
@@ -75,7 +77,7 @@ def made_worse(evaluation: Evaluation) -> tuple[str, ...]:
 
 
 def as_declared(evaluation: Evaluation) -> Evaluation:
-    """Return the evaluation with no effect."""
+    """Return the evaluation without effects: after is as before."""
     return replace(
         evaluation,
         after=evaluation.before,

@@ -33,7 +33,11 @@ def with_effect(
     shifts: dict[str, float],
     rounds: int = 6,
 ) -> Fit | None:
-    """Return ``base`` with ``h`` from ``start``, all fitted again; None as ``fit_candidate``."""
+    """Return ``base`` with ``h`` from ``start``, all numbers fitted again.
+
+    None where the effect's numbers are no estimate: the line does not run with them, one is at a
+    bound, no size is certain, or the effect is a declared number within its tolerance.
+    """
     fit = gauss_newton_fit(
         objective, (*base.hypotheses, h), (*base.values, tuple(start)), shifts, rounds=rounds
     )
@@ -50,7 +54,7 @@ def without_idle(objective: Objective, fit: Fit) -> Fit:
     """Return the fit without strengths of its last effect that the records do not show.
 
     Play in a shaft whose torque never turns leaves no trace: its number goes anywhere, to a bound
-    as well, and says nothing against the shaft. A strength stays where its absence costs more
+    as well, which is no reason against the shaft. A strength stays where its absence costs more
     than a number's price, and the last one always does.
     """
     h, values = fit.hypotheses[-1], fit.values[-1]
@@ -62,23 +66,23 @@ def without_idle(objective: Objective, fit: Fit) -> Fit:
         choice = (*h.fixed, (name, absent))
         fewer = replace(hypothesis(h.effect, h.location, choice, kept, line), record=h.record)
         rest = tuple(v for n, v in zip(h.names, values, strict=True) if n != name)
-        there = gauss_newton_fit(
+        without = gauss_newton_fit(
             objective,
             (*fit.hypotheses[:-1], fewer),
             (*fit.values[:-1], rest),
             fit.shifts,
             rounds=2,
         )
-        if there.cost < fit.cost + bic_penalty(objective, 1):
-            return without_idle(objective, there)
+        if without.cost < fit.cost + bic_penalty(objective, 1):
+            return without_idle(objective, without)
     return fit
 
 
 def certain_size(fit: Fit) -> bool:
-    """Return whether the last effect's strengths, all else free, are known to be something.
+    """Return whether the last effect's strengths, all else free, surely differ from absence.
 
-    Equation: a' C^-1 a > chi-square of certain_size  [Wald]. A line whose frequency and size can
-    be traded for drift fits well and says nothing of how large it is.
+    Equation: a' C^-1 a > chi-square of certain_size  [Wald]. A spectral line whose frequency and
+    size can be traded for drift fits well, and its size is not known.
     """
     h, values = fit.hypotheses[-1], fit.values[-1]
     if h.curved or not fit.covariance.size:

@@ -11,7 +11,7 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 
 Progress = Callable[[str], None]
-"""Takes a line of text that says what goes on."""
+"""Takes one sentence for the user on what is being done."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -68,9 +68,9 @@ class FittedCandidate:
     chi2_reduction : sure fall of the cost against the fit without it, see ``sure_fall``.
     penalty : price of its free numbers [BIC].
     ceiling : the score is no higher: what is lost when the effect is taken out again.
-    told : of declared numbers by another name, what the record alone says of their change (chi2),
-        their tolerance left aside; 0 of any other effect.
-    settles : it is a declared number by another name, and with it declared numbers are together
+    told : of an effect that is a change of declared numbers, the chi-square of that change by the
+        records alone, without the prior of its tolerance; 0 of any other effect.
+    settles : the effect is a change of declared numbers, and with it declared numbers are together
         within their tolerances, which they are not without it.
     """
 
@@ -108,7 +108,7 @@ def sure_fall(objective: Objective, base: Fit, fit: Fit) -> float:
     """Return by how much ``fit`` costs less than ``base``, as far as that is sure.
 
     What the steps of coarse words leave wanders slowly, and anything slow explains some of it: an
-    effect is there where other channels, or more of a word than its steps, show it.
+    effect counts where other channels, or more of a word than its steps, show it.
     See ``sure_part``.
     """
     doubt = objective.doubt

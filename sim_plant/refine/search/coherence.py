@@ -63,15 +63,15 @@ def least_likely_coupling(objective: Objective, fit: Fit) -> Coupling:
 def least_likely_pair(
     left: Array, noise: Sequence[Array], channels: Sequence[str], sample_time_s: float
 ) -> Coupling:
-    """Return the least likely pair of one record.
+    """Return the pair of channels, and its band, least likely to be noise in one record.
 
-    ``left`` (channels, samples) is what a fit leaves, ``noise`` realisations of noise alone,
-    whitened alike.
+    ``left`` (channels, samples) is what a fit leaves; ``noise`` are realisations of noise alone
+    (channels, samples), whitened by the same filters.
 
     Equation: S = n |g - g0|^2 / (1 - |g0|^2), g the complex coherence of the n independent bins
     of a band, g0 that of the noise   [exponential for g = g0, n large].
     """
-    half_Hz, best = 0.5 / sample_time_s, NO_COUPLING
+    nyquist_Hz, best = 0.5 / sample_time_s, NO_COUPLING
     for low, high in itertools.pairwise(UNEXPLAINED.coupling_bands):
         bins = round((high - low) * (left.shape[1] // 2))
         if bins < UNEXPLAINED.fewest_bins:
@@ -84,8 +84,8 @@ def least_likely_pair(
         if score[one, other] > best.score:
             best = Coupling(
                 channels=(channels[one], channels[other]),
-                from_Hz=low * half_Hz,
-                to_Hz=high * half_Hz,
+                from_Hz=low * nyquist_Hz,
+                to_Hz=high * nyquist_Hz,
                 score=float(score[one, other]),
             )
     return best
@@ -102,6 +102,7 @@ def _cross(values: Array, low: float, high: float) -> CrossPower:
 
 
 def _coherence(cross: CrossPower) -> CrossPower:
+    """Return the complex coherence (channels, channels) of a cross power."""
     size = np.sqrt(np.maximum(np.real(np.diag(cross)), 1e-300))
     found: CrossPower = cross / np.outer(size, size)
     return found

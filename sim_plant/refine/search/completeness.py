@@ -1,4 +1,4 @@
-"""Whether an effect explains what a free line at its own coordinates would explain."""
+"""Whether an effect explains what a free spectral line at its own coordinate would."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 COMPLETENESS = CRITERIA.search.completeness
 NOISE_PEAK = CRITERIA.search.unexplained.periodic
-"""A free line below this may be noise."""
+"""A free spectral line of less chi-square may be noise."""
 
 Spectra = tuple[tuple[SpectralLines, ...], ...]
-"""Free-line spectra, per record."""
+"""Spectra of free spectral lines, per record."""
 
 
 def sure_excess(objective: Objective) -> float:
@@ -27,9 +27,10 @@ def sure_excess(objective: Objective) -> float:
 
 
 def remaining_spectra(objective: Objective, fit: Fit, travels: Sequence[Travel]) -> Spectra:
-    """Return the free-line spectra of a fit's residual, per record.
+    """Return the spectra of free spectral lines in a fit's residual, per record.
 
-    Coarse words are left out: their steps pass at a rate of their own, a line that nothing causes.
+    Coarse words are left out: their steps pass at a rate of their own, a spectral line that no
+    effect causes.
     """
     rows = zip(travels, objective.split(fit.residual), objective.whitening.noise, strict=True)
     return tuple(tuple(spectra(travel, part[noise.analogue])) for travel, part, noise in rows)
@@ -38,11 +39,11 @@ def remaining_spectra(objective: Objective, fit: Fit, travels: Sequence[Travel])
 def explains_own_spectral_lines(
     objective: Objective, base: Fit, before: Spectra, travels: Sequence[Travel], fit: Fit
 ) -> bool:
-    """Return whether the effects that ``fit`` adds to ``base`` explain their own lines.
+    """Return whether the effects that ``fit`` adds to ``base`` explain their own spectral lines.
 
-    An effect that is not periodic must explain what the strongest free line would, and a fair
-    share of all that is left: the largest of up to three true ones does, an imitation of something
-    else seldom. ``before`` are the spectra of what ``base`` leaves.
+    An effect that is not periodic must explain what the strongest free spectral line would, and a
+    fair share of all that is left: the largest of up to three true ones does, an imitation of
+    something else seldom. ``before`` are the spectra of what ``base`` leaves.
     """
     chi2_reduction = base.cost - fit.cost
     fresh = fit.hypotheses[len(base.hypotheses) :]
@@ -50,8 +51,8 @@ def explains_own_spectral_lines(
     if not periodic:
         sure = objective.excess(base.cost, base.residual) - sure_excess(objective)
         peak = strongest_peak(before)[2] - NOISE_PEAK
-        share = max(COMPLETENESS.explained_share * peak, COMPLETENESS.fair_share * sure)
-        return sure_fall(objective, base, fit) > share
+        needed = max(COMPLETENESS.explained_share * peak, COMPLETENESS.fair_share * sure)
+        return sure_fall(objective, base, fit) > needed
     left = remaining_spectra(objective, fit, travels)
     for h in periodic:
         peak = _strongest_support(h, travels, before)
@@ -66,9 +67,9 @@ def explains_own_spectral_lines(
 
 
 def leaves_much(objective: Objective, base: Fit, fit: Fit) -> bool:
-    """Return whether ``fit`` leaves more than two true effects at one line would.
+    """Return whether ``fit`` leaves more than two true effects at one spectral line would.
 
-    Two of one effect have four free numbers at one coordinate: they answer any line in part.
+    Two such effects have four free numbers at one coordinate: they explain any line there in part.
     """
     left = objective.excess(fit.cost, fit.residual) - sure_excess(objective)
     return left > COMPLETENESS.twins_left_share * (base.cost - fit.cost)

@@ -1,7 +1,7 @@
-"""Whether the same effect at two other places says as much as the one at a place between them.
+"""Whether the same effect at two other places explains as much as at one place between them.
 
-Rollers of one radius make one line of web travel; its phase and size along the web tell the place.
-Two such rollers, both a little wrong, answer like a third one between them.
+Rollers of one radius make one spectral line in web travel; only its phase and size along the web
+depend on the place. Two such rollers, both a little out of true, look like a third between them.
 """
 
 from __future__ import annotations
@@ -33,7 +33,8 @@ def better_pair(
 ) -> tuple[EffectAt, ...]:
     """Return two places that together explain more than ``chosen``, or nothing.
 
-    Both by one linear step, each number at its price; ``candidates`` are first looks at ``fit``.
+    Pairs and ``chosen`` are weighed by one linear step, each number at its price; ``candidates``
+    are first looks at ``fit``.
     """
     alone = [c for c in candidates if c.hypothesis.key == chosen.key]
     others = [c.hypothesis for c in candidates if same_wavenumbers(travel, chosen, c.hypothesis)]
@@ -50,7 +51,7 @@ def better_pair(
 
 
 def same_wavenumbers(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
-    """Return whether ``h`` is the effect at another place with the same line of travel."""
+    """Return whether ``h`` is the same effect elsewhere with the same spectral lines of travel."""
     if h.effect.name != chosen.effect.name or h.location == chosen.location:
         return False
     if (

@@ -1,4 +1,4 @@
-"""Which of the events that a matched filter saw are worth a look on grids."""
+"""Which of the events that a matched filter found are worth a look on grids."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ def moment_of(c: Candidate) -> float:
 
 
 def distinct(seen: Sequence[Candidate], least_score: float) -> list[Candidate]:
-    """Return the best few: two moments of an effect at a place, a few places, none far behind.
+    """Return the best few of ``seen`` (best first): moments and places of each effect.
 
-    None of them so weak that it could not be accepted with the score that is needed.
+    None far behind the best, nor so weak that on grids it would not reach ``least_score``. Near
+    moments of an episode at one place are one.
     """
     kept: list[Candidate] = []
     floor = max(EVENTS.least_chi2, EVENTS.least_share * least_score)

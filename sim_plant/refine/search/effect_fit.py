@@ -1,4 +1,4 @@
-"""One effect fitted with those accepted already, by its profiles where it has some."""
+"""One effect fitted with those accepted already; a named profile where it has such."""
 
 from __future__ import annotations
 
@@ -66,8 +66,8 @@ def fit_candidate(objective: Objective, base: Fit, candidate: Candidate) -> Fit 
 def with_free_orders(objective: Objective, base: Fit, candidate: Candidate) -> Fit | None:
     """Return ``base`` with the candidate's orders, and finer ones as long as they pay.
 
-    First those that paid at the first look. A roll may have any outline; one that no name has is
-    told by its orders.
+    First those that paid at the first look. A roll may have any outline; one that is no named
+    profile is described by its orders.
     """
     first, start = candidate.trimmed()
     profiles = first.effect.profiles
@@ -94,11 +94,11 @@ def with_free_orders(objective: Objective, base: Fit, candidate: Candidate) -> F
 
 
 def as_profile(objective: Objective, free: Fit, named: Fit | None) -> Fit:
-    """Return a fit of free orders told as a profile, with what that lacks as details.
+    """Return a fit of free orders as a named profile, with what that lacks as further orders.
 
-    A profile says what its orders are on a roll of another radius, a mix of orders does not. Tried
-    are the profile of ``named``, a fit of its own, and of the nearest names the one most like the
-    orders. The fit is as it was where none is as good.
+    A profile determines its orders on a roll of another radius, a mix of orders does not. Tried
+    are the most similar profile of each of the nearest names, and that of the fit ``named``.
+    ``free`` itself is returned where none is as good.
     """
     h = free.hypotheses[-1]
     profiles, sizes = h.effect.profiles, dict(zip(h.names, free.values[-1], strict=True))
@@ -113,14 +113,14 @@ def as_profile(objective: Objective, free: Fit, named: Fit | None) -> Fit:
     if named is not None and profiles.size in named.hypotheses[-1].names:
         own = named.hypotheses[-1]
         tried.append(Profile(choice=own.fixed, names=own.names, start=named.values[-1]))
-    told = [_with_details(objective, free, profile, orders) for profile in tried]
+    fits = [_with_details(objective, free, profile, orders) for profile in tried]
     most = free.cost + sure_excess(objective)
-    good = [fit for fit in told if fit.cost < most and not _at_bound(fit)]
+    good = [fit for fit in fits if fit.cost < most and not _at_bound(fit)]
     return min(good, key=lambda fit: fit.cost, default=free)
 
 
 def _with_details(objective: Objective, free: Fit, profile: Profile, orders: Array) -> Fit:
-    """Return the fit with this profile, and details that make up the ``orders`` (n, 2), m."""
+    """Return the fit with this profile and orders beside it, from ``orders`` (n, 2), m, in all."""
     at = len(free.hypotheses) - 1
     h = free.hypotheses[at]
     line = objective.pool.twins[0].declaration
@@ -178,14 +178,14 @@ def _best(objective: Objective, fits: Sequence[Fit | None]) -> Fit | None:
 
 
 def _without_radius(shifts: dict[str, float], roll: str) -> dict[str, float]:
-    """Return shifts without the effective radius of a roll: a profile brings its own mean."""
+    """Return shifts without the effective radius of a roll: a profile has a mean of its own."""
     return {name: value for name, value in shifts.items() if name != effective_radius_of(roll)}
 
 
 def _profile_starts(
     objective: Objective, fit: Fit, h: Hypothesis
 ) -> list[tuple[Hypothesis, tuple[float, ...]]]:
-    """Return the named profiles that explain most in addition to ``fit``, for ``h`` (free)."""
+    """Return the named profiles that explain most beside ``fit``; ``h`` is their free orders."""
     profiles = h.effect.profiles
     if profiles is None:
         return []

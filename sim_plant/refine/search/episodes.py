@@ -1,8 +1,8 @@
 """Find an episode: the beginning and the end of an effect at once, over all pairs of moments.
 
-The response to an episode is the response to an effect that lasts, less the same response shifted
-to the end: one simulation serves every pair. Ends are as sharp as beginnings; a fit finds neither
-from seconds away.
+The response to an episode is that to an effect without an end, less the same response shifted to
+the episode's end: one simulation serves every pair. Ends are as sharp as beginnings; a fit finds
+neither from seconds away.
 """
 
 from __future__ import annotations
@@ -32,8 +32,8 @@ def ended_again(
 ) -> list[Candidate]:
     """Return the best episode of the record for each place in ``shown``.
 
-    The matched filter has one length, 6 s: it sees a fifth of what an episode of 20 s explains.
-    Here every pair of moments is weighed.
+    The matched filter takes an episode of one length, 6 s, and finds of one of 20 s a fifth of
+    what that explains. Here every pair of a beginning and an end is weighed.
     """
     found: list[Candidate] = []
     step = EVENTS.ends_step_s
@@ -52,13 +52,15 @@ def ended_again(
 
 
 def best_episodes(objective: Objective, fit: Fit, c: Candidate, residual: Array) -> list[Start]:
-    """Return numbers to start from with the best beginning and end, and with no end.
+    """Return two starts: with the best beginning and end, and with that beginning and no end.
 
-    The response is that at the candidate's own moment, shifted.
+    The response is simulated at the candidate's own moment and shifted from there.
     """
     h = c.hypothesis
-    lasting = replace(h, start=(*h.start[: h.strengths], *with_episode(c, 0.0, FOREVER_S)[1:]))
-    case = replace(fit.case, effects=(*fit.case.effects, lasting.typical_effects()[0]))
+    endless = replace(
+        h, start=(*h.start[: h.strengths], *with_episode(c, 0.0, FOREVER_S)[h.strengths :])
+    )
+    case = replace(fit.case, effects=(*fit.case.effects, endless.typical_effects()[0]))
     base, run = objective.pool.run([fit.case, case], keep=False)
     change = [y - b for y, b in zip(run, base, strict=True)]
     if not all(np.isfinite(part).all() for part in change):
@@ -72,8 +74,8 @@ def best_episodes(objective: Objective, fit: Fit, c: Candidate, residual: Array)
     ends = np.arange(begins[0] + wide, last, wide)
     begin, end = _best_pair(objective, h, change, residual, begins, ends)
     close = wide * np.linspace(-0.8, 0.8, 9)
-    near, beyond = begin + close[begin + close >= -moment], end + close
-    begin, end = _best_pair(objective, h, change, residual, near, beyond[beyond < last])
+    begins, ends = begin + close[begin + close >= -moment], end + close
+    begin, end = _best_pair(objective, h, change, residual, begins, ends[ends < last])
     return [with_episode(c, begin, end - begin), with_episode(c, begin, FOREVER_S)]
 
 
@@ -92,7 +94,7 @@ def _best_pair(
     begins: Array,
     ends: Array,
 ) -> tuple[float, float]:
-    """Return the beginning and the end, s from the response's own, that explain most."""
+    """Return the beginning and the end, s from that of ``change``, that explain most."""
     record = h.record or 0
     step_s = objective.pool.twins[record].declaration.sample_time_s
 

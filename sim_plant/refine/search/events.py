@@ -1,6 +1,7 @@
 """Effects that begin at a moment: found by a matched filter, then on a grid of moments.
 
-They are neither periodic nor static; beside a rhythm they would be told as a slow one.
+They are neither periodic nor constant; among periodic effects they would be taken for a slow one.
+A shape parameter is a number of an effect that is no strength (a rise, a hold, a place in a zone).
 """
 
 from __future__ import annotations
@@ -49,7 +50,7 @@ def event_candidates(
 ) -> list[Candidate]:
     """Return effects that begin at a moment of a record, best first, with numbers to start from.
 
-    ``without`` are names left out of the library, ``least_score`` is what one needs.
+    ``without`` are names left out of the library, ``least_score`` is what acceptance will need.
     """
     candidates: list[Candidate] = []
     for record, twin in enumerate(objective.pool.twins):
@@ -60,7 +61,7 @@ def event_candidates(
         residual = objective.residual(objective.pool.one(fit.case), fit.shifts)
         white = objective.split(objective.projector.project(residual))[record]
         noise = objective.whitening.noise[record]
-        white = white[noise.analogue]  # the steps of coarse words wander as what begins does
+        white = white[noise.analogue]  # steps of coarse words wander, like an event
         units = {onset.unit for h in group if (onset := h.effect.onset) is not None}
         axes: dict[str, Axis] = {unit: moment_axis(twin, noise.first, unit) for unit in units}
         on_grid = {unit: resampled(white, a.moments, a.grid) for unit, a in axes.items()}
@@ -90,8 +91,8 @@ def event_candidates(
 def placed_anew(objective: Objective, fit: Fit) -> Fit:
     """Return the fit with each of its events where it explains most beside all else, if better.
 
-    An event is placed while other effects are as they were fitted without it, and a step does not
-    find a moment from seconds away: what is left there looks like a second event.
+    An event was placed while other effects were as fitted without it, and a Gauss-Newton step
+    does not find a moment from seconds away: what is left there looks like a second event.
     """
     for k, h in enumerate(fit.hypotheses):
         if not h.moment:
@@ -114,7 +115,7 @@ def placed_anew(objective: Objective, fit: Fit) -> Fit:
 
 
 def _shapes_of(h: Hypothesis) -> list[Hypothesis]:
-    """Return the hypothesis with each value of the first shape of its grid."""
+    """Return the hypothesis with each value of the first shape parameter of its grid."""
     onset = h.effect.onset
     name, values = onset.grid[0] if onset is not None and onset.grid else ("", ())
     if name not in h.names:
@@ -123,9 +124,9 @@ def _shapes_of(h: Hypothesis) -> list[Hypothesis]:
 
 
 def _ways(c: Candidate, halvings: int) -> list[Candidate]:
-    """Return the candidate with each value of the first shape of its grid.
+    """Return the candidate with each value of the first shape parameter of its grid.
 
-    After ``halvings`` of the grid's step: with those next to the value that it has.
+    After ``halvings`` of the grid's step: with its own value, and one step to either side.
     """
     h, onset = c.hypothesis, c.hypothesis.effect.onset
     name, values = onset.grid[0] if onset is not None and onset.grid else ("", ())
@@ -146,7 +147,7 @@ def _by_matched_filter(
     axes: Mapping[str, Axis],
     on_grid: Mapping[str, Array],
 ) -> list[Candidate]:
-    """Return the best moments of one effect, each response taken to be the same a while around."""
+    """Return the best moments of one effect, by a response simulated once per part of the axis."""
     onset = h.effect.onset
     if onset is None:
         return []
@@ -175,11 +176,11 @@ def _weighed_at_their_moments(
     axes: Mapping[str, Axis],
     residual: Array,
 ) -> list[Candidate]:
-    """Return what the matched filter saw, each response weighed as at its own moment.
+    """Return what the matched filter found, each response weighed at its own moment.
 
-    What lasts for the rest of a record weighs otherwise at each moment: drift and tolerances take
-    up a step at the end, not one in the middle. So the best places of every effect are looked at
-    over the record too, and all of its places at the moment that is found there.
+    A response that lasts for the rest of a record explains otherwise at each moment: drift and
+    tolerances imitate a step at the end, not one in the middle. So the best places of every effect
+    are tried over the whole record too, and all its places at the best moment of those.
     """
     candidates: list[Candidate] = []
     for name in dict.fromkeys(c.hypothesis.effect.name for c in seen):
@@ -222,7 +223,7 @@ def _over_the_record(
 def _shifted(
     objective: Objective, axis: Axis, looks: Sequence[tuple[Hypothesis, float]], residual: Array
 ) -> list[Candidate]:
-    """Return candidates that begin at their moment, s, from the nearest responses simulated."""
+    """Return candidates of ``looks`` (effect, moment in s), by the nearest responses simulated."""
     found: list[Candidate] = []
     for at in range(0, len(looks), AT_ONCE):
         some = looks[at : at + AT_ONCE]
@@ -244,14 +245,14 @@ def _shifted(
 def _placed(
     objective: Objective, fit: Fit, seen: Sequence[Candidate], residual: Array
 ) -> list[Candidate]:
-    """Return candidates with their moment and shapes found on grids, best first."""
+    """Return candidates with their moment and shape parameters found on grids, best first."""
     placed = []
     for c in seen:
         best, onset = c, c.hypothesis.effect.onset
         ends = HOLD_S in c.hypothesis.names
         for at in range(EVENTS.passes if onset is not None and onset.grid else 1):
             if ends:
-                # where it is decides when: each way is tried with moments of its own
+                # the best moments depend on the place: each is tried with moments of its own
                 ways = _ways(best, at)
                 starts = [s for way in ways for s in best_episodes(objective, fit, way, residual)]
                 best = _best_of_starts(objective, fit, best, residual, [best.start, *starts])
@@ -271,6 +272,7 @@ def _placed(
 def _best_moment(
     objective: Objective, fit: Fit, c: Candidate, residual: Array, grid: Sequence[float]
 ) -> Candidate:
+    """Return the candidate at its best moment; ``grid`` are steps from the one it has."""
     moments = [max(0.0, moment_of(c) + d) for d in grid]
     starts = [with_number(c.hypothesis, c.start, c.hypothesis.moment, m) for m in moments]
     return _best_of_starts(objective, fit, c, residual, starts)
@@ -284,9 +286,10 @@ def _best_of_shapes(
     name: str,
     values: Sequence[float],
 ) -> Candidate:
+    """Return the candidate with the best of ``values`` of a shape parameter, or its own."""
     h = c.hypothesis
     starts = [with_number(h, c.start, name, value) for value in values]
-    if name == RISE_S:  # half way up where it was: that is what the moment was found by
+    if name == RISE_S:  # the middle of the rise stays: the moment was found by it
         rise_s = c.start[h.names.index(RISE_S)]
         begun = [max(0.0, moment_of(c) - 0.5 * (value - rise_s)) for value in values]
         starts = [with_number(h, s, h.moment, m) for s, m in zip(starts, begun, strict=True)]
@@ -316,7 +319,7 @@ def _best_of_starts(
     parts = np.split(every, len(tried), axis=1)
     known = [k for k, columns in enumerate(parts) if np.isfinite(columns).all()]
     inners = objective.projector.inners(residual, [parts[k] for k in known])
-    by: tuple[Candidate, Array] | None = None
+    best_look: tuple[Candidate, Array] | None = None
     for k, inner in zip(known, inners, strict=True):
         each, columns, linear = tried[k], parts[k], inner.fit()
         if linear.chi2_reduction > best.chi2_reduction:
@@ -332,16 +335,16 @@ def _best_of_starts(
                 penalty=price,
                 start=(*sizes, *each.start[h.strengths :]),
             )
-            by = replace(best, hypothesis=each), columns
-    if by is None:
+            best_look = replace(best, hypothesis=each), columns
+    if best_look is None:
         return best
     left = objective.projector.project(residual)
-    shown = sure_look(objective, left, objective.doubt(left), *by)
-    return replace(best, chi2_reduction=shown.chi2_reduction)
+    sure = sure_look(objective, left, objective.doubt(left), *best_look)
+    return replace(best, chi2_reduction=sure.chi2_reduction)
 
 
 def _without_end(objective: Objective, c: Candidate) -> Candidate:
-    """Return the candidate without the number that says when it ends, where it does not end."""
+    """Return the candidate without ``hold_s`` where that is forever: the effect does not end."""
     h = c.hypothesis
     sizes = enumerate(zip(h.names, c.start, strict=True))
     keep = [k for k, (name, value) in sizes if name != HOLD_S or value < FOREVER_S]

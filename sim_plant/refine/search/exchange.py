@@ -27,8 +27,8 @@ EXCHANGE = CRITERIA.search.exchange
 def exchanged(objective: Objective, selection: Selection, progress: Progress) -> Selection:
     """Return the selection with every effect at the place where it explains most beside the rest.
 
-    Places that explain as much are named with it; so is the one that it comes from while the fit
-    leaves more than noise.
+    Places that explain as much are named with it; so is the place it is moved from, while the fit
+    leaves more than noise or has gained no more than the margin.
     """
     fit, accepted = selection.fit, list(selection.accepted)
     for k in range(len(accepted)):
@@ -45,7 +45,7 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
                 fit = other
         there = fit.hypotheses[k].key
         alike = [place for place, other in tried if other.cost < fit.cost + margin]
-        # what was missing had put the first ahead; what is still missing may have put it behind
+        # missing effects had favoured the first place; those still missing may favour the other
         undecided = selection.fit.cost < fit.cost + margin or leaves_more(objective, fit)
         if there != here and here not in alike and undecided:
             alike.append(here)
@@ -61,13 +61,13 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
 def leaves_more(objective: Objective, fit: Fit) -> bool:
     """Return whether a fit leaves more than noise, the steps of coarse words counted as well.
 
-    They say nothing of what is missing, but where they lean, a difference of two places leans.
+    Those steps show nothing of what is missing, but they may favour one of two places.
     """
     return fit.cost - objective.expected_cost > sure_excess(objective)
 
 
 def joined(objective: Objective, selection: Selection, progress: Progress) -> Selection:
-    """Return the selection with one effect on a bridle instead of the same on each of its rollers.
+    """Return the selection with one effect on an S-wrap where each of its rollers had the same.
 
     The same web passes them under the same conditions: one cause with one set of numbers is
     likelier than several, unless it leaves a good part of what they explain.
@@ -88,6 +88,7 @@ def _on_bridle(
     rollers: Sequence[str],
     progress: Progress,
 ) -> Selection:
+    """Return the selection with effect ``name`` on one S-wrap, see ``joined``."""
     fit = selection.fit
     rows = [(k, h) for k, h in enumerate(fit.hypotheses) if h.effect.name == name]
     at = [k for k, h in rows if h.location in rollers]
@@ -154,8 +155,8 @@ def _elsewhere(objective: Objective, h: Hypothesis, accepted: AcceptedEffect) ->
 def _within_reach(line: Declaration, at: int, *, whole_zone: bool) -> tuple[int, int]:
     """Return first and end of the rollers that are near body ``at``.
 
-    What is constant (a declared number by another name) stands in for the same at any idler of
-    its zone that no reading parts from it.
+    With ``whole_zone`` all idlers of its zone: there an effect that changes a declared number is
+    constant, and looks the same at any idler unless a reading lies between.
     """
     first, end = max(0, at - EXCHANGE.reach), at + EXCHANGE.reach + 1
     if not whole_zone or line.rollers[at].kind != "idler":
@@ -167,6 +168,7 @@ def _within_reach(line: Declaration, at: int, *, whole_zone: bool) -> tuple[int,
 
 
 def _moved(objective: Objective, fit: Fit, k: int, place: EffectAt) -> Fit:
+    """Return the fit with effect ``k`` elsewhere; of infinite cost where it has other numbers."""
     h = fit.hypotheses[k]
     line = objective.pool.twins[0].declaration
     there = replace(hypothesis(h.effect, place.location, h.fixed, h.names, line), record=h.record)
@@ -180,6 +182,7 @@ def _moved(objective: Objective, fit: Fit, k: int, place: EffectAt) -> Fit:
 
 
 def _without(objective: Objective, fit: Fit, *out: int) -> Fit:
+    """Return the fit without the effects ``out``, all others fitted again."""
     keep = [k for k in range(len(fit.hypotheses)) if k not in out]
     return gauss_newton_fit(
         objective,

@@ -72,8 +72,8 @@ def forward_selection(
 ) -> Selection:
     """Return effects that explain the records, and what remains unexplained.
 
-    Where a line remains that no effect explains, it becomes a free term, and the whole search is
-    made again given it: an effect is claimed only for what that term cannot explain, and none
+    A spectral line that no effect explains becomes a free term, and the whole search is made
+    again beside it: an effect is claimed only for what that term cannot explain, and none
     at the coordinate of the term itself. ``without`` are effects that ``library`` leaves out.
     """
     first = selection = select(objective, library, progress, without)
@@ -173,7 +173,7 @@ def _nothing_yet(objective: Objective, nominal: Fit, chi2_of_free_terms: float) 
 def _with_remainder(objective: Objective, selection: Selection, progress: Progress) -> Selection:
     """Return the selection with what is left classified, and declared numbers put right.
 
-    Effects that are not periodic are taken back when structure is left that is no line either.
+    Effects that are not periodic are taken back when structure is left that is no spectral line.
     Without a coordinate of its own such an effect is known only by how well it fits: one that
     leaves more than noise has at best imitated the cause. So are periodic ones that explain little
     of what is left then: what is irregular has a share at every line.
@@ -227,10 +227,10 @@ def next_extensions(
 ) -> tuple[Extension, ...]:
     """Return the next effect, or two that belong together, or none; the last has the fit of all.
 
-    Periodic effects are looked at first where there is a line, then those that are not; a
-    resonance, broad enough, imitates what is no line, and ends no look. An effect that leaves
-    much of its own line may be half of a pair: a second effect that is not periodic (a delay, a
-    filter) can have changed how the line answers the first.
+    Periodic effects are tried first where there is a spectral line, then those that are not; a
+    broad resonance imitates what has no spectral line, so others are tried after it always. An
+    effect that leaves much of its own spectral line may be half of a pair: a second effect that
+    is not periodic (a delay, a filter) can have changed how the line answers the first.
     """
     library = with_aliases(library, selection.travels, selection.after)
     library = with_orders(library, selection.travels, selection.after)
@@ -349,10 +349,11 @@ def best_of(
 
 
 def _looked_from(fit: Fit, apart: Apart | None) -> Fit:
-    """Return where first looks are taken at effects that are not locked to an angle.
+    """Return the fit from which effects that are not periodic get their first look.
 
-    From the declared numbers, which have moved to imitate the effect. Not beside a strong line:
-    it answers to declared numbers by more than a weak effect does, so no linear step finds back.
+    Declared numbers may have moved to imitate the effect, so all but effective radii are back as
+    declared. Not with ``apart``: a strong spectral line answers to declared numbers by more than
+    to a weak effect, so no linear step finds back.
     """
     return fit if apart is not None else replace(fit, shifts=rolling_only(fit.shifts))
 

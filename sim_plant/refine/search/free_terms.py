@@ -1,4 +1,4 @@
-"""A free term for what the library does not explain, so that the search can go on given it."""
+"""A free term for a spectral line that no effect explains, for a search beside it."""
 
 from __future__ import annotations
 
@@ -25,34 +25,34 @@ PERIODIC_KINDS = frozenset(FREE_TERMS.harmonics)
 
 
 def free_term_basis(lines: Sequence[Unknown], travel: Travel) -> Array:
-    """Return orthonormal columns (judged samples, terms) of free lines and their harmonics.
+    """Return orthonormal columns (judged samples, terms) of spectral lines and their harmonics.
 
-    Every line may grow with speed, and change slowly with time: that takes up a coordinate that
-    is a fraction of a bin off, and a resonance that the line crosses. A line that is a whole
-    order of a roll brings all orders of that roll.
+    Each may grow with speed, and change slowly with time: that takes up a coordinate that is a
+    fraction of a bin off, and a resonance that the line's speed crosses. One at a whole order of
+    a roll frees all orders of that roll.
     """
     nyquist = 0.5 / travel.sample_time_s
-    run = np.linspace(0.0, np.pi, travel.time_s.size)
-    slow = np.cos(np.outer(np.arange(1, FREE_TERMS.half_waves + 1), run))
+    half_turn = np.linspace(0.0, np.pi, travel.time_s.size)
+    slow = np.cos(np.outer(np.arange(1, FREE_TERMS.half_waves + 1), half_turn))
     weights = np.vstack([speed_weights(travel.speed_m_s), slow])
     columns: list[Array] = []
     for item in lines:
-        cycles, first = _cycles(item, travel)
-        rate = float(np.max(np.abs(np.gradient(cycles, travel.sample_time_s))))
+        coordinate, first = _coordinate_of(item, travel)
+        rate = float(np.max(np.abs(np.gradient(coordinate, travel.sample_time_s))))
         for n in range(1, FREE_TERMS.harmonics[item.kind] + 1):
             if n * first * rate > nyquist:
                 break
-            turn = TWO_PI * n * first * cycles
-            columns += [w * wave for w in weights for wave in (np.cos(turn), np.sin(turn))]
+            phase = TWO_PI * n * first * coordinate
+            columns += [w * wave for w in weights for wave in (np.cos(phase), np.sin(phase))]
     basis, sizes, _ = np.linalg.svd(np.stack(columns, axis=1), full_matrices=False)
     kept: Array = np.ascontiguousarray(basis[:, sizes > 1e-6 * sizes[0]])
     return kept
 
 
 def explained_by_free_term(h: Hypothesis, lines: Sequence[Unknown], travel: Travel) -> bool:
-    """Return whether a hypothesis shows where one of the free lines is, or at its harmonics.
+    """Return whether a hypothesis shows at the coordinate of a free term, or at its harmonics.
 
-    A free term takes up all there, up to its own imperfection: no effect is claimed for that.
+    A free term takes up almost all that is there: no effect is claimed for the rest of it.
     """
     return is_periodic(h) and any(_meets(h, item, travel) for item in lines)
 
@@ -75,8 +75,8 @@ def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:
     )
 
 
-def _cycles(item: Unknown, travel: Travel) -> tuple[Array, float]:
-    """Return the coordinate in cycles per unit (samples,) and the fundamental."""
+def _coordinate_of(item: Unknown, travel: Travel) -> tuple[Array, float]:
+    """Return a coordinate (samples,), in s, m or turns, and the fundamental in cycles per unit."""
     where = item.coordinate
     if item.kind == "time":
         return travel.time_s, float(where["frequency_Hz"])

@@ -1,6 +1,6 @@
 """Between which ends a number of an effect may lie, all others fitted again at either.
 
-A covariance says so where the line answers to a number in proportion. It does not where an effect
+A covariance gives them where the line answers to a number in proportion, but not where an effect
 begins at a threshold, counts in ticks, or does not show at all: play in a shaft whose torque never
 turns. There the number is held at one value after another, and the interval ends where the cost
 has risen by as much as its confidence admits.
@@ -29,8 +29,8 @@ class Held:
 
     Attributes
     ----------
-    cost : least found with all others fitted again.
-    values : all numbers in a row (q,).
+    cost : chi-square with all others fitted again; infinite where the line does not run.
+    values : all numbers of the fit in a row (q,).
     residual : what is left with them (rows,); None where the line does not run with them.
     """
 
@@ -46,8 +46,8 @@ class LikelyRange:
     Attributes
     ----------
     low, high : ends of the interval.
-    lowest, highest : of all numbers, where they lie while this one is within it (q,).
-    best : the numbers that cost least of all that were looked at, and what they cost.
+    lowest, highest : least and greatest value of all numbers while this one is within it (q,).
+    best : the fit of least cost that was met on the way.
     """
 
     low: float
@@ -64,9 +64,9 @@ def likely_range(
 
     Parameters
     ----------
-    columns : what every number changes at ``fit`` (rows, q).
-    width : distance at which the ends are expected.
-    rise : of the cost at the ends, chi-square.
+    columns : change of the whitened residual per number, at ``fit`` (rows, q).
+    width : expected distance of either end from the fitted value.
+    rise : rise of the cost at the ends, chi-square.
     """
     flat = _flat(fit.values)
     low = np.concatenate([h.low for h in fit.hypotheses])
@@ -144,7 +144,7 @@ def refitted(
 ) -> Held:
     """Return the fit with number ``at`` held where ``start`` has it, all others fitted again.
 
-    By the slopes ``columns`` at the fit, as long as they lead on.
+    Steps follow the slopes ``columns``, those at the fit, as long as the cost falls.
     """
     others = [k for k in range(start.size) if k != at]
     here = _held(objective, fit, start, quick)
@@ -165,7 +165,7 @@ def refitted(
 
 
 def in_ticks(fit: Fit) -> bool:
-    """Return whether a number of a fit counts in drive ticks: a quick one is too long for it."""
+    """Return whether a number of a fit is known to a drive tick: a quick one is too long then."""
     return any(
         h.effect.accepts[name].known_to == "drive tick" for h in fit.hypotheses for name in h.names
     )
@@ -182,6 +182,7 @@ def values_of(fit: Fit, flat: Array) -> Values:
 
 
 def _held(objective: Objective, fit: Fit, flat: Array, quick: bool) -> Held:
+    """Return what these numbers (q,) cost and leave, within their bounds, nothing fitted."""
     residual = _residual(objective, fit, flat, quick)
     cost = math.inf if residual is None else objective.projector.cost(residual)
     return Held(cost=cost, values=_flat(values_of(fit, flat)), residual=residual)
@@ -199,5 +200,6 @@ def _residual(objective: Objective, fit: Fit, flat: Array, quick: bool) -> Array
 
 
 def _flat(values: Values) -> Array:
+    """Return the numbers of all effects in a row (q,)."""
     found: Array = np.array([x for row in values for x in row], dtype=np.float64)
     return found

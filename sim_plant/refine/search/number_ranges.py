@@ -1,4 +1,7 @@
-"""Between which ends every number that is told lies, once the search is over."""
+"""Intervals of all numbers of the effects found, once the search is over.
+
+A walk is one `likely_range`: the ends of one number, sought with all others fitted again.
+"""
 
 from __future__ import annotations
 
@@ -28,9 +31,9 @@ REPORT = CRITERIA.report
 def with_number_ranges(objective: Objective, selection: Selection) -> Selection:
     """Return the selection with an interval for each of its numbers.
 
-    Those to which the line does not answer in proportion are held elsewhere, all others fitted
-    again. Where that finds numbers that explain more, they are taken. Where a size is not quite
-    constant, all are told by a fit that knows it (`weighed_with_wander`).
+    It follows from the covariance; for numbers to which the line does not answer in proportion,
+    from a walk. Numbers that explain more, met on a walk, become the fit. Where a size is not
+    quite constant, all is by a fit that lets it wander (`weighed_with_wander`).
     """
     weighed = weighed_with_wander(objective, selection.fit)
     if weighed is objective:
@@ -46,6 +49,7 @@ def with_number_ranges(objective: Objective, selection: Selection) -> Selection:
 
 
 def _with_ranges(objective: Objective, selection: Selection) -> Selection:
+    """Return the selection with intervals; without, where its slopes cannot be simulated."""
     for _ in range(REPORT.ranges.passes):
         fit = selection.fit
         columns = jacobian(objective, fit.hypotheses, fit.values, fit.shifts)
@@ -70,15 +74,15 @@ def _with_ranges(objective: Objective, selection: Selection) -> Selection:
 def with_covariance(
     objective: Objective, fit: Fit, columns: Array, explained: Sequence[float]
 ) -> Fit:
-    """Return the fit with a covariance of noise, tolerances, what the model leaves, and wander.
+    """Return the fit with a covariance of noise, tolerances, model error, and wander.
 
     ``SPREAD`` of its standard deviations hold a number with the stated confidence: a variance of
-    few degrees of freedom (`real_covariance`) counts by Student's t of those of all parts.
-    And the answer to an effect may be wrong by the share e anywhere: that moves any number of it
-    by up to e sqrt(X) of what noise does, where X is the chi-square that the effect explains; a
-    size by e of it (``model_errors``, which is not in here). A declared number that was moved
-    too far to be tolerance may take it along: intervals reach to where it is without
-    (`moved_by_declared`).
+    few degrees of freedom (`real_covariance`) is widened to Student's t of the whole variance.
+    The response to an effect may be wrong by the share e: that moves any number of it by up to
+    e sqrt(X) of its deviation in noise, where X is the chi-square that the effect explains; a
+    size by e of itself (``model_errors``, not part of this covariance). A declared number that
+    was moved beyond tolerance may move others: their intervals reach to where they are without
+    that move (`moved_by_declared`).
     Equation: v = sum v_i, freedom v^2 / sum (v_i^2 / f_i)  [Satterthwaite 1946].
     """
     real = real_covariance(objective, columns, fit.residual)
@@ -109,12 +113,12 @@ class _Ends:
         self.hidden: list[tuple[int, str, tuple[float, float]]] = []
 
     def take(self, walk: LikelyRange, k: int) -> None:
-        """Take the ends of number ``k``; all others reach where they were at those."""
+        """Take the ends of number ``k``; intervals of others widen to their values on the walk."""
         self._reach(walk.lowest, walk.highest)
         self.low[k], self.high[k] = walk.low, walk.high
 
     def take_hidden(self, at: int, name: str, walk: LikelyRange, k: int) -> None:
-        """Take the ends of a number of effect ``at`` that is not fitted, ``k`` where it is."""
+        """Take the ends of a number of effect ``at`` not fitted, number ``k`` of its walk."""
         self.hidden.append((at, name, (walk.low, walk.high)))
         self._reach(np.delete(walk.lowest, k), np.delete(walk.highest, k))
 
@@ -123,9 +127,10 @@ class _Ends:
         self.high = np.maximum(self.high, highest)
 
     def ranges(self, objective: Objective) -> tuple[Ranges, ...]:
-        """Return the intervals by effect and name, no narrower than a record can tell."""
+        """Return the intervals by effect and name, no narrower than ``known_to`` allows."""
         found: list[dict[str, tuple[float, float]]] = [{} for _ in self.fit.hypotheses]
         for k, (at, name) in enumerate(numbers_of(self.fit)):
+            # standard deviation of what is spread evenly over known_to to either side
             grain = SPREAD * known_to(objective, self.fit.hypotheses[at], name) / math.sqrt(3.0)
             value = float(self.found[k])
             below = math.hypot(value - float(self.low[k]), grain)
@@ -138,7 +143,7 @@ class _Ends:
 def _walks(
     objective: Objective, fit: Fit, columns: Array, noise: Array, ends: _Ends
 ) -> list[LikelyRange]:
-    """Return the walks of all numbers that the line answers to unevenly, and take their ends."""
+    """Return the walks of all ``uneven`` numbers that the records show, and take their ends."""
     walks = []
     for k, (at, name) in enumerate(numbers_of(fit)):
         if not (uneven(fit.hypotheses[at], name) and noise[k] > 0.0):
@@ -153,7 +158,7 @@ def _walks(
 
 
 def _better(objective: Objective, fit: Fit, walks: Sequence[LikelyRange]) -> Fit | None:
-    """Return a fit from the best numbers that the walks came by, where it surely costs less."""
+    """Return a fit from the best numbers met on the walks, where it costs less by the margin."""
     least = fit.cost - CRITERIA.search.acceptance.margin
     for walk in sorted(walks, key=lambda w: w.best.cost):
         there = values_of(fit, walk.best.values)
@@ -170,7 +175,7 @@ def _better(objective: Objective, fit: Fit, walks: Sequence[LikelyRange]) -> Fit
 def _hidden_walk(
     objective: Objective, fit: Fit, at: int, name: str, explained: float
 ) -> tuple[int, str, LikelyRange, int]:
-    """Return the walk of a number of effect ``at`` that is not fitted, and which number it is."""
+    """Return effect, name and walk of a number that is not fitted, and its place in the walk."""
     h = fit.hypotheses[at]
     row, value = h.effect.accepts[name], float(dict(h.fixed)[name])
     wider = with_numbers(objective, fit, at, (name,), {name: value})
@@ -192,14 +197,15 @@ def _hidden_walk(
 
 
 def numbers_of(fit: Fit) -> list[tuple[int, str]]:
-    """Return the numbers of a fit in a row: which effect, and their names."""
+    """Return index of effect and name of every number of a fit, in a row."""
     return [(at, name) for at, h in enumerate(fit.hypotheses) for name in h.names]
 
 
 def uneven(h: Hypothesis, name: str) -> bool:
-    """Return whether the line answers to a number of an effect not in proportion.
+    """Return whether the line does not answer in proportion to a number of an effect.
 
-    What stands still over an angle, or at a frequency, is known by its turns: straight enough.
+    Never of effects at orders of a body, or at a frequency: many turns determine their numbers
+    so well that the line answers in proportion within the interval.
     """
     row = h.effect.accepts[name]
     steady = h.effect.order_locked or isinstance(h.effect.shows, Frequency)
@@ -207,9 +213,9 @@ def uneven(h: Hypothesis, name: str) -> bool:
 
 
 def hidden(h: Hypothesis) -> list[str]:
-    """Return the numbers of an effect that the search left out for no record showed them.
+    """Return the numbers of an effect that the search left out because no record showed them.
 
-    A strength that is absent, and what is fitted once the effect is there.
+    Strengths that are absent, and numbers that are fitted only later (``fitted_later``).
     """
     return [
         name
@@ -220,7 +226,7 @@ def hidden(h: Hypothesis) -> list[str]:
 
 
 def known_to(objective: Objective, h: Hypothesis, name: str) -> float:
-    """Return how well a record tells a number at best, in its unit."""
+    """Return how exactly, to either side, a record can show a number at best, in its unit."""
     row = h.effect.accepts[name]
     twin = objective.pool.twins[h.record or 0]
     if row.known_to == "drive tick":

@@ -1,7 +1,7 @@
-"""Declared numbers pulled beyond tolerance, as effects to start a fit from.
+"""Declared numbers that a fit moves beyond tolerance, as effects to start a fit from.
 
-A strong nuisance is so well measured that one linear step cannot trade it for its effect: the
-fit has to start where the nuisance already is.
+A strong nuisance parameter is so well measured that one linear step cannot trade it for the effect
+that changes it: the fit has to start at the shift that the nuisance already has.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ class PriorConflict:
 
     Attributes
     ----------
-    number : the one furthest off.
-    standard_deviations : how far, in its prior standard deviations.
-    chi2 : sum of squares of all.
+    number : path of the one furthest off.
+    standard_deviations : its shift in prior standard deviations.
+    chi2 : sum of the squares of all shifts in prior standard deviations.
     """
 
     number: str
@@ -53,9 +53,10 @@ def total_shifts(objective: Objective, fit: Fit) -> dict[str, float]:
 def fit_conflicts(
     objective: Objective, base: Fit, effects: Collection[str], progress: Progress
 ) -> list[FittedCandidate]:
-    """Return fits that say the same as a declared number beyond tolerance.
+    """Return fits with an effect in place of a declared number beyond tolerance.
 
-    ``effects`` are the names in the library; no others are tried.
+    ``effects`` are the names in the library; no others are tried. Of each effect at a place the
+    fit that costs least.
     """
     conflicts: dict[EffectAt, FittedCandidate] = {}
     for h, start, shifts in starts_outside_prior(objective, base, effects):
@@ -73,11 +74,12 @@ def fit_conflicts(
 def starts_outside_prior(
     objective: Objective, fit: Fit, effects: Collection[str]
 ) -> list[tuple[Hypothesis, tuple[float, ...], dict[str, float]]]:
-    """Return effects that say the same as a declared number beyond tolerance, furthest off first.
+    """Return effects that change a declared number beyond tolerance, furthest off first.
 
-    Each with the numbers it starts from and the shifts that are left without that number. A number
-    that a fit has moved is another name of its effect there: all else stays as fitted. From the
-    declared numbers it is tried as well, for without the effect others may have moved for it.
+    Each with the numbers it starts from and the shifts of all other declared numbers. Where the
+    fit has moved the number, the effect starts there and the others stay as fitted. It is also
+    tried with the others back as declared, but for effective radii: they may have moved because
+    the effect was missing.
     """
     line = objective.pool.twins[0].declaration
     total = total_shifts(objective, fit)
@@ -102,11 +104,11 @@ def starts_outside_prior(
 
 
 def told_by_record(objective: Objective, fit: Fit) -> float:
-    """Return what a record alone says (chi2) of the declared numbers that the last effect changes.
+    """Return the chi-square by which the records alone show the change that the last effect is.
 
-    Their tolerances are left aside, those of all other numbers are not; 0 where the effect is no
-    change of declared numbers.
-    Equation: |P y|^2, y the response to the effect, P takes out all other numbers  [own].
+    Of the declared numbers that it changes the tolerances do not count, those of all others do; 0
+    where the effect is no change of declared numbers.
+    Equation: |P y|^2, y the response to the effect, P takes out all other declared numbers  [own].
     """
     h, values = fit.hypotheses[-1], fit.values[-1]
     line = objective.pool.twins[0].declaration
@@ -122,10 +124,10 @@ def told_by_record(objective: Objective, fit: Fit) -> float:
 def settling_conflict(
     objective: Objective, base: Fit, fitted: Sequence[FittedCandidate]
 ) -> list[FittedCandidate]:
-    """Return the candidates with whether they settle the conflict of declared numbers in ``base``.
+    """Return the candidates, ``settles`` set where their fit ends the prior conflict of ``base``.
 
-    Looked at are declared numbers by another name that are ``told`` less than a later effect
-    needs: like numbers that stand in for one share what their tolerances cost.
+    Only changes of declared numbers are looked at, and only those whose ``told`` is less than a
+    later effect needs: several like numbers that stand in for one share its cost.
     """
     if not any(_may_settle(c) for c in fitted) or joint_conflict(objective, base) is None:
         return list(fitted)
@@ -136,6 +138,7 @@ def settling_conflict(
 
 
 def _may_settle(candidate: FittedCandidate) -> bool:
+    """Return whether a candidate is worth a look for ``settles``."""
     return 0.0 < candidate.told <= ACCEPTANCE.later_score and candidate.score > ACCEPTANCE.score
 
 

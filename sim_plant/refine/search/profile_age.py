@@ -1,4 +1,7 @@
-"""When a named profile was formed: its corners stand closer together on a larger roll."""
+"""The age of a named profile: how much web has left the roll since it was formed.
+
+On a larger roll its corners stand closer together.
+"""
 
 from __future__ import annotations
 
@@ -21,11 +24,10 @@ PROFILE = CRITERIA.search.profile
 
 
 def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
-    """Return the fit with the profile formed at another radius, where the record says so.
+    """Return the fit with the profile formed at another radius, where a record shows that.
 
-    Only a strong profile tells: its corners stand closer together on a larger roll. Declared
-    numbers that change the length of a turn may have imitated this down to the noise: they start
-    anew.
+    Only a strong one does. Declared numbers that change the length of a turn may have
+    imitated it down to the noise: they start as declared.
     """
     profiles = fit.hypotheses[at].effect.profiles
     if profiles is None or profiles.age in fit.hypotheses[at].names:
@@ -34,11 +36,11 @@ def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
         return fit
     aged = []
     starts = formation_starts(objective, fit, at, profiles)
-    for there in starts if any(may_show_age(objective, s, at) for s in starts) else []:
-        shifts = synchronising_shifts(objective, {}, there.hypotheses, there.values)
+    for start in starts if any(may_show_age(objective, s, at) for s in starts) else []:
+        shifts = synchronising_shifts(objective, {}, start.hypotheses, start.values)
         aged.append(
             gauss_newton_fit(
-                objective, there.hypotheses, there.values, shifts, rounds=8, quick=False
+                objective, start.hypotheses, start.values, shifts, rounds=8, quick=False
             )
         )
     best = likeliest_age(fit, aged, sure_excess(objective))
@@ -46,7 +48,7 @@ def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
 
 
 def may_show_age(objective: Objective, start: Fit, at: int) -> bool:
-    """Return whether the age of profile ``at`` can come out as known, by the slopes at ``start``.
+    """Return whether a fit can come to know the age of profile ``at``, by slopes at ``start``.
 
     A profile without corners, an ellipse, hardly shows it: then no fit is made.
     """
@@ -54,16 +56,16 @@ def may_show_age(objective: Objective, start: Fit, at: int) -> bool:
     columns = jacobian(objective, start.hypotheses, start.values, start.shifts)
     if profiles is None or not np.isfinite(columns).all():
         return True
-    nothing = np.zeros(columns.shape[0])  # what is left says nothing of how well it is known
+    nothing = np.zeros(columns.shape[0])  # the covariance does not depend on the residual
     covariance = objective.projector.linear_fit(nothing, columns).covariance
     seen = replace(start, covariance=covariance)
     return knows(seen, at, profiles.age, room=PROFILE.age_room)
 
 
 def knows(fit: Fit, at: int, name: str, room: float = 1.0) -> bool:
-    """Return whether a fit knows a number of effect ``at`` better than that it is within bounds.
+    """Return whether a fit knows a number of effect ``at`` better than its bounds do.
 
-    Its interval is narrower than ``room`` times them.
+    Its interval is narrower than ``room`` times the distance of its bounds.
     """
     h = fit.hypotheses[at]
     number = h.names.index(name)
@@ -83,11 +85,10 @@ def formation_starts(objective: Objective, fit: Fit, at: int, profiles: Profiles
 
 
 def likeliest_age(fit: Fit, aged: Sequence[Fit], sure_excess: float) -> Fit:
-    """Return the best of ``aged`` unless ``fit`` is better by more than noise is known to.
+    """Return the best of ``aged`` unless ``fit``, with age 0, costs less by ``sure_excess``.
 
-    A profile's age is the length of web that was unwound since it was formed, 0 in ``fit``. That
-    is no better known than any other age, so another one need not pay a price: it is kept with
-    its interval, and fitted anew where the effects are judged.
+    Age 0 is no better known than any other, so another one need not pay the price of a number: it
+    is kept with its interval, and found anew on the record on which the effects are judged.
     """
     best = min(aged, key=lambda there: there.cost, default=fit)
     return best if best.cost < fit.cost + sure_excess else fit
@@ -106,7 +107,7 @@ def with_numbers(
     names: tuple[str, ...],
     start: Mapping[str, float] | None = None,
 ) -> Fit:
-    """Return the fit with more numbers of effect ``at``, at ``start`` or absent, not fitted."""
+    """Return the fit with further numbers of effect ``at``, at ``start`` or absent, not fitted."""
     old = fit.hypotheses[at]
     line = objective.pool.twins[0].declaration
     more = tuple(name for name in names if name not in old.names)

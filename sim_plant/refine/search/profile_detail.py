@@ -1,4 +1,4 @@
-"""Details of a named profile that is there: kept only when the record itself bears them out."""
+"""Details of a named profile: its age and orders beside it, kept where the records show them."""
 
 from __future__ import annotations
 
@@ -23,8 +23,8 @@ def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
     """Return the objective linearised at a better fit, and that fit.
 
     All effects, their profiles' details and the declared numbers are fitted together at the
-    declared drive tick, with responses taken there. Shapes that are there stay free in their low
-    orders for what is searched next: a further effect must explain more than a detail of them.
+    declared drive tick, with responses taken there. For the search that follows, profiles found
+    stay free in their low orders: a further effect must explain more than a detail of them.
     """
     exact = gauss_newton_fit(
         objective, fit.hypotheses, fit.values, fit.shifts, rounds=4, quick=False
@@ -50,7 +50,7 @@ def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
 
 
 def _keeps_responses(objective: Objective, fit: Fit) -> bool:
-    """Return whether the responses to declared numbers stay as they are with these effects.
+    """Return whether the responses to declared numbers need not be taken anew with these effects.
 
     So it is with weak effects that are locked to an order: what an effect and a shift within
     tolerance do only together is some percent of what either does alone.
@@ -60,7 +60,7 @@ def _keeps_responses(objective: Objective, fit: Fit) -> bool:
 
 
 def named_profiles(fit: Fit) -> list[int]:
-    """Return which of the effects of a fit are named profiles."""
+    """Return the indices of the effects of a fit that are named profiles."""
     return [
         k
         for k, h in enumerate(fit.hypotheses)
@@ -69,10 +69,10 @@ def named_profiles(fit: Fit) -> list[int]:
 
 
 def with_later_numbers(objective: Objective, fit: Fit) -> Fit:
-    """Return the fit with those numbers of its effects free that the library sets, where they pay.
+    """Return the fit with those numbers free that are ``fitted_later``, where they pay.
 
-    A first look cannot tell them, and beside a weak effect no record does: they would take its
-    size with them.
+    Until then they are fixed: a first look does not show them, and of a weak effect no record
+    does; a fit would trade them for its size.
     """
     for at, h in enumerate(fit.hypotheses):
         for name in h.effect.fitted_later:
@@ -90,10 +90,10 @@ def with_later_numbers(objective: Objective, fit: Fit) -> Fit:
 
 
 def with_profile_details(objective: Objective, fit: Fit) -> Fit:
-    """Return the fit with details of its named profiles: when they were formed, and low orders.
+    """Return the fit with details of its named profiles: their name, age, and orders beside them.
 
-    Orders are kept when numbers from either half of the record explain the other half better
-    than none, and when they pay their price: those that the search fits, then finer ones.
+    Orders are kept when sizes from either half of each record explain the other half better than
+    none, and when they pay their price: first those that the search fits, then higher ones.
     """
     for at in named_profiles(fit):
         fit = without_unpaid_orders(objective, fit, at)
@@ -104,9 +104,9 @@ def with_profile_details(objective: Objective, fit: Fit) -> Fit:
 
 
 def stages_of_orders(effect: Effect) -> list[tuple[str, ...]]:
-    """Return the numbers of the orders that the search fits, then of those up to twice as many.
+    """Return the names of the orders that the search fits, then of those up to twice as many.
 
-    And so on, each order once, up to the last that the effect has.
+    And so on, each order once, up to the last that the effect has; a cosine and a sine of each.
     """
     pairs = effect.quadratures
     ends = [sum(1 for pair in pairs if pair.cos in effect.traced)]
@@ -119,7 +119,7 @@ def stages_of_orders(effect: Effect) -> list[tuple[str, ...]]:
 
 
 def with_paying_numbers(objective: Objective, fit: Fit, at: int, names: tuple[str, ...]) -> Fit:
-    """Return the fit with more numbers of effect ``at`` where they predict halves, and pay."""
+    """Return the fit with more numbers of effect ``at``, if they pay and predict across halves."""
     wider = with_numbers(objective, fit, at, names)
     columns = jacobian(objective, wider.hypotheses, wider.values, wider.shifts)
     if not np.isfinite(columns).all():
@@ -163,7 +163,7 @@ def _prediction_error(columns: Array, residual: Array, one: Array, other: Array)
 
 
 def halves_of(objective: Objective) -> tuple[Array, Array]:
-    """Return which judged rows belong to the first half of their record, and to the second."""
+    """Return masks (rows,) of the first halves of all records, and of the second."""
     marks = []
     for part in objective.split(np.zeros(objective.rows)):
         mark = np.zeros(part.shape, dtype=bool)

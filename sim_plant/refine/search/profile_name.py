@@ -1,4 +1,4 @@
-"""Which named profile an outline is: names are alike at one radius, and differ at another."""
+"""Which named profile an outline is: they look alike at one radius, and differ at another."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ PROFILE = CRITERIA.search.profile
 
 
 def nearest_names(objective: Objective, fit: Fit, at: int) -> list[Profile]:
-    """Return of each name the profile most like the whole outline of effect ``at``, best first."""
+    """Return per name the profile most like the whole outline of effect ``at``, best first."""
     h = fit.hypotheses[at]
     profiles = h.effect.profiles
     if profiles is None:
@@ -29,10 +29,10 @@ def nearest_names(objective: Objective, fit: Fit, at: int) -> list[Profile]:
 
 
 def with_best_name(objective: Objective, fit: Fit, at: int) -> Fit:
-    """Return the fit with the profile under the name that explains most, formed where it may be.
+    """Return the fit with the profile under the name that explains most, with its age.
 
-    Each name ends in a valley of its own: which one the first look found is up to where it began,
-    and to effects that were not known then. Others are tried where the profile is strong and more
+    The cost has a minimum under each name: which one a first look found depends on where it began,
+    and on effects that were not known then. Others are tried where the profile is strong and more
     is left than noise.
     """
     best = with_formation_radius(objective, fit, at)
@@ -50,7 +50,7 @@ def with_best_name(objective: Objective, fit: Fit, at: int) -> Fit:
 
 
 def _named(objective: Objective, fit: Fit, at: int, profile: Profile) -> Fit:
-    """Return the fit with effect ``at`` as this profile and nothing beside it."""
+    """Return the fit with effect ``at`` as this profile alone, all else fitted again."""
     h = fit.hypotheses[at]
     line = objective.pool.twins[0].declaration
     named = hypothesis(h.effect, h.location, profile.choice, profile.names, line)
@@ -65,8 +65,8 @@ def _named(objective: Objective, fit: Fit, at: int, profile: Profile) -> Fit:
 def without_unpaid_orders(objective: Objective, fit: Fit, at: int) -> Fit:
     """Return the fit with the profile alone, where the orders beside it do not pay their price.
 
-    They may stand for what a profile is itself (an ellipse is its second order): no record then
-    tells how much is the profile's, how much the order's.
+    They may be what a profile is itself (an ellipse is its second order): no record then shows
+    how much is the profile's, and how much the order's.
     """
     old = fit.hypotheses[at]
     orders = {name for pair in old.effect.quadratures for name in (pair.cos, pair.sin)}

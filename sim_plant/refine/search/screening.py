@@ -32,7 +32,7 @@ def by_periodic_support(
     travels: Sequence[Travel],
     spectra: Sequence[Sequence[SpectralLines]],
 ) -> tuple[list[Hypothesis], list[Hypothesis]]:
-    """Return periodic hypotheses whose line is in some record, and those that are not periodic."""
+    """Return periodic hypotheses whose spectral line a record has, and those not periodic."""
     periodic, others = [], []
     strongest = max(s.peak[1] for record in spectra for s in record)
     degrees = min(s.degrees for record in spectra for s in record)
@@ -56,8 +56,8 @@ def screen(
 ) -> list[Candidate]:
     """Return candidates among ``hypotheses``, best score first, sensitivities taken at ``fit``.
 
-    Of many idlers every third is tried first, then the neighbours of the best. What the fit has
-    already is left out.
+    Of many idlers every third is tried first, then the neighbours of the best. Effects that the
+    fit has already are left out.
     """
     taken = {h.key for h in fit.hypotheses}
     group = [h for h in hypotheses if h.key not in taken]
@@ -77,6 +77,7 @@ def screen(
 def _screened(
     objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis], residual: Array
 ) -> list[Candidate]:
+    """Return a first look at every hypothesis, best first."""
     columns = sensitivities(objective, fit, hypotheses)
     inners = objective.projector.inners(residual, columns)
     rows = zip(hypotheses, inners, strict=True)
@@ -87,7 +88,7 @@ def _screened(
 def sure_looks(
     objective: Objective, residual: Array, looks: Sequence[Candidate], columns: Sequence[Array]
 ) -> list[Candidate]:
-    """Return first looks, best first, those that may be fitted by what they surely explain.
+    """Return first looks, best first; the foremost, which may be fitted, by their sure part.
 
     ``columns`` are those that each of them was made from. See ``candidate.sure_part``.
     """
@@ -127,13 +128,13 @@ def sure_look(
 
 
 def sensitivities(objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis]) -> list[Array]:
-    """Return, per hypothesis, what its probes change at ``fit`` (rows, numbers), whitened.
+    """Return, per hypothesis, what its typical effects change at ``fit`` (rows, numbers).
 
-    What does not turn with a roll is taken from the first fit of the search that it was
-    simulated at: for a first look the line answers alike.
+    Responses are whitened. Effects that are not locked to an order are simulated once a search,
+    at the first fit that they are looked at from: for a first look that serves later fits too.
     """
-    shelf = objective.pool.responses
-    fresh = [h for h in hypotheses if h.effect.order_locked or _name(h) not in shelf]
+    known = objective.pool.responses
+    fresh = [h for h in hypotheses if h.effect.order_locked or _response_key(h) not in known]
     case = fit.case
     cases = [
         replace(case, effects=(*case.effects, added))
@@ -143,30 +144,33 @@ def sensitivities(objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesi
     start, *runs = objective.pool.run([case, *cases], keep=False)
     rest = iter(runs)
     for h in fresh:
-        shelf[_name(h)] = [
+        known[_response_key(h)] = [
             [(y - b).astype(np.float32) for y, b in zip(next(rest), start, strict=True)]
             for _ in h.typical_effects()
         ]
     if not hypotheses:
         return []
-    every = objective.whitened_all([change for h in hypotheses for change in shelf[_name(h)]])
-    ends = np.cumsum([len(shelf[_name(h)]) for h in hypotheses])
+    every = objective.whitened_all(
+        [change for h in hypotheses for change in known[_response_key(h)]]
+    )
+    ends = np.cumsum([len(known[_response_key(h)]) for h in hypotheses])
     return list(np.split(every, ends[:-1], axis=1))
 
 
 def responses_of(objective: Objective, h: Hypothesis) -> list[list[Array]]:
-    """Return what each probe of ``h`` changed per record, of ``sensitivities`` taken before."""
-    return list(objective.pool.responses[_name(h)])
+    """Return what each typical effect of ``h`` changes per record, see ``sensitivities``."""
+    return list(objective.pool.responses[_response_key(h)])
 
 
-def _name(h: Hypothesis) -> tuple[object, ...]:
+def _response_key(h: Hypothesis) -> tuple[object, ...]:
+    """Return what the simulated responses of a hypothesis depend on."""
     return (h.key, h.fixed, h.names, h.start, h.record)
 
 
 def every_third_idler(hypotheses: Sequence[Hypothesis], idlers: Sequence[str]) -> list[Hypothesis]:
     """Return the hypotheses with every third idler only: response changes slowly along the web.
 
-    Not so on a short line, and not for what sits in a load cell: each reading is its own.
+    On a short line all idlers, and always all load cells: an effect in one shows in its reading.
     """
     if len(idlers) <= SCREENING.few_idlers:
         return list(hypotheses)
@@ -203,9 +207,9 @@ def neighbours(
 def shortlist(candidates: Sequence[Candidate], *, beside_half: bool = False) -> list[Candidate]:
     """Return the best few of distinct effect and place; curved ones get a second chance.
 
-    Of a curved effect each form at a place is one more: at a first size one may imitate another.
-    ``beside_half``: looked at from half of a pair, whose numbers have moved to imitate the other
-    half. What a linear step explains from there is a small part, and ranks nothing.
+    Of a curved effect each choice of options at a place counts as distinct: at a first size one
+    may imitate another. ``beside_half``: looked at from half of a pair, whose numbers have moved
+    to imitate the other half. What a linear step explains from there is too little to rank by.
     """
     best = candidates[0].score if candidates else 0.0
     floor = SCREENING.shortlist_floor * CRITERIA.search.acceptance.periodic_score
@@ -237,14 +241,15 @@ def without_failed(
 
 
 def _form(h: Hypothesis) -> tuple[object, ...]:
-    """Return what is fitted once: effect and place, of a curved one with its options."""
+    """Return what a shortlist has once: effect and place, of a curved one with its options."""
     return (h.key, h.fixed) if h.curved else (h.key,)
 
 
 def linear_candidate(objective: Objective, h: Hypothesis, inner: Inner) -> Candidate:
-    """Return a hypothesis with what one linear step explains, a curved one at its size.
+    """Return a hypothesis with what one linear step explains; a curved one at its typical size.
 
-    ``inner`` are products of whole probes with the residual, so 1 is the typical size.
+    ``inner`` are products of responses to typical effects with the residual, so size 1
+    is the typical one.
     """
     if not np.isfinite(inner.gram).all():
         return Candidate(hypothesis=h, chi2_reduction=-np.inf, penalty=0.0, start=h.start)

@@ -28,9 +28,9 @@ class AcceptedEffect:
     Attributes
     ----------
     runner_up : the next best candidate, if there is one.
-    margin : by how much its score is behind.
-    rejected : the best others and their scores.
-    ambiguous : places that explain as much.
+    margin : by how much the runner-up's score is behind.
+    rejected : the best other candidates and their scores, best first.
+    ambiguous : effects and places that explain as much.
     """
 
     hypothesis: Hypothesis
@@ -62,15 +62,15 @@ class Selection:
     ----------
     nominal, fit : without effects, and with those accepted.
     travels : coordinates of every record.
-    before, after : free-line spectra of what either fit leaves.
+    before, after : spectra of free spectral lines in what ``nominal`` and ``fit`` leave.
     accepted : effects of ``fit``, in order.
     unknown : what no effect explains.
-    corrections : declared numbers as re-estimated with the effects, by path: none where structure
-        is left that is no line, for they may then have imitated it.
+    corrections : changes of declared numbers as re-estimated with the effects, by path: none where
+        structure is left that is no spectral line, for they may then have imitated it.
     chi2_of_free_terms : what free terms took up before the search.
     wander_is_free : ``fit`` is weighed with the sizes of its effects free to change slowly.
-    ranges : intervals of the numbers of each effect, also of such that no record shows; empty
-        before they are known.
+    ranges : intervals of the numbers of each effect, also of those that no record shows; empty
+        until the search is over.
     """
 
     nominal: Fit
@@ -87,7 +87,7 @@ class Selection:
 
 
 def alike_margin(explained: float) -> float:
-    """Return by how much (chi2) a rival may be behind and be the true one for all one knows.
+    """Return by how much (chi2) a rival may be behind and still be the true one.
 
     Equation: max(margin, 4 e^2 X): a response that is wrong by the share e can shift the
     difference of two candidates that explain X by 2 e sqrt(X dX)  [own].
@@ -99,25 +99,25 @@ def alike_margin(explained: float) -> float:
 def least_score(
     selection: Selection, h: Hypothesis, told: float = 0.0, *, settles: bool = False
 ) -> float:
-    """Return the score that ``h`` needs given what was found, and what that leaves by nature.
+    """Return the score that ``h`` needs beside the effects found, given what those leave.
 
-    What a declared number gains as an effect is no more than its tolerance cost, z squared. What
-    others leave moves it as far as the record tells it badly, so it is what was ``told`` of it
-    (`FittedCandidate`) that has to be more than that. Several like numbers that stand in for one
-    (a drag at one of six idlers) hide it even so, each within some tolerances; together they are
-    beyond what tolerances are, and with the one that ``settles`` that they are not. The mean of a
-    roll with a profile is the profile's own.
+    A declared number gains as an effect no more than its tolerance cost, z squared, which may be
+    less than a later effect needs. It needs no more than a first one where the records alone show
+    its change by enough (``told``, see `FittedCandidate`): the model error of other effects moves
+    it only as far as the records leave it free. Or where it ``settles`` a conflict: several like
+    numbers stood in for it (a drag at one of six idlers), each within some tolerances, together
+    beyond. Neither on a roll with a profile: its mean radius is the profile's own.
     """
     found = [a.hypothesis for a in selection.accepted]
     shaped = {f.location for f in found if f.effect.profiles is not None}
     beyond = (told > ACCEPTANCE.later_score or settles) and h.location not in shaped
     later = found and not beyond
-    lasting = ACCEPTANCE.later_score if later else ACCEPTANCE.score
-    return least_beside(selection, ACCEPTANCE.periodic_score if orders_of(h, 1.0) else lasting)
+    aperiodic = ACCEPTANCE.later_score if later else ACCEPTANCE.score
+    return least_beside(selection, ACCEPTANCE.periodic_score if orders_of(h, 1.0) else aperiodic)
 
 
 def least_beside(selection: Selection, least: float) -> float:
-    """Return the score that an effect needs which needs ``least`` where nothing else is found."""
+    """Return the score that an effect needs here, if ``least`` is what it needs found alone."""
     explained = selection.nominal.cost - selection.fit.cost
     return max(
         least,
@@ -128,10 +128,10 @@ def least_beside(selection: Selection, least: float) -> float:
 
 
 def _wander(selection: Selection, h: Hypothesis) -> float:
-    """Return the share of what an effect explains that it leaves, not at its own lines alone.
+    """Return the share of what an effect explains that it leaves at any coordinate.
 
-    An outline that no profile has is known by its orders on the roll as it is; as the roll gets
-    smaller they change, and what they leave then is anywhere.
+    That is what its size wanders. And an outline of orders that no profile has is known on the
+    roll as it is: as the roll gets smaller the orders change, and leave something everywhere.
     """
     own = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
     outlined = h.effect.profiles is not None and not own.isdisjoint(h.names)
@@ -155,11 +155,11 @@ def score(
     chi2_without: Callable[[Fit], float],
     progress: Progress,
 ) -> list[FittedCandidate]:
-    """Return fits with small scores put right by what is lost without the effect, best first.
+    """Return fits, small scores limited to what is lost without the effect, best first.
 
-    ``chi2_without`` says by how much the cost rises without the last effect of a fit. One that is
-    not missed makes room for the next; those that come near the best are looked at as well, so
-    that a margin is between like and like.
+    ``chi2_without`` gives by how much the cost rises without the last effect of a fit. The first
+    that may be accepted so, and those within the margin of it, are weighed in this way, so that a
+    margin is between like and like; the scores of all others are no higher than theirs.
     """
     ranked = rank(fitted)
     looked_at: list[FittedCandidate] = []
@@ -191,7 +191,7 @@ def accept(
 ) -> Extension | None:
     """Return the effect that explains most, or None when none may be claimed.
 
-    ``candidates`` are first looks; those that were not fitted count by their linear score.
+    ``candidates`` are first looks; those that were not fitted compete by their linear score.
     """
     if not scored:
         return None
@@ -224,9 +224,9 @@ def accept(
 
 
 def withdrawn(selection: Selection) -> Selection:
-    """Return the selection without its effects: what they stood for is unknown.
+    """Return the selection without its effects: what they explained is unknown.
 
-    Where something is unknown already, that is what it is.
+    Where something is unknown already, that stays what is named.
     """
     bare = replace(
         selection,
@@ -262,10 +262,10 @@ def also_explained_by(extension: Extension, places: Sequence[EffectAt]) -> Exten
 def preferred(
     complete: Sequence[Extension], partial: Sequence[Extension]
 ) -> tuple[Extension | None, bool]:
-    """Return the extension to go on with, and whether it stands alone.
+    """Return the extension to go on with, and whether it is accepted alone.
 
-    ``complete`` explain their own lines, ``partial`` leave much of them. One that explains less
-    does not take the place of half of a pair.
+    ``complete`` explain their own spectral lines, ``partial`` leave much of them. A complete one
+    that explains less than a partial one gives way to that: it may be half of a pair.
     """
     whole = min(complete, key=lambda e: e.fit.cost, default=None)
     half = min(partial, key=lambda e: e.fit.cost, default=None)
@@ -277,8 +277,8 @@ def preferred(
 def at_noise_floor(selection: Selection, expected_cost: float, sure_excess: float) -> bool:
     """Return whether what is left is surely less than a further effect would have to explain.
 
-    That is a share of what strong effects explained, for no model is exact; with weak ones it
-    is less than what noise is known to (``sure_excess``).
+    That is ``floor_share`` of what effects explained, for no model is exact. It has to be more
+    than ``sure_excess``, to which noise is known: with weak effects it is not.
     """
     excess = selection.fit.cost - expected_cost
     explained = selection.nominal.cost - selection.fit.cost
@@ -289,8 +289,9 @@ def imitates(effects: Sequence[AcceptedEffect], excess: float, nominal_excess: f
     """Return whether effects beside a spectral line leave too much to be more than an imitation.
 
     What is left counts against what those without a spectral line explain, once it is
-    more than a small share of what there was without effects (``nominal_excess``): of a strong
-    roll four hundredths are more than any delay. Both excesses are chi-squares.
+    more than ``imitated_share`` of what there was without effects (``nominal_excess``):
+    ``remainder_share`` of a strong roll would be more than any delay explains. Both excesses are
+    chi-squares.
     """
     beside = [e for e in effects if not is_periodic(e.hypothesis)]
     if not beside or len(beside) == len(effects):
@@ -300,10 +301,10 @@ def imitates(effects: Sequence[AcceptedEffect], excess: float, nominal_excess: f
 
 
 def standing(effects: Sequence[AcceptedEffect], excess: float) -> list[int]:
-    """Return which effects may be claimed where ``excess`` (chi2) is left that is no line.
+    """Return indices of effects that may be claimed where ``excess`` (chi2) is left irregular.
 
     Those at a coordinate of their own that explain a good part of it: what is irregular has a
-    share at every line.
+    share at every spectral line.
     """
     least = CRITERIA.search.completeness.fair_share * excess
     return [k for k, e in enumerate(effects) if is_periodic(e.hypothesis) and e.score > least]

@@ -41,14 +41,14 @@ class Apart:
     selection: Selection
 
     def reweighted_fit(self, fit: Fit, quick: bool = True) -> Fit:
-        """Return the fit with cost and residual apart from all that; parameters are not refitted.
+        """Return the fit with cost and residual weighed by ``objective``, nothing fitted again.
 
         ``quick``: simulated with the longer drive tick, for differences between fits.
         """
         return _weighed(self.objective, fit, quick)
 
     def reweighted_candidate(self, candidate: FittedCandidate) -> FittedCandidate:
-        """Return a candidate by what it explains apart from all that."""
+        """Return a candidate by what it explains when weighed by ``objective``."""
         left = self.reweighted_fit(candidate.fit)
         fall = sure_fall(self.objective, self.selection.fit, left)
         return replace(candidate, chi2_reduction=fall)
@@ -94,7 +94,7 @@ def set_apart(
 
 
 def wander_of(objective: Objective, selection: Selection) -> list[Changes]:
-    """Return what the effects of a selection change as their sizes wander, a term each."""
+    """Return what changes as the sizes of effects wander, one term per pair of intervals."""
     at = [k for k, accepted in enumerate(selection.accepted) if wanders(accepted)]
     return [change for k in at for change in wander_changes(objective, selection.fit, k)]
 
@@ -102,8 +102,8 @@ def wander_of(objective: Objective, selection: Selection) -> list[Changes]:
 def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Objective | None:
     """Return the objective with the spectral lines of what was found as free terms.
 
-    None where no effect has a line, they explain too little for their model error to hide
-    another, or free terms are there already.
+    None where no effect has a spectral line, where effects explain too little for their model
+    error to hide another, or where free terms are there already.
     """
     explained = selection.nominal.cost - selection.fit.cost
     lines = own_spectral_lines(selection)
@@ -120,7 +120,7 @@ def wanders(found: AcceptedEffect) -> bool:
 
 
 def own_spectral_lines(selection: Selection) -> Sequence[Unknown]:
-    """Return where the accepted effects show: all orders of a body, or a line in time."""
+    """Return spectral lines of the accepted effects: all orders of a body, or a frequency."""
     bodies = [roller.name for roller in selection.travels[0].declaration.rollers]
     lines: list[Unknown] = []
     for accepted in selection.accepted:
@@ -138,6 +138,7 @@ def _line(kind: str, coordinate: dict[str, float | str]) -> Unknown:
 
 
 def _weighed(objective: Objective, fit: Fit, quick: bool) -> Fit:
+    """Return the fit with the cost and residual that it has under ``objective``."""
     again = gauss_newton_fit(
         objective, fit.hypotheses, fit.values, fit.shifts, rounds=0, quick=quick
     )

@@ -1,4 +1,4 @@
-"""What changes when an effect begins at any moment: the nearest response simulated, shifted."""
+"""The response to an effect that begins at any moment: the nearest one simulated, shifted."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ Start = tuple[float, ...]
 
 
 def begun(objective: Objective, axis: Axis, h: Hypothesis, moment: float) -> list[Array]:
-    """Return the change that begins at ``moment``, s: the nearest one simulated, shifted."""
+    """Return the response to an effect that begins at ``moment``, s: the nearest one, shifted.
+
+    (channels, samples) per record; all but that of ``h`` as simulated.
+    """
     record = h.record or 0
     nearest = min((part.middle for part in parts_of(axis)), key=lambda m: abs(m - moment))
     change = list(responses_of(objective, beginning(h, nearest))[0])
@@ -25,9 +28,10 @@ def begun(objective: Objective, axis: Axis, h: Hypothesis, moment: float) -> lis
 
 
 def lasting(objective: Objective, axis: Axis, h: Hypothesis, moment: float) -> list[Array]:
-    """Return the change that begins at ``moment``, s, and does not end.
+    """Return the response to an effect that begins at ``moment``, s, and does not end.
 
-    It is that which ends after a while, and once more from there, until the record is over.
+    It is the sum of the responses to episodes one after another, as long as ``h`` has them, until
+    the record is over.
     """
     record = h.record or 0
     change = begun(objective, axis, h, moment)

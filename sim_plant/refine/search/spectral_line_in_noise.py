@@ -1,8 +1,8 @@
 """Whether noise alone may look like a spectral line: drives' noise moves several channels at once.
 
-A free spectral line adds up what it explains in every channel. Noise that reaches them together,
-as that of a drive does below some hertz, counts several times in that sum: it spreads as a
-chi-square of few degrees of freedom does, times a factor.
+The chi-square of a free spectral line is a sum over channels. Noise that reaches several together,
+as that of a drive does below some hertz, counts several times in that sum: the sum is distributed
+as a chi-square of fewer degrees of freedom times a factor.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ UNEXPLAINED = CRITERIA.search.unexplained
 def may_be_noise(
     objective: Objective, travels: Sequence[Travel], spectrum: SpectralLines, at: float
 ) -> bool:
-    """Return whether the line at ``at`` is likelier noise than ``periodic`` would be.
+    """Return whether noise reaches the line at ``at`` more often than theory has ``periodic``.
 
-    That one is a sum over channels that know nothing of each other. Here the seeded runs of the
-    declaration say how the sum spreads within an octave around the line.
+    That theory sums over independent channels. Here the seeded runs of the declaration give the
+    distribution of the sum, within an octave around the spectral line.
     Equation: D = c X, X of n degrees of freedom, c = v / 2m, n = 2 m^2 / v with m and v the mean
     and variance of D in noise  [Satterthwaite 1946].
     """
@@ -44,7 +44,7 @@ def may_be_noise(
 def noise_spectra(
     objective: Objective, travels: Sequence[Travel]
 ) -> list[Sequence[SpectralLines]]:
-    """Return the free-line spectra of every seeded run of noise, of all records."""
+    """Return the spectra of free spectral lines in every seeded run of noise, of all records."""
     rows = zip(travels, objective.whitening.noise, objective.whitening.realisations, strict=True)
     return [
         spectra(travel, noise.whiten(run)[noise.analogue])

@@ -1,4 +1,4 @@
-"""What is left when the library has nothing more to say: its class and its coordinate."""
+"""What is left when no effect of the library explains more: its class and its coordinate."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ class Unknown:
     ----------
     kind : ``time``, ``travel`` or ``angle`` of a spectral line; ``event``, ``state`` or
         ``broadband``.
-    coordinate : where it is, by name.
-    strength : what a free term would explain, chi-square.
+    coordinate : where it is: numbers and names, by key.
+    strength : what a free term would explain, chi-square; of coupled channels their score.
     """
 
     kind: str
@@ -56,7 +56,7 @@ class Unknown:
 def strongest_peak(
     spectra: Sequence[Sequence[SpectralLines]],
 ) -> tuple[SpectralLines, float, float]:
-    """Return the strongest free line of all records: spectrum, coordinate, chi-square."""
+    """Return the strongest free spectral line of all records: spectrum, coordinate, chi-square."""
     best = max((s for record in spectra for s in record), key=lambda s: s.peak[1])
     return best, *best.peak
 
@@ -71,8 +71,8 @@ def what_is_left(
     """Return the class and coordinate of what ``fit`` leaves.
 
     Nothing when it is noise, when it is little beside what there was without effects, or when it
-    is only coupled channels while free terms stand. ``after`` are the free-line spectra of what
-    it leaves, over ``travels``.
+    is only coupled channels beside free terms. ``after`` are the spectra of free spectral lines
+    in what it leaves, over ``travels``.
     """
     excess = objective.excess(fit.cost, fit.residual)
     nominal_excess = nominal.cost - objective.expected_cost
@@ -87,7 +87,7 @@ def what_is_left(
     if loudest(objective.whitening, objective.split(fit.residual)) > UNEXPLAINED.loud:
         return [Unknown(kind="broadband", strength=excess, coordinate={})]
     if any(terms is not None for terms in objective.whitening.basis):
-        return []  # what free terms leave of a line is coupled as the line is
+        return []  # what they leave of a spectral line is coupled as that is
     coupling = least_likely_coupling(objective, fit)
     return [coupled_channels(coupling)] if coupling.score > UNEXPLAINED.coupled else []
 
@@ -99,7 +99,7 @@ def event_or_spectral_line(
     after: Sequence[Sequence[SpectralLines]],
     excess: float,
 ) -> Unknown | None:
-    """Return what has a coordinate: a moment first, for a step looks like a slow rhythm."""
+    """Return what has a coordinate: an event first, for a step has slow spectral lines too."""
     event = event_left(objective, fit)
     line = periodic_left(after, excess)
     if line is not None and may_be_noise(objective, travels, *strongest_peak(after)[:2]):
@@ -112,8 +112,8 @@ def event_or_spectral_line(
 def rings(after: Sequence[Sequence[SpectralLines]], strength: float) -> bool:
     """Return whether most of what begins at a moment, of this ``strength``, is a spectral line.
 
-    A resonance begins to sound when the line comes to its speed. A step has strong lines too, but
-    of a few cycles only.
+    A resonance begins when the line comes to a speed that excites it. A step has strong spectral
+    lines too, but of a few cycles only.
     """
     spectrum, at, of_line = strongest_peak(after)
     sure = at * spectrum.extent >= UNEXPLAINED.spectral_line_cycles
@@ -121,7 +121,7 @@ def rings(after: Sequence[Sequence[SpectralLines]], strength: float) -> bool:
 
 
 def periodic_left(after: Sequence[Sequence[SpectralLines]], excess: float) -> Unknown | None:
-    """Return the strongest free line where it is one, and a good part of the ``excess``."""
+    """Return the strongest free spectral line, if it counts and is a part of the ``excess``."""
     spectrum, at, strength = strongest_peak(after)
     if strength > UNEXPLAINED.periodic and strength > UNEXPLAINED.periodic_share * excess:
         return Unknown(kind=spectrum.kind, strength=strength, coordinate=_where(spectrum, at))
@@ -129,7 +129,7 @@ def periodic_left(after: Sequence[Sequence[SpectralLines]], excess: float) -> Un
 
 
 def outside_tolerance(conflict: PriorConflict) -> Unknown:
-    """Return declared numbers beyond tolerance as something that depends on the line's state."""
+    """Return declared numbers beyond tolerance as what is left, of kind ``state``."""
     where: dict[str, float | str] = {
         "declared": conflict.number,
         "standard_deviations": conflict.standard_deviations,
@@ -138,7 +138,7 @@ def outside_tolerance(conflict: PriorConflict) -> Unknown:
 
 
 def coupled_channels(coupling: Coupling) -> Unknown:
-    """Return two channels that move together as no noise does, as something irregular."""
+    """Return channels that move together otherwise than noise, as what is left, ``broadband``."""
     where: dict[str, float | str] = {
         "channels": " and ".join(coupling.channels),
         "from_Hz": coupling.from_Hz,
@@ -148,10 +148,10 @@ def coupled_channels(coupling: Coupling) -> Unknown:
 
 
 def loudest(whitening: Whitening, left: Sequence[Array]) -> float:
-    """Return what is left, over the power that noise may keep, in the channel where it is most.
+    """Return the power left over the power that noise has, in the channel where that is most.
 
-    ``left`` are innovations (channels, judged samples) per record. Coarse words do not count: the
-    noise of a word depends on how it happens to be passed.
+    ``left`` are innovations (channels, judged samples) per record. Coarse words do not count:
+    their noise depends on the rate at which their steps are passed.
     """
     rows = zip(whitening.noise, left, kept_by_noise(whitening), strict=True)
     return max(
@@ -161,12 +161,14 @@ def loudest(whitening: Whitening, left: Sequence[Array]) -> float:
 
 
 def kept_by_noise(whitening: Whitening) -> list[Array]:
-    """Return the power (channels,) from which on ``loud`` counts, per record; 1 at the least.
+    """Return the power (channels,) of noise to which ``loud`` is relative, per record; at least 1.
 
     Noise that is not the same all the time, nor from run to run (a torque that passes the play of
-    a shaft), keeps more than white noise would: as seeded runs do that are weighed as the record
-    is. ``loud`` is some standard deviations of what plain noise keeps; so many of theirs count.
-    Equation: max(1, m, (m + k s) / loud), m and s mean and deviation of the runs' power  [own].
+    a shaft), has more power after whitening than 1: taken from seeded runs, whitened as the
+    record is. ``loud`` is some standard deviations above plain noise; here ``loud_sd`` of
+    the runs' own are allowed.
+    Equation: max(1, m, (m + k s) / loud), m and s mean and standard deviation of the runs' power,
+    k = ``loud_sd``  [own].
     """
     found = []
     for noise, runs in zip(whitening.declared, whitening.realisations, strict=True):

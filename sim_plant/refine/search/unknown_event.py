@@ -1,4 +1,4 @@
-"""Something that begins at a moment and that no effect of the library is."""
+"""Something that begins at a moment and that no effect of the library explains."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ EVENTS = CRITERIA.search.events
 
 
 def event_left(objective: Objective, fit: Fit) -> tuple[dict[str, float | str], float] | None:
-    """Return where and when what is left begins, and its chi-square; None: it has no beginning.
+    """Return where and when what is left begins, and its chi-square beyond noise, or None.
 
-    A record is quiet, as noise is, and from a moment on it is not.
+    Of the first record that is as quiet as noise up to a moment, and louder from there on.
     """
     rows = zip(
         objective.pool.twins, objective.split(fit.residual), objective.whitening.noise, strict=True
@@ -29,7 +29,7 @@ def event_left(objective: Objective, fit: Fit) -> tuple[dict[str, float | str], 
         if at is None:
             continue
         after = power[:, at:]
-        names = [n for n, one in zip(twin.channels, noise.analogue, strict=True) if one]
+        names = [n for n, use in zip(twin.channels, noise.analogue, strict=True) if use]
         loudest = names[int(np.argmax(after.mean(axis=1)))]
         where: dict[str, float | str] = {
             "from_s": (noise.first + at) * step_s,
@@ -69,7 +69,7 @@ def beginning(power: Array, step_s: float) -> int | None:
 
 
 def zone_of(line: Declaration, channel: str) -> str:
-    """Return the zone that a channel reads in, by its roller."""
+    """Return the zone at the roller whose sensor gives a channel; without a zone the roller."""
     sensor = next(s for s in line.sensors if s.channel == channel and not isinstance(s, RollAngle))
     body = line.body(sensor.roller)
     for name, spans in zones(line).items():

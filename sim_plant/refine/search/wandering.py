@@ -1,7 +1,7 @@
 """An effect whose size is not quite constant: its slow changes, as free terms.
 
 How well a roller holds the web varies from minute to minute. A model of constant size leaves some
-of that, where the effect itself shows: in all channels at once, as the line answers to it.
+of that in all channels where the effect itself shows, in the same proportions.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ WANDERING = CRITERIA.search.wandering
 
 
 def wander_changes(objective: Objective, fit: Fit, at: int) -> list[Changes]:
-    """Return what effect ``at`` changes as its size wanders about its mean, a term each.
+    """Return what changes as the size of effect ``at`` wanders about its mean, one term each.
 
     The size is raised for one interval after another. A term is the answer to one of them less
     that to the one before, so that all terms together leave the mean size alone.
@@ -37,25 +37,25 @@ def wander_changes(objective: Objective, fit: Fit, at: int) -> list[Changes]:
 
 
 def weighed_with_wander(objective: Objective, fit: Fit) -> Objective:
-    """Return the objective that knows how much the sizes of the effects of a fit wander.
+    """Return the objective in which the sizes of a fit's effects may wander, each by its prior.
 
-    Slope and threshold of a slip are told best just above the threshold, where there is least of
-    it to wander; without this the fastest plateau of a record decides both. The covariance of its
-    fit knows that what a slip happens to be off at either plateau is more than any noise.
+    Slope and threshold of a slip are known best just above the threshold, where there is least of
+    it to wander; without this the fastest plateau of a record decides both. The covariance of a
+    fit then includes that a slip's size at either plateau is off by more than noise alone gives.
     """
     wandering = [k for k, h in enumerate(fit.hypotheses) if h.effect.wander > 0.0]
     changes: list[Changes] = []
-    sizes: list[float] = []
+    deviations: list[float] = []
     for at in wandering:
         for answers in _answers(objective, fit, at):
             changes += answers
             sd = math.sqrt(fit.hypotheses[at].effect.wander) / WANDERING.share
-            sizes += [sd] * len(answers)
-    return with_wander(objective, changes, sizes) if changes else objective
+            deviations += [sd] * len(answers)
+    return with_wander(objective, changes, deviations) if changes else objective
 
 
 def _answers(objective: Objective, fit: Fit, at: int) -> Iterator[list[Changes]]:
-    """Yield what each interval of a raised size changes, for each record that has the effect."""
+    """Yield per record that has effect ``at`` what its size, raised in one interval, changes."""
     case = fit.case
     for record, _ in enumerate(objective.measured):
         if fit.hypotheses[at].record not in (None, record):
@@ -67,7 +67,7 @@ def _answers(objective: Objective, fit: Fit, at: int) -> Iterator[list[Changes]]
 
 
 def raised_for_a_while(fit: Fit, at: int, record: int, duration_s: float) -> list[Added]:
-    """Return effect ``at`` once per interval of a record, there by a share of its size."""
+    """Return effect ``at`` once per interval of a record, there alone, at a share of its size."""
     h, values = fit.hypotheses[at], fit.values[at]
     onset = h.effect.onset
     if onset is None:
