@@ -18,7 +18,7 @@ class PeakBound:
 
     The orders of the own roll form one waveform, sampled around the turn. A trigonometric
     polynomial of degree n never exceeds its largest sample of N > 2 n by more than
-    1 / cos(pi n / N) (Ehlich and Zeller). The samples stay where they are on the roll, so the
+    1 / cos(pi n / N) [Ehlich, Zeller 1964]. The samples stay where they are on the roll, so the
     bound of a steady waveform is steady. Orders of other rolls add their amplitudes.
 
     Attributes

@@ -27,10 +27,9 @@ class WaveFit:
 
     q_n = |P_n|^2: the least ripple that the limits let reach, with no order above what it has
     without any correction. The problem is convex, so there is one answer; it moves with the wish
-    and never jumps. Solved by the alternating direction method of multipliers (Boyd et al.,
-    Foundations and Trends in Machine Learning 3 (2011) 1): orders are orthogonal over evenly
-    spread angles, so each of its steps is two products with one matrix and a clip. It goes on
-    where the last tick left it.
+    and never jumps. Solved by the alternating direction method of multipliers
+    [Boyd et al. 2011]: orders are orthogonal over evenly spread angles, so each of its steps is
+    two products with one matrix and a clip. It goes on where the last tick left it.
 
     Attributes
     ----------

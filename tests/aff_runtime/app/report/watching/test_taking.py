@@ -8,7 +8,6 @@ from aff_runtime.app.report.watching.store import load_store
 from aff_runtime.base.errors import ConfigError
 from tests.doubles.virtual_weeks import Weeks, write_weeks
 
-
 WEEKS = Weeks(r6_m=lambda km, _: 4e-5 + 1e-8 * km)
 
 
