@@ -76,7 +76,8 @@ def _add(name: str, done: dict[str, str]) -> None:
     for _, other in imports:
         _add(other, done)
     exported = ", ".join(_EXPORT.findall(text))
-    head = "".join(f"const {{{names}}} = {_variable(other)};\n" for names, other in imports)
+    taken = [(names.replace(" as ", ": "), other) for names, other in imports]
+    head = "".join(f"const {{{names}}} = {_variable(other)};\n" for names, other in taken)
     body = _EXPORT.sub("", _IMPORT.sub("", text))
     tail = f"return {{ {exported} }};\n" if exported else ""
     inside = f"// {name}\n{head}{body}{tail}"

@@ -12,6 +12,7 @@ from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout
 from aff_hmi.scope.scope import Scope
 from aff_hmi.scope.shot import PRE_PERCENT, SECONDS
+from aff_hmi.scope.trigger import EVENTS
 from aff_hmi.scope.trigger import WORDS as TRIGGER_WORDS
 from aff_hmi.see.data_routes import data_routes
 from aff_hmi.see.kept import Kept
@@ -72,6 +73,7 @@ class Sources:
 
     seconds = SECONDS
     pre_percent = PRE_PERCENT
+    trigger_events = EVENTS
     triggers = tuple((on.value, word) for on, word in TRIGGER_WORDS.items())
     support_files = tuple(FILES.items())
 

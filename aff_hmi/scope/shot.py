@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aff_hmi.scope.ticks import Cut
-from aff_hmi.scope.trigger import LEVELS, On, Trigger, places
+from aff_hmi.scope.trigger import EVENTS, LEVELS, On, Trigger, places
 
 SECONDS = (1, 2, 5, 10, 20)
 PRE_PERCENT = (0, 20, 50, 80, 100)
@@ -65,6 +65,7 @@ def asked_of(query: Mapping[str, str]) -> Asked | None:
         and numbers["seconds"] in SECONDS
         and numbers["pre"] in PRE_PERCENT
         and on in ("", *On)
+        and query.get("event", "") in ("", *EVENTS)
         and level is not None
     )
     if not is_right:
@@ -75,7 +76,11 @@ def asked_of(query: Mapping[str, str]) -> Asked | None:
         seconds=seconds,
         roll=query.get("roll", ""),
         end=end,
-        trigger=Trigger(on=On(on), signal=query.get("of", ""), level=level or 0.0) if on else None,
+        trigger=Trigger(
+            on=On(on), signal=query.get("of", ""), level=level or 0.0, event=query.get("event", "")
+        )
+        if on
+        else None,
         after=after,
         pre_percent=pre,
         kept=kept,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from aff_hmi.scope.ticks import Cut
 from aff_hmi.words import N_
-from aff_runtime.base.events import BY_CODE, Reaction
+from aff_runtime.base.events import BY_CODE, TABLE, Event, Reaction
 
 
 class On(StrEnum):
@@ -31,19 +31,27 @@ WORDS = {
     On.ABOVE: N_("is above a level"),
     On.BELOW: N_("is below a level"),
     On.STATE: N_("the state changes"),
-    On.EVENT: N_("any event of the service"),
+    On.EVENT: N_("an event of the service"),
     On.FIRST_OUT: N_("a fault takes the correction out"),
 }
+EVENTS = tuple(event.name for event in TABLE if event.code)
 LEVELS = (On.RISE, On.FALL, On.ABOVE, On.BELOW)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Trigger:
-    """What to wait for; ``signal`` and ``level`` (in its unit) where it is one of ``LEVELS``."""
+    """What to wait for.
+
+    Attributes
+    ----------
+    signal, level : where it is one of ``LEVELS``; the level is in the signal's unit.
+    event : name of the only event that counts for ``On.EVENT``; empty for any.
+    """
 
     on: On
     signal: str = ""
     level: float = 0.0
+    event: str = ""
 
 
 def places(cut: Cut, trigger: Trigger) -> NDArray[np.int64]:
@@ -61,14 +69,16 @@ def places(cut: Cut, trigger: Trigger) -> NDArray[np.int64]:
         return _of_level(cut, trigger)
     if trigger.on is On.STATE:
         return np.flatnonzero(np.diff(cut.states) != 0) + 1
-    codes = {
-        code
-        for code, event in BY_CODE.items()
-        if code and (trigger.on is On.EVENT or event.reaction is Reaction.FADE_AND_LATCH)
-    }
+    codes = {code for code, event in BY_CODE.items() if code and _counts(event, trigger)}
     fired = sorted({tick for tick, code in cut.events if code in codes})
     found = np.searchsorted(cut.ticks, np.array(fired, dtype=np.int64))
     return found[found < len(cut)]
+
+
+def _counts(event: Event, trigger: Trigger) -> bool:
+    if trigger.on is On.EVENT:
+        return trigger.event in ("", event.name)
+    return event.reaction is Reaction.FADE_AND_LATCH
 
 
 def _of_level(cut: Cut, trigger: Trigger) -> NDArray[np.int64]:

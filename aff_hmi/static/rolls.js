@@ -1,79 +1,6 @@
 // Rolls as pictures in mm, with the orders behind them.
+import { SHAPE, enlarged, extremes, polar, said, shape } from "/static/polar.js";
 import { at, byId, number, onPart, part, put, words } from "/static/see.js";
-import { digitsOf, inUnit, unitName } from "/static/units.js";
-
-const SVG = "http://www.w3.org/2000/svg";
-const SIDE = 320;
-const ROUND = 78; // radius of the round roll, and the room that the largest deviation has: pixels
-const ROOM = 42;
-const MIDDLE = SIDE / 2;
-
-const SHAPE = "mm of shape";
-
-/** A number with its unit, in the reader's. */
-function said(value, digits, unit) {
-  return `${number(inUnit(value, unit), digitsOf(digits, unit))} ${unitName(unit)}`;
-}
-
-function signed(mm) {
-  return `${mm > 0 ? "+" : ""}${said(mm, 2, SHAPE)}`;
-}
-
-/** Highest and lowest place in words. */
-function extremes(roll) {
-  const [high, low] = [signed(roll.high_mm ?? 0), signed(roll.low_mm ?? 0)];
-  return roll.extremes.replace("{high}", high).replace("{low}", low);
-}
-
-function shape(tag, attributes, text) {
-  const made = document.createElementNS(SVG, tag);
-  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, String(value));
-  if (text !== undefined) made.textContent = text;
-  return made;
-}
-
-// --- the picture -------------------------------------------------------------------------------
-
-function polar(roll) {
-  const size = Math.max(1e-3, ...roll.outline_mm.map(Math.abs));
-  const place = (deg, mm) => {
-    const radius = ROUND + (ROOM * mm) / size;
-    const turn = (Math.PI * deg) / 180;
-    return [MIDDLE + radius * Math.cos(turn), MIDDLE - radius * Math.sin(turn)];
-  };
-  const label = `${words.shape} ${roll.roll}: ${extremes(roll)}`;
-  const picture = shape("svg", {
-    viewBox: `-16 0 ${SIDE + 32} ${SIDE}`,
-    role: "img",
-    "aria-label": label,
-    class: "polar",
-  });
-  for (const share of [-1, 0, 1]) {
-    const radius = ROUND + ROOM * share;
-    const kind = share ? "ring" : "round";
-    picture.append(shape("circle", { cx: MIDDLE, cy: MIDDLE, r: radius, class: kind }));
-    picture.append(shape("text", { x: MIDDLE + 4, y: MIDDLE - radius - 3 }, signed(share * size)));
-  }
-  for (const deg of [0, 90, 180, 270]) {
-    const [x, y] = place(deg, 1.75 * size);
-    picture.append(shape("text", { x, y: y + 4, "text-anchor": "middle" }, `${deg}°`));
-  }
-  if (roll.scatter_mm.length) {
-    const edge = (sign) =>
-      roll.outline_mm.map((mm, n) => place(n * roll.step_deg, mm + sign * roll.scatter_mm[n]).join(" "));
-    const both = [edge(1), edge(-1)].map((points) => `M${points.join("L")}Z`).join("");
-    picture.append(shape("path", { d: both, class: "scatter" }));
-  }
-  const points = roll.outline_mm.map((mm, n) => place(n * roll.step_deg, mm).join(",")).join(" ");
-  picture.append(shape("polygon", { points, class: "outline" }));
-  return picture;
-}
-
-function enlarged(roll) {
-  const size = Math.max(1e-3, ...roll.outline_mm.map(Math.abs));
-  const times = roll.radius_mm ? ((ROOM / size) * roll.radius_mm) / ROUND : null;
-  return words.enlarged.replace("{times}", number(times, 0));
-}
 
 // --- tables ------------------------------------------------------------------------------------
 
@@ -181,7 +108,7 @@ function section(roll) {
   const title = words.learned.replace("{roll}", roll.roll).replace("{actuator}", roll.actuator);
   box.append(part("h2", "", title));
   const side = part("div", "side");
-  if (roll.outline_mm.length) side.append(polar(roll));
+  if (roll.outline_mm.length) side.append(...polar(roll));
   const notes = [extremes(roll)];
   if (roll.outline_mm.length) notes.push(enlarged(roll), roll.zero);
   if (roll.scatter_mm.length) notes.push(words.band);
@@ -215,9 +142,11 @@ onPart((page) => {
     const details = box.querySelector("details");
     if (details) details.open = old?.box.querySelector("details")?.open ?? false;
     const wide = old?.box.querySelector(".scroll");
+    const isHeld = old?.box.querySelector(".angle input") === document.activeElement;
     drawn.set(roll.key, { text, box });
     if (wide) requestAnimationFrame(() => (box.querySelector(".scroll").scrollLeft = wide.scrollLeft));
     if (old) old.box.replaceWith(box);
+    if (old && isHeld) box.querySelector(".angle input")?.focus();
     return box;
   });
   const list = byId("rolls");

@@ -42,6 +42,7 @@ function query() {
   said.on = on;
   said.pre = byId("pre").value;
   said.after = after;
+  if (on === "event") said.event = byId("event").value;
   if (LEVELED.includes(on)) {
     said.of = byId("of").value;
     said.level = levelOf(byId("level").value.replace(",", "."));
@@ -284,15 +285,16 @@ function controls() {
   const on = byId("on").value;
   for (const label of document.querySelectorAll(".leveled")) label.hidden = !LEVELED.includes(on);
   for (const label of document.querySelectorAll(".triggered")) label.hidden = !on;
+  byId("event-part").hidden = on !== "event";
   const count = chosen().length;
   for (const box of boxes()) box.disabled = count >= MOST && !box.checked;
   put(byId("chosen"), words.chosen.replace("{count}", String(count)));
 }
 
-for (const id of ["seconds", "roll", "on", "of", "level", "pre", "mode"]) {
+for (const id of ["seconds", "roll", "on", "of", "event", "level", "pre", "mode"]) {
   byId(id).onchange = () => {
     controls();
-    if (["on", "of", "level", "pre", "mode"].includes(id)) run();
+    if (["on", "of", "event", "level", "pre", "mode"].includes(id)) run();
     else renew();
   };
 }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +15,8 @@ from aff_runtime.base.events import BY_NAME
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_hmi.browser.staged import PASSWORD, Stage, moment
 from tests.aff_hmi.scope.played import cut_of
+from tests.aff_hmi.see.test_rolls_part import ECCENTRIC
+from tests.aff_hmi.see.test_rolls_part import moment as of_orders
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(300)]
 BEEPS = """window.beeps = 0;
@@ -125,5 +129,36 @@ def test_all_that_stands_in_the_way_is_listed_under_the_state(
     page.picture(pictures / f"all-reasons-{language}.png")
     stage.calm()
     page.page.wait_for_function("() => document.getElementById('also-part').hidden")
+    assert page.complaints == []
+    page.close()
+
+
+def test_a_cursor_on_a_roll_reads_angle_and_deviation(
+    chromium, stage: Stage, pictures: Path
+) -> None:
+    """An eccentric roll: 0.6 mm times the cosine of the angle and 30 deg, with a comma."""
+    stage.show(of_orders(*ECCENTRIC))
+    view = {"width": 360, "height": 800}
+    page = Page(chromium, f"{stage.url}rolls", locale="de-DE", viewport=view)
+    page.page.set_default_timeout(20_000)
+    page.await_live()
+    page.await_selector(".angle input")
+    for deg in (0, 45, 150, 330):
+        page.page.fill(".angle input", str(deg))
+        told = re.match(
+            rf"{deg}°: ([+-]?\d,\d+) mm", page.text(".angle output").replace("\u2212", "-")
+        )
+        assert told, page.text(".angle output")
+        mm = 0.6 * math.cos(math.radians(deg + 30.0))
+        assert float(told[1].replace(",", ".")) == pytest.approx(mm, abs=1.1e-3)
+    page.page.locator("svg.polar").first.scroll_into_view_if_needed()
+    box = page.page.locator("svg.polar").first.bounding_box()
+    page.page.mouse.click(box["x"] + box["width"] / 2, box["y"] + 0.2 * box["height"])
+    assert page.text(".angle output").startswith("90°: ")  # straight above the middle
+    page.page.focus(".angle input")
+    page.page.keyboard.press("ArrowRight")
+    assert page.text(".angle output").startswith("93°: ")
+    assert page.run("() => document.documentElement.scrollWidth") <= 360
+    page.picture(pictures / "roll-cursor.png")
     assert page.complaints == []
     page.close()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 from urllib.parse import quote
 
@@ -16,6 +17,7 @@ from aff_hmi.gate import HEADERS
 from aff_hmi.scope.shot import SECONDS
 from aff_hmi.watch import News
 from aff_hmi.windows.desk import FULL, LONGEST_NOTE, MOST_S, NO_NAME, NO_TICKS, NOT_THERE
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from tests.aff_hmi.asgi import HOST, scope
 from tests.aff_hmi.pressed import Browser, Pressed
@@ -85,6 +87,22 @@ def test_a_trigger_is_waited_for_and_found(keeping: Pressed) -> None:
     assert (head["trigger_tick"], head["first"], head["last"]) == (500, 460, 659)
 
 
+def test_a_trigger_on_one_event_lets_all_others_go_by(keeping: Pressed) -> None:
+    play(keeping, 1)
+    sources = keeping.hub.sources
+    assert sources is not None
+    told = [(400, "SPLICE"), (500, "BYPASSED"), (600, "SPLICE")]
+    events = [(tick, 0.0, float(BY_NAME[name].code), 0.0) for tick, name in told]
+    sources.listen(replace(news(range(1, 1000)), events=events))
+    path = "/data/scope?signals=unwind_tension_N&seconds=1&on=event&pre=20"
+    for event, tick in (("", 400), ("SPLICE", 400), ("BYPASSED", 500)):
+        head, _ = read(raw(keeping, f"{path}&event={event}")[2])
+        assert head["trigger_tick"] == tick
+    assert read(raw(keeping, f"{path}&event=RIPPLE_ROSE")[2])[0]["n"] == -1
+    head, _ = read(raw(keeping, f"{path}&event=SPLICE&after=400")[2])
+    assert head["trigger_tick"] == 600
+
+
 @pytest.mark.parametrize(
     "query",
     [
@@ -101,6 +119,7 @@ def test_a_trigger_is_waited_for_and_found(keeping: Pressed) -> None:
         "kept=-",
         "pre=99",
         "on=%00",
+        "on=event&event=BOMB",
         "signals=%ff%fe",
     ],
 )
