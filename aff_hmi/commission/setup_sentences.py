@@ -59,7 +59,7 @@ QUESTIONS = (
     N_("Largest correction that the PLC allows at the unwind"),
     N_("Radius of {roll} (half its diameter)"),
     N_("Largest correction that the PLC allows at {roll}"),
-    N_("Amplitude of the probe's excitation, m/s"),
+    N_("Amplitude of the probe's excitation, m/s; none: chosen from the noise"),
     N_("Function codes"),
     N_("Law: shape, whose drive the probe finds where you do not know it, or blocks"),
     N_("Speed loop: proportional gain over inertia, rad/s; none: the probe finds it"),

@@ -136,6 +136,11 @@ function response(one) {
   const when = { actuator: one.actuator, when: one.measured_at, speed: short(one.speed_m_s) };
   const made = part("div", "response");
   made.append(part("p", "title", fill(words.of, { ...when, radius: short(one.radius_m) })));
+  if (one.repeat_sigmas !== null) {
+    const isWide = one.repeat_sigmas > one.repeat_most;
+    const figures = { sigmas: number(one.repeat_sigmas, 2), most: short(one.repeat_most) };
+    made.append(part("p", "note", fill(isWide ? words.repeatWide : words.repeat, figures)));
+  }
   if (one.drive.length) {
     const rows = one.drive.map((row) => [
       `${row.name}${row.is_sure ? "" : ` (${words.unsure})`}`,
@@ -163,7 +168,21 @@ function bound(row, seconds) {
   const size = { amplitude: short(row.amplitude), limit: short(row.limit), unit: row.unit };
   const said = fill(words.bound, { actuator: row.actuator, seconds: number(seconds, 0), ...size });
   const moved = row.ripple === null ? words.first : words.ripple;
-  return `${said}; ${fill(moved, { signal: row.signal, ripple: short(row.ripple), unit: row.signal_unit })}`;
+  const parts = [
+    said,
+    row.is_chosen ? words.chosen : words.given,
+    fill(moved, { signal: row.signal, ripple: short(row.ripple), unit: row.signal_unit }),
+  ];
+  if (row.bound_N !== null) {
+    parts.push(fill(words.movesN, { signal: row.signal, bound: short(row.bound_N) }));
+  } else if (row.bound_share !== null) {
+    parts.push(fill(words.movesShare, { signal: row.signal, bound: short(100 * row.bound_share) }));
+  }
+  if (row.sent !== null) parts.push(fill(words.sent, { amplitude: short(row.sent), unit: row.unit }));
+  if (row.louder !== null) {
+    parts.push(fill(words.louder, { louder: short(row.louder), unit: row.unit }));
+  }
+  return parts.join("; ");
 }
 
 let lineSaid = "";
@@ -177,6 +196,9 @@ function showLine() {
   listing(byId("facts"), [...(line?.warnings ?? []), ...(line?.limits ?? []), ...(line?.orders ?? [])]);
   put(byId("warned"), line?.warnings.length ? ` ▲ ${line.warnings.length}` : "");
   listing(byId("bounds"), (line?.probe?.rows ?? []).map((row) => bound(row, line.probe.duration_s)));
+  const isFaint = (line?.probe?.rows ?? []).some((row) => row.louder !== null);
+  if (byId("louder")) byId("louder").hidden = !isFaint;
+  byId("probe-louder-why").hidden = !isFaint;
   listing(byId("drives"), line?.drives ?? []);
   byId("found").replaceChildren(...(line?.responses ?? []).map(response));
   const isProbed = (line?.responses.length ?? 0) > 0;

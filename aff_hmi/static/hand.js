@@ -1,7 +1,7 @@
 // Bypass in one press, arming by holding. What the service would refuse cannot be pressed, and says
 // why. A press is done when the line shows it, not when the server has answered.
 const HOLD_MS = 1000;
-const CONFIRM_MS = { bypass: 1000, arm: 2000, probe: 4000, shadow: 2000, "end-shadow": 2000 };
+const CONFIRM_MS = { bypass: 1000, arm: 2000, probe: 4000, "probe-louder": 4000, shadow: 2000, "end-shadow": 2000 };
 const PATIENCE_MS = 4000;
 const armed = ["ARMED", "ACTIVE"];
 const rests = ["OFF", "READY", "BYPASS", "FAULT"];
@@ -9,6 +9,7 @@ const SHOWS = {
   bypass: ["BYPASS", "FAULT"],
   arm: armed,
   probe: armed,
+  "probe-louder": armed,
   shadow: ["SHADOW"],
   "end-shadow": rests,
 };
@@ -19,7 +20,7 @@ const words = byId("hand-words").dataset;
 const arm = byId("arm");
 const bypass = byId("bypass");
 // those beside bypass are held; not every page has all of them
-const heldOnes = [arm, ...["probe", "shadow", "end-shadow", "forget"].map(byId)].filter(Boolean);
+const heldOnes = [arm, ...["probe", "probe-louder", "shadow", "end-shadow", "forget"].map(byId)].filter(Boolean);
 
 let frame = null;
 let hold = null;

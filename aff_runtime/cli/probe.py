@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +14,16 @@ from aff_runtime.base.units import plain
 from aff_runtime.cli.service import add_state_dir, connect
 from aff_runtime.cli.terminal import say
 from aff_runtime.config.identified_drive import numbers_of
-from aff_runtime.config.models import Actuator, Site
+from aff_runtime.config.models import Site
+from aff_runtime.config.models.service import BOUND_SHARE
+from aff_runtime.config.probe_bound import probe_bound
+from aff_runtime.core.probe.repeats import MOST_REPEAT_ERRORS
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, MIN_COHERENCE, Response
 
+CHOOSING_S = 80.0  # per actuator: a quiet stretch and three steps of 10 s, and their fades
 MARGIN_S = 150.0  # the fit of a long record on a small machine
 WANTED_COHERENCE = 0.9  # for the next probe: half the noise power that may be
+NEARLY = 0.99  # of the bound: no louder probe then
 LEAST_COHERENCE = 0.05  # below it noise alone gives as much
 
 
@@ -35,6 +40,16 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="only this actuator; may be repeated (default: all, one after the other)",
     )
+    parser.add_argument(
+        "--louder",
+        action="store_true",
+        help="send twice what was sent for the responses in force, as far as the bound lets",
+    )
+    parser.add_argument(
+        "--twice",
+        action="store_true",
+        help="probe again at once: how far the two are apart tells whether their errors are right",
+    )
     add_state_dir(parser)
     parser.set_defaults(command=probe)
 
@@ -42,28 +57,86 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
 def probe(options: argparse.Namespace) -> int:
     """Run a probe and print its table."""
     site = load_parameters(options.site, options.state_dir).checked().site
+    names = options.actuator or list(site.actuators)
+    for line in bounds(site, names):
+        say(line)
+    for count in range(1 + options.twice):
+        _once(options, site, names, louder=options.louder and count == 0)
+    return 0
+
+
+def _once(options: argparse.Namespace, site: Site, names: list[str], *, louder: bool) -> None:
+    """Run one probe and print its table."""
     duration_s = site.probe.duration_s
-    say(f"probing for about {duration_s:.0f} s; `aff-runtime bypass` ends it")
+    choosing_s = CHOOSING_S * len(names) * any(is_chosen(site, name) for name in names)
+    before = f", and up to {choosing_s:.0f} s before for the choice of it" if choosing_s else ""
+    say(f"probing for about {duration_s:.0f} s{before}; `aff-runtime bypass` ends it")
     client = connect(options)
     try:
-        answer = client.ask("probe", timeout_s=duration_s + MARGIN_S, actuators=options.actuator)
+        answer = client.ask(
+            "probe",
+            timeout_s=duration_s + choosing_s + MARGIN_S,
+            actuators=options.actuator,
+            **({"louder": True} if louder else {}),
+        )
     finally:
         client.close()
     for kept in ProbeDone.from_json(answer).results:
         actuator = site.actuators[kept.result.actuator]
+        measured = Response.from_json(kept.result.text)
         for line in table(kept, actuator.response_unit):
             say(line)
-        for line in unsure(Response.from_json(kept.result.text), *_excitation(site, actuator)):
+        bound = probe_bound(site, kept.result.actuator)
+        if bound.given is None:
+            amplitude, key = bound.most, bound.key
+        else:
+            amplitude, key = bound.given, bound.key.replace("bound", "amplitude")
+        is_less = measured.provenance.amplitude < NEARLY * bound.most
+        for line in unsure(measured, key, amplitude, may_be_louder=is_less):
             say(line)
-    return 0
+
+
+def is_chosen(site: Site, name: str) -> bool:
+    """Return whether the amplitude at an actuator is chosen from the noise."""
+    return probe_bound(site, name).given is None
+
+
+def bounds(site: Site, names: Sequence[str]) -> Iterator[str]:
+    """Yield what a probe will send and move at most, before it does."""
+    for name in names:
+        actuator, bound = site.actuators[name], probe_bound(site, name)
+        unit = actuator.unit
+        sent = (
+            f"at most {bound.most:g} {unit}, chosen from the noise"
+            if bound.given is None
+            else f"{bound.given:g} {unit}"
+        )
+        moved = ""
+        if actuator.error.signal.endswith("_N"):
+            if site.probe.bound_N is not None:
+                moved = (
+                    f"; it ends where {actuator.error.signal} moves by {site.probe.bound_N:g} N"
+                )
+            elif bound.given is None:
+                share = f"{BOUND_SHARE:.0%} of what it is"
+                moved = f"; it ends where {actuator.error.signal} moves by {share}"
+        yield f"{name}: {sent}{moved}"
 
 
 def table(kept: KeptResponse, unit: str) -> Iterator[str]:
     """Yield one probed actuator as text; ``unit`` is that of its gain."""
     result = kept.result
     yield f"{result.actuator}: sign {result.sign:+d}, delay {result.delay_s * 1e3:.0f} ms"
-    yield f"      Hz {unit:>10}   phase deg  error %  coherence"
     measured = Response.from_json(result.text)
+    about = measured.provenance
+    if math.isfinite(about.amplitude):
+        yield f"  sent: {about.amplitude:.3g} {unit.partition('/(')[2].rstrip(')')} at most"
+    if math.isfinite(about.repeat_sigmas):
+        yield (
+            f"  against the probe before: {about.repeat_sigmas:.2f} of the stated errors apart "
+            f"(1 where they are right, at most {MOST_REPEAT_ERRORS:g})"
+        )
+    yield f"      Hz {unit:>10}   phase deg  error %  coherence"
     for point in measured.points:
         yield (
             f"{point.frequency_Hz:8.3f} {point.gain:10.4g} "
@@ -79,15 +152,12 @@ def table(kept: KeptResponse, unit: str) -> Iterator[str]:
     yield f"  kept in {kept.file}"
 
 
-def _excitation(site: Site, actuator: Actuator) -> tuple[str, float]:
-    """Return the key of the probe's amplitude and its value, SI."""
-    if actuator.output == "velocity_reference":
-        return "probe.amplitude_m_s", site.probe.amplitude_m_s
-    return "probe.amplitude_N_m", site.probe.amplitude_N_m
-
-
-def unsure(measured: Response, key: str, amplitude: float) -> Iterator[str]:
+def unsure(
+    measured: Response, key: str, amplitude: float, *, may_be_louder: bool = False
+) -> Iterator[str]:
     """Yield what to do where frequencies were heard too badly for their orders to go out.
+
+    ``may_be_louder`` : less was sent than the bound lets.
 
     Noise stays while the tones grow: (1 - coherence) / coherence falls with the amplitude squared.
     """
@@ -105,6 +175,9 @@ def unsure(measured: Response, key: str, amplitude: float) -> Iterator[str]:
         f"  {len(bad)} of {len(measured.points)} frequencies are not sure to 60 deg, or below a "
         f"coherence of {MIN_COHERENCE:g}: orders near them rest, and may keep it from arming"
     )
+    if may_be_louder:
+        yield "  probe again with --louder, within its bound, or with a longer probe.duration_s"
+        return
     louder = f"{_up(amplitude * max(times, 2.0))} (was {amplitude:g})"
     yield (
         f"  probe again with {key}: {louder}, if the web may ripple so, or with a longer "

@@ -12,6 +12,7 @@ __all__ = [
     "loader",
     "models",
     "plain_file",
+    "probe_bound",
     "reference",
     "revision",
     "site_paths",

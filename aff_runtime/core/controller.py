@@ -66,6 +66,7 @@ class Controller:
             When an actuator names a channel or a roll that does not exist.
         """
         self._site = site
+        self.responses = dict(responses)
         self._phases = RollPhases(site)
         index = {name: i for i, name in enumerate(site.channels)}
         for actuator in site.actuators:

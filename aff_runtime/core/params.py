@@ -205,7 +205,10 @@ class SiteParams:
 class ProbeParams:
     """How the response is measured.
 
-    ``amplitude`` bounds the whole excitation of each actuator in its unit. Tones stand
+    ``amplitude`` bounds the whole excitation of each actuator in its unit. With ``is_chosen`` it
+    is the most that may be sent: what is sent follows from the noise, but is no less than
+    ``louder_than``. A signal in newtons may move by ``bound_N``, or by ``bound_share`` of its mean
+    where that is less, else the probe ends. Tones stand
     ``offset_Hz`` beside every configured order, on a log grid of ``grid_points`` over the band
     that the orders sweep (to the smallest radius at ``max_speed_m_s``, up to ``f_max_Hz``), on
     ``low_points`` below it and at ``extra_frequencies_Hz``; above ``louder_from_Hz`` they grow
@@ -228,3 +231,12 @@ class ProbeParams:
     settle_s: float = 3.0
     listen_s: float = 2.0
     nuisance_orders: int = 8
+    is_chosen: bool = False
+    louder_than: float = 0.0
+    bound_N: float = math.inf
+    bound_share: float = math.inf
+
+    @property
+    def measured_s(self) -> float:
+        """How much of the record is fitted."""
+        return self.duration_s - 2.0 * self.fade_s - self.settle_s

@@ -24,6 +24,7 @@ MIN_COHERENCE = 0.73  # 1 / (1 + e^2) at the error e whose phase is known to 60 
 BAND_SLACK = 1.02  # an order this little outside the probed band, by ratio, may arm
 GAIN_RANGE = (1e-9, 1e12)  # signal unit per output unit; far outside what any line does
 COHERENCE_ROUNDING = 1e-6  # of a coherence above 1
+MEASURED = ("cycle_s", "amplitude", "amplitude_needed", "repeat_sigmas")
 _UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
 
@@ -44,7 +45,12 @@ class ResponsePoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Provenance:
-    """Where a response comes from; texts and numbers for people and audits."""
+    """Where a response comes from; texts and numbers for people and audits.
+
+    ``amplitude`` is the peak of what was sent, ``amplitude_needed`` what the noise asked for, in
+    the unit of the output. ``repeat_sigmas`` is how far the response is from the one before, of
+    the same speed and radius, in their stated errors; NaN where there was none.
+    """
 
     actuator: str
     signal: str
@@ -54,6 +60,9 @@ class Provenance:
     line_speed_m_s: float = math.nan
     radius_m: float = math.nan
     cycle_s: float = math.nan
+    amplitude: float = math.nan
+    amplitude_needed: float = math.nan
+    repeat_sigmas: float = math.nan
 
 
 class Response:
@@ -192,7 +201,7 @@ class Response:
             if data["format"] != FORMAT:
                 raise ConfigError(f"response format {data['format']!r}, need {FORMAT!r}")
             kept = {k: v for k, v in data["provenance"].items() if v is not None}
-            kept |= {k: float(v) for k, v in kept.items() if k == "cycle_s"}
+            kept |= {k: float(v) for k, v in kept.items() if k in MEASURED}
             points = [ResponsePoint(**{k: float(v) for k, v in p.items()}) for p in data["points"]]
             drive = data.get("drive")
             return cls(

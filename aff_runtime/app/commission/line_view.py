@@ -25,11 +25,16 @@ from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.config.check import MAX_RESPONSE_BYTES, check_site
 from aff_runtime.config.identified_drive import with_identified
 from aff_runtime.config.models import Site
+from aff_runtime.config.models.service import BOUND_SHARE
 from aff_runtime.config.plain_file import read_plain
+from aff_runtime.config.probe_bound import TIMES_LOUDER, probe_bound
 from aff_runtime.core.identified import Estimate, IdentifiedDrive
-from aff_runtime.core.response import Response
+from aff_runtime.core.probe.repeats import MOST_REPEAT_ERRORS
+from aff_runtime.core.response import MIN_COHERENCE, Response
 
 MOST_MESSAGES = 60
+ROUNDED = 1.0 + 1e-6
+"""A bound is reached within this."""
 
 
 def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
@@ -77,10 +82,15 @@ def _bounds(site: Site, responses: dict[str, Response]) -> ProbeView:
     """Return what a probe sends at most, and how far the last response says the signal moves."""
     rows = []
     for name, actuator in site.actuators.items():
-        of_speed = actuator.output == "velocity_reference"
-        amplitude = site.probe.amplitude_m_s if of_speed else site.probe.amplitude_N_m
+        bound = probe_bound(site, name)
+        signal_unit = unit_of_channel(actuator.error.signal) or "1"
+        is_tension = signal_unit == "N"
+        is_chosen = bound.given is None
+        amplitude = bound.most if bound.given is None else bound.given
         former = responses.get(name)
-        gain = max((one.gain for one in former.points), default=math.nan) if former else math.nan
+        bound_N = site.probe.bound_N if is_tension else None
+        is_tenth = is_tension and is_chosen and bound_N is None
+        ripple = amplitude * _gain_of(former)
         rows.append(
             ProbeRow(
                 actuator=name,
@@ -88,11 +98,30 @@ def _bounds(site: Site, responses: dict[str, Response]) -> ProbeView:
                 limit=actuator.limit,
                 unit=actuator.unit,
                 signal=actuator.error.signal,
-                signal_unit=unit_of_channel(actuator.error.signal) or "1",
-                ripple=_known(amplitude * gain),
+                signal_unit=signal_unit,
+                ripple=_known(min(ripple, bound_N) if bound_N is not None else ripple),
+                is_chosen=is_chosen,
+                bound_N=bound_N,
+                bound_share=BOUND_SHARE if is_tenth else None,
+                sent=_known(former.provenance.amplitude) if former else None,
+                louder=_louder(former, max(amplitude, bound.most)),
             )
         )
     return ProbeView(duration_s=site.probe.duration_s, rows=tuple(rows))
+
+
+def _gain_of(former: Response | None) -> float:
+    """Return the largest gain of a response, NaN of none."""
+    return max((one.gain for one in former.points), default=math.nan) if former else math.nan
+
+
+def _louder(former: Response | None, most: float) -> float | None:
+    """Return what a louder probe would send; None where it is of no use, or may not be."""
+    sent = former.provenance.amplitude if former else math.nan
+    if former is None or not 0.0 < sent * ROUNDED < most:
+        return None
+    unsure = any(point.coherence < MIN_COHERENCE for point in former.points)
+    return min(TIMES_LOUDER * sent, most) if unsure else None
 
 
 def _response(name: str, response: Response, site: Site) -> ResponseView:
@@ -115,6 +144,8 @@ def _response(name: str, response: Response, site: Site) -> ResponseView:
             for one in response.points
         ),
         drive=_drive(response.drive) if response.drive is not None else (),
+        repeat_sigmas=_known(about.repeat_sigmas),
+        repeat_most=MOST_REPEAT_ERRORS,
     )
 
 

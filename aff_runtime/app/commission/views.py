@@ -148,7 +148,12 @@ class ProbeRow:
 
     Attributes
     ----------
+    amplitude : that the site file sets, or with ``is_chosen`` the most that is chosen.
+    bound_N : by how much it may move ``signal`` beyond what that does without it, N.
+    bound_share : the same as a share of the signal. None: no such bound.
     ripple : of ``signal`` at that amplitude by the last probe, ``signal_unit``; None before one.
+    sent : the amplitude of the last probe.
+    louder : what a louder one would send; None where all is heard, or the bound is reached.
     """
 
     actuator: str
@@ -158,6 +163,11 @@ class ProbeRow:
     signal: str
     signal_unit: str
     ripple: float | None
+    is_chosen: bool = False
+    bound_N: float | None = None
+    bound_share: float | None = None
+    sent: float | None = None
+    louder: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -191,7 +201,11 @@ class PointView(NamedTuple):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResponseView:
-    """A measured response; ``unit`` is its gain's, speed and radius None where not known."""
+    """A measured response; ``unit`` is its gain's, speed and radius None where not known.
+
+    ``repeat_sigmas`` is how far it is from the one before, of the same speed and radius, in their
+    stated errors, ``repeat_most`` up to where those are right; None where there was none before.
+    """
 
     actuator: str
     unit: str
@@ -201,6 +215,8 @@ class ResponseView:
     delay_s: float
     points: tuple[PointView, ...]
     drive: tuple[DriveRow, ...]
+    repeat_sigmas: float | None = None
+    repeat_most: float | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

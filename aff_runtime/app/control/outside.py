@@ -281,6 +281,8 @@ class ControlOutside:
             was_armed=was_armed,
             config_hash=self._revision,
             version=self._meta.versions.get("aff-runtime", ""),
+            former=self._law.controller.responses,
+            louder=said.louder,
         )
         law = LawSlot(self._law.controller, probe=self._probe.probe)
         self._next_law = law

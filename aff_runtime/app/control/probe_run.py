@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from aff_runtime.app.link import replies
 from aff_runtime.app.link.messages import Probed
@@ -16,14 +16,19 @@ from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.signals import State
 from aff_runtime.config.models import Site
+from aff_runtime.config.probe_bound import TIMES_LOUDER
 from aff_runtime.core.probe.probe import Probe, ProbeResult, Stage
-from aff_runtime.core.response import Provenance
+from aff_runtime.core.response import Provenance, Response
 
 START_PATIENCE_S = 10.0
 
 
 class ProbeRun:
     """From the operator's command to the fit.
+
+    Parameters
+    ----------
+    former : the responses in force. ``louder`` : send twice what was sent for them, if it may be.
 
     Raises
     ------
@@ -39,13 +44,15 @@ class ProbeRun:
         was_armed: bool,
         config_hash: str,
         version: str,
+        former: Mapping[str, Response] | None = None,
+        louder: bool = False,
     ) -> None:
-        settings = probe_params(site, actuators)
+        settings = probe_params(site, actuators, louder_than=_louder(former, actuators, louder))
         self._site = site
         self._config_hash = config_hash
         self._version = version
         self._settings = settings
-        self.probe = Probe(site_params(site), settings)
+        self.probe = Probe(site_params(site), settings, former)
         self.was_armed = was_armed
         self.duration_s = self.probe.expected_s + START_PATIENCE_S
         self._first_tick: int | None = None
@@ -75,6 +82,8 @@ class ProbeRun:
         if self.probe.stage is Stage.DONE:
             return ""
         reason = self.probe.reason or self._failure or "aborted"
+        if self.probe.stage is Stage.LISTENING and self.probe.waiting:
+            reason = f"{reason}; {self.probe.waiting}"
         return f"{reason}; {state.name}: {blocked}" if blocked else reason
 
     def fit_in_child(self, link: Link, tick: TickRow) -> None:
@@ -132,6 +141,12 @@ class ProbeRun:
         if roll.radius_m is not None:
             return roll.radius_m
         return tick.number(roll.radius)
+
+
+def _louder(former: Mapping[str, Response] | None, names: Sequence[str], louder: bool) -> float:
+    """Return the amplitude that a louder probe is to reach; 0 where none was sent before."""
+    sent = [former[name].provenance.amplitude for name in names if former and name in former]
+    return TIMES_LOUDER * max((one for one in sent if one > 0.0), default=0.0) if louder else 0.0
 
 
 def _told(result: ProbeResult) -> replies.ProbeResult:

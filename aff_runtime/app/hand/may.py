@@ -22,6 +22,7 @@ class Action(StrEnum):
     BYPASS = "bypass"
     ARM = "arm"
     PROBE = "probe"
+    PROBE_LOUDER = "probe-louder"
     SHADOW = "shadow"
     END_SHADOW = "end-shadow"
     FORGET = "forget"
@@ -30,6 +31,7 @@ class Action(StrEnum):
     UNDO = "undo"
 
 
+PROBES = (Action.PROBE, Action.PROBE_LOUDER)
 OF_SETTINGS = (Action.TRY, Action.KEEP, Action.UNDO)
 """What a screen asks of the commissioner, and that of the service; the hand hears all others."""
 BY_HAND = tuple(action for action in Action if action not in OF_SETTINGS)
@@ -223,11 +225,11 @@ def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...
         reasons.append(Reason(code=Code.OTHER_HAND, name=now.hand_of))
     elif not person.has_hand:
         reasons.append(Reason(code=Code.NO_HAND))
-    if action is Action.PROBE and now.probing:
+    if action in PROBES and now.probing:
         reasons.append(Reason(code=Code.PROBING))
     if action in OF_SETTINGS:
         return (*reasons, *against_settings(action, now))
-    of_service = _of_guard if action in (Action.ARM, Action.PROBE) else _of_rest
+    of_service = _of_guard if action in (Action.ARM, *PROBES) else _of_rest
     return (*reasons, *of_service(action, now))
 
 
@@ -250,7 +252,7 @@ def against_settings(action: Action, now: Circumstances) -> tuple[Reason, ...]:
 
 def _of_person(action: Action, person: Person, now: Circumstances) -> list[Code]:
     least, no_screen, no_account = Role.OPERATE, Code.CEILING, Code.ROLE
-    if action is Action.PROBE:
+    if action in PROBES:
         least, no_screen, no_account = Role.COMMISSION, Code.NO_PROBE, Code.PROBE_ROLE
     elif action in OF_SETTINGS:
         least, no_screen, no_account = Role.COMMISSION, Code.NO_SETTINGS, Code.SETTINGS_ROLE
@@ -272,7 +274,7 @@ def _of_guard(action: Action, now: Circumstances) -> tuple[Reason, ...]:
         Reason(code=Code.GUARD, name=one)
         for one in now.against
         if not _is_confirmed_by_arming(one, now.state)
-        and not (action is Action.PROBE and _OF_LAW.match(one))
+        and not (action in PROBES and _OF_LAW.match(one))
     )
     return reasons or ((Reason(code=Code.FADING),) if now.state is State.FADING else ())
 

@@ -49,10 +49,11 @@ class Shadow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MeasureResponse:
-    """Probe these actuators; all of them when none is named."""
+    """Probe these actuators, all of them when none is named; ``louder`` than the last time."""
 
     id: int
     actuators: tuple[str, ...] = ()
+    louder: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

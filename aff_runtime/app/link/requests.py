@@ -16,7 +16,7 @@ MAX_ID_NUMBER = 2**53
 MAX_BY_CHARACTERS = 64
 VERBS = ("arm", "bypass", "forget", "shadow", "status", "probe", "settings", "stop")
 QUESTIONS = frozenset({"arm", "forget", "shadow", "probe"})  # answered by the control process
-_KEYS = {"do", "id", "by", "on", "actuators", *settings_request.KEYS}
+_KEYS = {"do", "id", "by", "on", "actuators", "louder", *settings_request.KEYS}
 Ident: TypeAlias = str | int | None
 
 
@@ -42,7 +42,7 @@ class Request:
     ident : the caller's own number or name of the request, echoed in its answer.
     by : on whose behalf, as the caller claims; empty when it claims nothing.
     on : of ``shadow``.
-    actuators : of ``probe``; empty for all.
+    actuators : of ``probe``; empty for all. ``louder`` : than the last one, within its bound.
     settings : of ``settings``.
     """
 
@@ -51,6 +51,7 @@ class Request:
     by: str = ""
     on: bool = True
     actuators: tuple[str, ...] = ()
+    louder: bool = False
     settings: SettingsRequest | None = None
 
 
@@ -99,10 +100,21 @@ def _checked(said: dict[str, Any], ident: Ident) -> Request:
         raise RefusedError(f"by: a text of {MAX_BY_CHARACTERS} characters at most is needed")
     if not isinstance(on, bool):
         raise RefusedError(f"on: true or false is needed, not {_short(on)}")
+    louder = said.get("louder", False)
+    if not isinstance(louder, bool):
+        raise RefusedError(f"louder: true or false is needed, not {_short(louder)}")
     if not isinstance(actuators, list) or not all(isinstance(name, str) for name in actuators):
         raise RefusedError("actuators: a list of names is needed")
     settings = settings_request.settings_request(said) if do == "settings" else None
-    return Request(do=do, ident=ident, by=by, on=on, actuators=tuple(actuators), settings=settings)
+    return Request(
+        do=do,
+        ident=ident,
+        by=by,
+        on=on,
+        actuators=tuple(actuators),
+        louder=louder,
+        settings=settings,
+    )
 
 
 def _ident(given: object) -> Ident:

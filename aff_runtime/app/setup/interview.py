@@ -255,9 +255,9 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
     asked += [
         Question(
             name="probe",
-            text="Amplitude of the probe's excitation, m/s",
+            text="Amplitude of the probe's excitation, m/s; none: chosen from the noise",
             read=number("m/s", 0.0, 0.1),
-            default="0.0008",
+            default=NONE,
         ),
         Question(
             name="function", text="Function codes", read=one_of("fc23", "fc3_fc16"), default="fc23"

@@ -87,6 +87,8 @@ def _conditions(draft: Draft) -> dict[str, bool]:
     }
     facts |= {other: not facts[name] for name, other in against.items()}
     return facts | {
+        "given": answers.get("probe", NONE) != NONE,
+        "chosen": answers.get("probe", NONE) == NONE,
         "gain": is_shape and answers.get("speed_gain", NONE) != NONE,
         "inertia": is_shape and answers.get("inertia", NONE) != NONE,
         "wound": is_shape and answers.get("density", NONE) != NONE,

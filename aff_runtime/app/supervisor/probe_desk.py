@@ -50,6 +50,8 @@ class Probes:
         actuators: Sequence[str],
         tell: Callable[[Done | ProbeDone], None],
         began: Callable[[Reply], None] = lambda reply: None,
+        *,
+        louder: bool = False,
     ) -> None:
         """Have the control process measure.
 
@@ -57,6 +59,7 @@ class Probes:
         ----------
         actuators : empty: all of them.
         tell : called once with what came of it. ``began`` : when it begins, or does not.
+        louder : send twice what was sent for the responses in force, as far as the bound lets.
 
         Raises
         ------
@@ -76,9 +79,9 @@ class Probes:
             return as_answer(reply)
 
         ident = self._pending.expect(None, answered, BEGIN_PATIENCE_S)
-        control.link.send(MeasureResponse(id=ident, actuators=tuple(actuators)))
+        control.link.send(MeasureResponse(id=ident, actuators=tuple(actuators), louder=louder))
 
-    def begin_by_hand(self, began: Callable[[Reply], None]) -> None:
+    def begin_by_hand(self, began: Callable[[Reply], None], *, louder: bool = False) -> None:
         """Probe every actuator for a screen, which sees what comes of it in the status.
 
         Raises
@@ -86,7 +89,7 @@ class Probes:
         RefusedError
             As `begin`.
         """
-        self.begin((), lambda done: None, began)
+        self.begin((), lambda done: None, began, louder=louder)
 
     def finish(self, probed: Probed) -> None:
         """Take what was measured."""

@@ -292,7 +292,7 @@ class Supervisor:
     def _start_probe(self, asked: Asked) -> None:
         """Have the control process measure; the caller is answered when it is fitted."""
         actuators = _known(asked.request.actuators, self._processes.parameters)
-        self._probes.begin(actuators, asked.answer)
+        self._probes.begin(actuators, asked.answer, louder=asked.request.louder)
         self._note_command(asked, *actuators)
 
     def _status(self) -> StatusAnswer:

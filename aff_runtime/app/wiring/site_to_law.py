@@ -10,6 +10,8 @@ from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.models import Actuator, Drive, Roll, Site
 from aff_runtime.config.models.drive import slow_band
+from aff_runtime.config.models.service import BOUND_SHARE
+from aff_runtime.config.probe_bound import probe_bound
 from aff_runtime.core.blocks.bank import SAMPLES_PER_TURN
 from aff_runtime.core.params import (
     ActuatorParams,
@@ -45,8 +47,12 @@ def site_params(site: Site) -> SiteParams:
     )
 
 
-def probe_params(site: Site, actuators: Sequence[str]) -> ProbeParams:
+def probe_params(site: Site, actuators: Sequence[str], *, louder_than: float = 0.0) -> ProbeParams:
     """Return how the response of ``actuators`` is measured.
+
+    Parameters
+    ----------
+    louder_than : an amplitude that is to be reached, within the bound; in the output's unit.
 
     Raises
     ------
@@ -63,7 +69,7 @@ def probe_params(site: Site, actuators: Sequence[str]) -> ProbeParams:
             "velocity and torque references have different amplitudes; "
             "probe them one after the other with --actuator"
         )
-    is_velocity = kinds == {"velocity_reference"}
+    amplitude, is_chosen, bound_N, share = _loudness(site, actuators, louder_than)
     shaped = [site.actuators[name] for name in actuators if site.actuators[name].law == "shape"]
     drives = [actuator.drive for actuator in shaped]
     bands = [d.band(site.cycle_s) if d else slow_band(site.cycle_s) for d in drives]
@@ -71,12 +77,33 @@ def probe_params(site: Site, actuators: Sequence[str]) -> ProbeParams:
     return replace(
         _shape_probe(site, end_Hz) if bands else _blocks_probe(site),
         actuators=tuple(actuators),
-        amplitude=site.probe.amplitude_m_s if is_velocity else site.probe.amplitude_N_m,
+        amplitude=amplitude,
+        is_chosen=is_chosen,
+        louder_than=louder_than,
+        bound_N=bound_N,
+        bound_share=share,
         duration_s=site.probe.duration_s,
         offset_Hz=site.probe.offset_Hz,
         extra_frequencies_Hz=tuple(site.probe.extra_frequencies_Hz),
         max_speed_m_s=site.speed_max_m_s if math.isfinite(site.speed_max_m_s) else 0.0,
     )
+
+
+def _loudness(
+    site: Site, actuators: Sequence[str], louder_than: float
+) -> tuple[float, bool, float, float]:
+    """Return the amplitude or its bound, which of them it is, and by how much tension may move.
+
+    A probe that is to be louder than the amplitude of the site file goes to it, within the bound.
+    """
+    bounds = [probe_bound(site, name) for name in actuators]
+    most = min(one.most for one in bounds)
+    given = bounds[0].given
+    is_chosen = given is None
+    amplitude = most if given is None else max(given, min(louder_than, most))
+    bound_N = site.probe.bound_N
+    share = BOUND_SHARE if is_chosen and bound_N is None else math.inf
+    return amplitude, is_chosen, math.inf if bound_N is None else bound_N, share
 
 
 def _blocks_probe(site: Site) -> ProbeParams:

@@ -59,4 +59,5 @@ __all__ = [
     "WriteWord",
     "drive",
     "gateway",
+    "service",
 ]

@@ -12,6 +12,7 @@ from aff_runtime.config.quantity import (
     Megabytes,
     MetresPerSecond,
     NewtonMetres,
+    Newtons,
     Seconds,
     Section,
     Text,
@@ -20,21 +21,50 @@ from aff_runtime.config.quantity import (
 )
 
 ProbeFrequency = Annotated[float, Unit("Hz"), Field(gt=0, le=100)]
+BOUND_M_S, BOUND_N_M = 0.02, 0.5
+"""The lower end of what the law shape wants of a probe; on a plain line 0.001 m/s often does."""
+BOUND_SHARE = 0.1
+"""Of the tension: what a line's own loop corrects at a splice."""
 
 
 class Probe(Section):
     """The measurement of the loop response while the line runs."""
 
-    amplitude_m_s: MetresPerSecond = key(
-        "Amplitude of the excitation on velocity references. Raise it when probe reports poor "
-        "quality; lower it when the product shows it.",
-        default=0.0008,
+    amplitude_m_s: MetresPerSecond | None = key(
+        "Amplitude of the excitation on velocity references. Absent: chosen from the noise and "
+        "the response, within the bounds below.",
+        default=None,
         live=True,
         gt=0,
         le=0.1,
     )
-    amplitude_N_m: NewtonMetres = key(
-        "Amplitude of the excitation on torque references.", default=0.05, live=True, gt=0, le=1000
+    amplitude_N_m: NewtonMetres | None = key(
+        "Amplitude of the excitation on torque references. Absent: chosen likewise.",
+        default=None,
+        live=True,
+        gt=0,
+        le=1000,
+    )
+    bound_m_s: MetresPerSecond = key(
+        "Most that a chosen amplitude takes on velocity references; the limit of the actuator, "
+        "where that is less. Raise it where a probe is not heard; lower it when the product "
+        "shows it.",
+        default=BOUND_M_S,
+        live=True,
+        gt=0,
+        le=0.1,
+    )
+    bound_N_m: NewtonMetres = key(
+        "The same on torque references.", default=BOUND_N_M, live=True, gt=0, le=1000
+    )
+    bound_N: Newtons | None = key(
+        "By how much a probe may move a tension beyond what it does without one: the amplitude "
+        "is chosen to stay below it, and a probe that goes beyond it ends. Absent: a tenth of "
+        "the tension with a chosen amplitude, no bound with a given one.",
+        default=None,
+        live=True,
+        gt=0,
+        le=10000,
     )
     duration_s: Seconds = key(
         "Time of the whole measurement. Lengthen it when probe reports poor quality.",

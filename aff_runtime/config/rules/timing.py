@@ -43,7 +43,7 @@ def issues(site: Site) -> Iterator[Issue]:
     for name, actuator in site.actuators.items():
         velocity = actuator.unit == "m/s"
         amplitude = site.probe.amplitude_m_s if velocity else site.probe.amplitude_N_m
-        if amplitude > actuator.limit > 0:
+        if amplitude is not None and amplitude > actuator.limit > 0:
             key = "amplitude_m_s" if velocity else "amplitude_N_m"
             text = f"{plain(amplitude)} {actuator.unit} is above the limit of {name}. Lower it."
             yield Issue(path=("probe", key), text=text)

@@ -161,9 +161,32 @@ class Waveform:
         faded = 0.5 - 0.5 * math.cos(math.pi * edge) if edge < 1.0 else 1.0
         return self._table[k % self._period] * faded * self.amplitude(peak)
 
+    def turn(self, k: int, peak: float) -> float:
+        """Return sample ``k`` of the wave without its fades."""
+        return self._table[k % self._period] * self.amplitude(peak)
+
+    def steepness(self, peak: float) -> float:
+        """Return a bound of the rate of change of ``turn``."""
+        return self.amplitude(peak) * self._steepest
+
+    @property
+    def period(self) -> int:
+        """Samples after which the wave repeats."""
+        return self._period
+
+    @property
+    def at(self) -> npt.NDArray[np.int64]:
+        """How often each tone turns in one period."""
+        return self._at
+
+    @property
+    def phasors(self) -> npt.NDArray[np.complex128]:
+        """Every tone of a wave of peak 1: amplitude, and phase at the beginning of a period."""
+        return np.asarray(self.amplitude(1.0) * self._sizes * np.exp(1j * self._phases))
+
     def slew(self, peak: float) -> float:
         """Return a bound of the waveform's rate of change."""
-        return self.amplitude(peak) * self._steepest + peak * 0.5 * math.pi / self._fade_s
+        return self.steepness(peak) + peak * 0.5 * math.pi / self._fade_s
 
     @property
     def tones(self) -> tuple[tuple[float, float, float], ...]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 import numpy as np
@@ -15,20 +15,23 @@ from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.probe_columns import EXCITING, PROGRESS, STAGE
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.controller import RollPhases
-from aff_runtime.core.params import ActuatorParams, ProbeParams, RollParams, SiteParams
+from aff_runtime.core.params import ProbeParams, SiteParams
 from aff_runtime.core.phase import Quality
+from aff_runtime.core.probe.bounds import Bounds
+from aff_runtime.core.probe.choosing import Choosing
 from aff_runtime.core.probe.drive_record import DriveRecord
 from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones, measured_sign
-from aff_runtime.core.probe.excitation import ROUNDS, Waveform, log_grid, place_tones, step_Hz
+from aff_runtime.core.probe.excitation import PERIOD_S, ROUNDS, Waveform, step_Hz
+from aff_runtime.core.probe.planning import TonePlan
+from aff_runtime.core.probe.repeats import repeat_sigmas, same_operating_point
 from aff_runtime.core.probe.strange_ripple import RippleLine
 from aff_runtime.core.response import Provenance, Response
 
-BINS_APART = 1.5
-LOW_SHARE = 0.6
-LOW_PERIODS = 3.0  # of the lowest tone in what is measured
 MIN_RATIO = 0.5
 RATIO_SPREAD = 0.02
 MIN_GOOD_SHARE = 0.8
+WITHDRAWN_S = 0.5
+"""How long the tones of a probe that ends in the middle take to zero."""
 ZERO = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
 
 
@@ -40,6 +43,8 @@ class Stage(IntEnum):
     EXCITING = EXCITING
     DONE = 3
     ABORTED = 4
+    RISING = 5
+    WITHDRAWING = 6
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,12 +66,22 @@ class ProbeResult:
 class Probe:
     """Implements ``base.ports.Law``: silent, then tones, then silent.
 
+    While it is silent it learns how signals and speed are. Where the amplitude is to be chosen it
+    takes the noise from there, and ``Choosing`` says how loud; where no response is known that
+    takes steps. What leaves its bound under the tones ends the probe, and they fade to zero.
+
     The clock of the probe runs only while the guard permits adaptation (the loop is active); a
     permission lost during the tones aborts. ``result`` may be called, outside the control cycle,
     when ``stage`` is DONE.
+
+    Parameters
+    ----------
+    former : the response of actuators that have been probed before.
     """
 
-    def __init__(self, site: SiteParams, params: ProbeParams) -> None:
+    def __init__(
+        self, site: SiteParams, params: ProbeParams, former: Mapping[str, Response] | None = None
+    ) -> None:
         self._site = site
         self._p = params
         self._phases = RollPhases(site)
@@ -76,7 +91,8 @@ class Probe:
         self._signals = [index[a.signal] for a in self._probed]
         self._samples = round(params.duration_s / site.cycle_s)
         waves = len(self._probed)
-        self._step_Hz = step_Hz(site.cycle_s, max(1, waves))
+        step = step_Hz(site.cycle_s, max(1, waves))
+        self._plan = TonePlan(site, params, self._probed, self._phases.by_name, step)
         self._waves = [Waveform(self._samples, site.cycle_s, waves) for _ in self._probed]
         self._record = [_column(self._samples) for _ in self._probed]
         self._ratio = [_column(self._samples) for _ in self._probed]
@@ -85,11 +101,28 @@ class Probe:
             DriveRecord(site, actuator, self._phases.by_name, self._samples)
             for actuator in self._probed
         ]
+        self._line_speed = index.get(site.line_speed or "", -1)
+        self._former = former or {}
+        self.bounds = Bounds(
+            [a.signal for a in self._probed],
+            [params.bound_N if a.signal.endswith("_N") else math.inf for a in self._probed],
+            [params.bound_share if a.signal.endswith("_N") else math.inf for a in self._probed],
+            site.cycle_s,
+        )
+        self._choosing: Choosing | None = None
+        if params.is_chosen and self._probed:
+            self._choosing = Choosing(site, params, self._probed, self._waves, self._former)
+        is_bounded = math.isfinite(params.bound_N) or math.isfinite(params.bound_share)
+        # long enough for a roll to show all of its own ripple
+        self._quiet_s = max(params.listen_s, PERIOD_S) if is_bounded else params.listen_s
+        self._levels = [params.amplitude] * waves
+        self._withdrawn_s = 0.0
         self._sample = -1
         self._heard_s = 0.0
         self._filling = 0
         self.stage = Stage.LISTENING
         self.reason = ""
+        self.waiting = ""
 
     def step(
         self, snapshot: Snapshot, dt_s: float, permission: Permission
@@ -97,35 +130,116 @@ class Probe:
         """Advance by ``dt_s``; see ``base.ports.Law``."""
         new_roll = self._phases.step(snapshot, dt_s)
         if self.stage is Stage.LISTENING:
-            self._listen(dt_s, permission.adapt)
+            self._listen(snapshot, dt_s, permission.adapt)
         elif self.stage is Stage.PREPARING:
             self._prepare()
-        elif self.stage is Stage.EXCITING:
+        elif self.stage in (Stage.RISING, Stage.EXCITING, Stage.WITHDRAWING):
             if new_roll or not permission.adapt:
                 self.stage = Stage.ABORTED
-                self.reason = "new roll" if new_roll else "the guard withdrew its permission"
-            else:
-                return self._excite(snapshot, dt_s, permission)
+                withdrawn = "new roll" if new_roll else "the guard withdrew its permission"
+                self.reason = self.reason or withdrawn
+                return (ZERO,) * len(self._site.actuators)
+            return self._sending(snapshot, dt_s, permission)
         return (ZERO,) * len(self._site.actuators)
 
-    def _listen(self, dt_s: float, permitted: bool) -> None:
+    def _sending(
+        self, snapshot: Snapshot, dt_s: float, permission: Permission
+    ) -> tuple[ActuatorStep, ...]:
+        """Send tones while the line stays within its bounds; else fade them to zero."""
+        why = self.bounds.look(*self._seen(snapshot)) if snapshot.fresh else ""
+        if why and self.stage is not Stage.WITHDRAWING:
+            self.reason, self.stage = why, Stage.WITHDRAWING
+            if self._choosing is not None:
+                self._choosing.hold()
+        withdrawing = self.stage is Stage.WITHDRAWING
+        choosing = self._choosing
+        if choosing is not None and choosing.is_at_work:
+            steps = self._rise(choosing, snapshot, dt_s)
+        else:
+            steps = self._excite(snapshot, dt_s, permission)
+        if not withdrawing or self.stage is not Stage.WITHDRAWING:
+            return steps
+        self._withdrawn_s += dt_s
+        left = 1.0 - self._withdrawn_s / WITHDRAWN_S
+        if left <= 0.0:
+            self.stage = Stage.ABORTED
+            return (ZERO,) * len(self._site.actuators)
+        return tuple(
+            ActuatorStep(
+                value=left * one.value,
+                peak_bound=one.peak_bound,
+                slew_bound=one.slew_bound + one.peak_bound / WITHDRAWN_S,
+            )
+            for one in steps
+        )
+
+    def _seen(self, snapshot: Snapshot) -> tuple[list[float], float]:
+        """Return the signals and the line speed of a snapshot, NaN where it has none."""
+        speed = snapshot.values[self._line_speed] if self._line_speed >= 0 else math.nan
+        return [snapshot.values[at] for at in self._signals], speed
+
+    def _heard(self, snapshot: Snapshot) -> list[float]:
+        """Return the signals of a snapshot; of one that is not new, NaN."""
+        return self._seen(snapshot)[0] if snapshot.fresh else [math.nan] * len(self._signals)
+
+    def _rise(
+        self, choosing: Choosing, snapshot: Snapshot, dt_s: float
+    ) -> tuple[ActuatorStep, ...]:
+        """Send what the choice of the amplitude wants, and go on when it is made."""
+        sent = choosing.sound(self._ticks(dt_s), self._heard(snapshot), self._angles())
+        steps = [ZERO] * len(self._site.actuators)
+        for i, one in zip(self._positions, sent, strict=True):
+            steps[i] = one
+        if choosing.has_ended and self.stage is Stage.RISING:
+            self._take_choice(choosing)
+        return tuple(steps)
+
+    def _take_choice(self, choosing: Choosing) -> None:
+        self._levels, self.reason = list(choosing.levels), choosing.reason
+        self.stage = Stage.ABORTED if self.reason else Stage.EXCITING
+
+    def _ticks(self, dt_s: float) -> int:
+        return max(1, round(dt_s / self._site.cycle_s))
+
+    def _angles(self) -> list[float]:
+        return [phase.theta_rad for phase in self._phases.by_name.values()]
+
+    def _listen(self, snapshot: Snapshot, dt_s: float, permitted: bool) -> None:
         """Count up good ticks; one predicted over counts nothing, a lost angle starts anew.
 
         Where the bus beats with the PLC's scan every tenth tick brings no new angle.
         """
         worst = min((p.quality for p in self._phases.by_name.values()), default=Quality.GOOD)
-        if worst is Quality.LOST or not permitted:
+        why = self.bounds.listen(*self._seen(snapshot)) if snapshot.fresh else ""
+        if worst is Quality.LOST or not permitted or why:
             self._heard_s = 0.0
+            self.waiting = why or self.waiting
+            self.bounds.begin()
+            if self._choosing is not None:
+                self._choosing.window.begin()
         elif worst is Quality.GOOD:
             self._heard_s += dt_s
-        if self._heard_s >= self._p.listen_s:
-            for wave, tones in zip(self._waves, self._plan_tones_Hz(), strict=True):
+        if self._choosing is not None and self._heard_s > 0.0:
+            self._choosing.window.pass_on(self._ticks(dt_s), self._heard(snapshot), self._angles())
+            if not self._choosing.window.is_full:
+                return
+        if self._heard_s >= self._quiet_s:
+            for wave, tones in zip(self._waves, self._plan.tones_Hz(), strict=True):
                 wave.plan(tones, self._p.fade_s, self._p.louder_from_Hz)
             self.stage = Stage.PREPARING
 
     def _prepare(self) -> None:
         if self._filling >= len(self._waves):
-            self.stage = Stage.EXCITING
+            if self._choosing is None:
+                self.stage = Stage.EXCITING
+            elif self._choosing.weigh_quiet(
+                [self.bounds.most(j) for j in range(len(self._probed))], self._plan.lowest_Hz()
+            ):
+                if self._choosing.is_known():
+                    self._take_choice(self._choosing)
+                else:
+                    self._choosing.begin_steps()
+                    self.stage = Stage.RISING
         elif self._waves[self._filling].fill():
             self._filling += 1
 
@@ -133,7 +247,7 @@ class Probe:
         self, snapshot: Snapshot, dt_s: float, permission: Permission
     ) -> tuple[ActuatorStep, ...]:
         """Write down what this tick saw beside the index of the sample it sends."""
-        self._sample += max(1, round(dt_s / self._site.cycle_s)) if self._sample >= 0 else 1
+        self._sample += self._ticks(dt_s) if self._sample >= 0 else 1
         k = self._sample
         steps = [ZERO] * len(self._site.actuators)
         if k >= self._samples:
@@ -147,10 +261,9 @@ class Probe:
             if snapshot.fresh:
                 self._record[j][k] = snapshot.values[self._signals[j]]
                 self._drives[j].take(k, snapshot.values)
+            level = self._levels[j]
             steps[i] = ActuatorStep(
-                value=wave.sample(k, self._p.amplitude),
-                peak_bound=self._p.amplitude,
-                slew_bound=wave.slew(self._p.amplitude),
+                value=wave.sample(k, level), peak_bound=level, slew_bound=wave.slew(level)
             )
         return tuple(steps)
 
@@ -158,66 +271,9 @@ class Probe:
     def expected_s(self) -> float:
         """How long it takes where nothing disturbs it: silent, a wave a round each tick, tones."""
         preparing_s = len(self._waves) * (ROUNDS + 1) * self._site.cycle_s
-        return self._p.listen_s + preparing_s + self._p.duration_s
-
-    def _plan_tones_Hz(self) -> list[list[float]]:
-        """Return tones per actuator, clear of all ripple and of each other.
-
-        The tones beside the orders of every actuator find their places first: these are what its
-        blocks live on. The grids for other speeds and radii share what room is left; who wants
-        the fewest tones chooses first.
-        """
-        p = self._p
-        spacing_Hz = BINS_APART / self._measured_s
-        rolls = self._phases.by_name
-        turns_Hz = {name: abs(phase.omega_rad_s) / math.tau for name, phase in rolls.items()}
-        taken = [n * f for f in turns_Hz.values() for n in range(1, p.nuisance_orders + 1)]
-        plan: list[list[float]] = [[] for _ in self._probed]
-        for wanted_of in (self._beside_orders_Hz, self._grid_Hz):
-            wanted = [
-                wanted_of(actuator, [n * turns_Hz[roll] for roll, n in actuator.orders])
-                for actuator in self._probed
-            ]
-            for j in sorted(range(len(plan)), key=lambda j: len(wanted[j])):
-                placed = place_tones(wanted[j], taken, spacing_Hz, self._step_Hz)
-                taken += placed
-                plan[j] += placed
-        return plan
-
-    def _beside_orders_Hz(self, _: ActuatorParams, now_Hz: list[float]) -> list[float]:
-        """Return one tone beside every order, and the extra ones the site asks for."""
-        offset_Hz, highest_Hz = self._p.offset_Hz, self._p.f_max_Hz
-        beside = [f + offset_Hz for f in now_Hz if f + offset_Hz <= highest_Hz]
-        return [*beside, *self._p.extra_frequencies_Hz]
-
-    def _grid_Hz(self, actuator: ActuatorParams, now_Hz: list[float]) -> list[float]:
-        """Return a log grid from below the lowest order to the highest it will sweep.
-
-        The integral time of a speed loop and the inertia show below all orders, where what a
-        drive does about a correction is no more hidden by what it does about the web: for them
-        some tones stand there too, where the drive turns a roll whose radius is seen.
-        """
-        p = self._p
-        low_Hz = LOW_SHARE * min((f for f in now_Hz if f > 0.0), default=0.0)
-        high_Hz = min(p.f_max_Hz, max([*now_Hz, *self._swept_Hz(actuator)], default=0.0))
-        grid = log_grid(low_Hz, high_Hz, p.grid_points)
-        turned = next((r for r in self._site.rolls if r.name == actuator.turned_roll), None)
-        if turned is None or turned.radius is None:
-            return grid
-        lowest_Hz = max(self._step_Hz, LOW_PERIODS / self._measured_s)
-        return [*log_grid(lowest_Hz, low_Hz, p.low_points + 1)[:-1], *grid]
-
-    @property
-    def _measured_s(self) -> float:
-        return self._p.duration_s - 2.0 * self._p.fade_s - self._p.settle_s
-
-    def _swept_Hz(self, actuator: ActuatorParams) -> list[float]:
-        """Return the highest frequency of every order: smallest radius, highest speed."""
-        by_name = {roll.name: roll for roll in self._site.rolls}
-        return [
-            n * self._p.max_speed_m_s / (math.tau * _smallest_radius_m(by_name[roll]))
-            for roll, n in actuator.orders
-        ]
+        if self._choosing is None:
+            return self._quiet_s + preparing_s + self._p.duration_s
+        return self._choosing.at_most_s + preparing_s + self._p.duration_s
 
     def result(self, provenance: Mapping[str, Provenance]) -> tuple[ProbeResult, ...]:
         """Fit the record; outside the control cycle.
@@ -269,11 +325,23 @@ class Probe:
         drive, no_drive = self._drives[j].identified(
             time_s=time_s, keep=keep, signal=signal, fit=fit, sent=tones[j]
         )
+        former = self._former.get(name)
+        again = former is not None and same_operating_point(former.provenance, provenance)
+        response = Response(points=points, delay_s=delay_s, provenance=provenance, drive=drive)
+        apart = repeat_sigmas(former, response) if former is not None and again else math.nan
+        about = replace(
+            provenance,
+            amplitude=self._levels[j],
+            amplitude_needed=self._choosing.needed_of(j) if self._choosing else math.nan,
+            repeat_sigmas=apart,
+        )
+        chosen = self._choosing.remarks[j] if self._choosing is not None else ()
+        limited = float(np.ptp(ratio)) > RATIO_SPREAD
         return ProbeResult(
             actuator=name,
-            response=Response(points=points, delay_s=delay_s, provenance=provenance, drive=drive),
+            response=Response(points=points, delay_s=delay_s, provenance=about, drive=drive),
             sign=measured_sign(points, delay_s),
-            remarks=tuple(_remarks(float(np.ptp(ratio)) > RATIO_SPREAD, fit.strange)),
+            remarks=(*_remarks(limited, fit.strange), *chosen),
             no_drive=no_drive,
         )
 
@@ -282,7 +350,7 @@ class Probe:
         share = float(np.nanmean(np.asarray(self._ratio[j])[keep]))
         if not share >= MIN_RATIO:
             raise RefusedError(f"{self._probed[j].name}: the excitation did not go out")
-        amplitude = self._waves[j].amplitude(self._p.amplitude) * share
+        amplitude = self._waves[j].amplitude(self._levels[j]) * share
         return [
             Tone(omega_rad_s=omega, phase_rad=phase, amplitude=amplitude * size)
             for omega, phase, size in self._waves[j].tones
@@ -311,7 +379,3 @@ def _remarks(limited: bool, strange: Sequence[RippleLine]) -> Iterator[str]:
 
 def _column(samples: int) -> array[float]:
     return array("d", [math.nan]) * samples
-
-
-def _smallest_radius_m(roll: RollParams) -> float:
-    return roll.radius_min_m if roll.radius is not None else roll.radius_m or roll.radius_min_m

@@ -7,16 +7,19 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
-from aff_runtime.app.link.answers import Answer, ProbeDone
+from aff_runtime.app.link.answers import Answer, KeptResponse, ProbeDone
 from aff_runtime.app.link.messages import Probed
 from aff_runtime.app.link.replies import ProbeResult
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.request_socket import RequestSocket
 from aff_runtime.app.supervisor.probe_session import ProbeSession
-from aff_runtime.cli.probe import table, unsure
+from aff_runtime.cli.probe import bounds, table, unsure
+from aff_runtime.config.loader import load_site
 from aff_runtime.core.response import Response
 from tests.aff_runtime.core.plants import measured
 from tests.parameter_records import record_of
+
+SITE = Path(__file__).parents[3] / "config" / "euclid_blocks.yaml"
 
 
 def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> None:
@@ -69,3 +72,34 @@ def test_frequencies_that_were_heard_badly_name_the_amplitude_that_would_do() ->
     assert said.startswith("  1 of 2 frequencies are not sure")
     assert "probe again with probe.amplitude_m_s: 0.003 (was 0.0008)" in said
     assert "probe.duration_s" in said
+    more = " ".join(unsure(noisy, "probe.bound_m_s", 0.02, may_be_louder=True))
+    assert "--louder" in more
+    assert "0.02" not in more
+
+
+def test_bounds_are_said_before_the_first_tone(tmp_path: Path) -> None:
+    text = SITE.read_text()
+    site = tmp_path / "site.yaml"
+    site.write_text(text.replace("  amplitude_m_s: 0.008\n", ""))
+    chosen = list(bounds(load_site(site), ["unwind"]))
+    assert chosen == [
+        "unwind: at most 0.02 m/s, chosen from the noise; "
+        "it ends where unwind_tension_N moves by 10% of what it is"
+    ]
+    site.write_text(
+        text.replace("  amplitude_m_s: 0.008\n", "  bound_N: 3\n  bound_m_s: 0.2 cm/s\n")
+    )
+    (narrow,) = bounds(load_site(site), ["unwind"])
+    assert narrow.startswith("unwind: at most 0.002 m/s")
+    assert narrow.endswith("it ends where unwind_tension_N moves by 3 N")
+    assert list(bounds(load_site(SITE), ["unwind"])) == ["unwind: 0.008 m/s"]
+
+
+def test_a_second_probe_says_how_far_it_is_from_the_first(tmp_path: Path) -> None:
+    first = measured(lambda _f: 250.0 + 0j, [0.5, 1.0])
+    about = replace(first.provenance, amplitude=0.004, repeat_sigmas=1.25)
+    again = Response(points=first.points, delay_s=0.0, provenance=about)
+    result = ProbeResult(actuator="unwind", sign=1, remarks=(), delay_s=0.0, text=again.to_json())
+    rows = list(table(KeptResponse(result=result, file=tmp_path), "N/(m/s)"))
+    assert rows[1] == "  sent: 0.004 m/s at most"
+    assert rows[2].startswith("  against the probe before: 1.25 of the stated errors apart")

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import cmath
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import astuple, fields, replace
+from dataclasses import astuple, fields
 
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Figure, Finding, Sample, at_least, at_most
 from aff_runtime.config.crossings import frequency_Hz as order_Hz
+from aff_runtime.core.probe.repeats import MOST_REPEAT_ERRORS, alike, repeat_sigmas
 from aff_runtime.core.response import (
     BAND_SLACK,
     MIN_COHERENCE,
@@ -21,20 +21,10 @@ from aff_runtime.core.response import (
 
 OPERATING_POINTS, REPEATS = 3, 2
 """Speeds or radii that are asked for, and probes of each."""
-MOST_REPEAT_ERRORS = 2.0
-"""How far two probes of one operating point may be apart, in their stated errors."""
-FEWEST_TONES = 8
-"""Tones that two probes must share to be compared point by point."""
-SAME_DIGITS = 6
-"""Decimals of a frequency, Hz, by which two tones are the same one."""
-TINY = 1e-12
-"""Keeps two points without any stated error from dividing by nothing."""
 LOUDER = (
     "orders that were heard too badly rest: probe louder or longer (probe.amplitude_m_s, "
     "probe.duration_s), as `aff-runtime probe` says, or leave them out"
 )
-LIKE = 0.05
-"""Probes whose speed and radius differ by less, relative, are repeats: what a line wanders by."""
 KIND = "probe"
 OF_POINT = ("line_speed_m_s", "radius_m")
 NAMES = ("delay_s", *OF_POINT, "probed_here", "sign")
@@ -84,59 +74,12 @@ def by_operating_point(samples: Sequence[Sample]) -> list[list[Sample]]:
     groups: list[list[Sample]] = []
     for one in samples:
         for group in groups:
-            if all(_alike(one.number(n), group[0].number(n)) for n in OF_POINT):
+            if all(alike(one.number(n), group[0].number(n)) for n in OF_POINT):
                 group.append(one)
                 break
         else:
             groups.append([one])
     return groups
-
-
-def repeat_sigmas(first: Response, second: Response) -> float:
-    """Return how far two probes of one operating point are apart, in standard errors.
-
-    Equation: sqrt(mean |P1 - P2|^2 / (s1^2 + s2^2)), s the standard error of each; 1 where the
-    stated errors are right. It is a mean over all tones, not the worst of them: with errors that
-    are right and 20 tones or more it stays below 1.3 (in 99 of 100: chi-square of two numbers per
-    tone), whatever their number. 2 says that errors are stated half as large as they are.
-
-    Tones that both have are compared. A second probe may have moved some of its tones out of the
-    way of another ripple: what lies between two points of the first is known less well than its
-    points, and counts only where both have too few in common.
-    """
-    known = {round(point.frequency_Hz, SAME_DIGITS): point for point in first.points}
-    pairs = [
-        (known[key], point)
-        for point in second.points
-        if (key := round(point.frequency_Hz, SAME_DIGITS)) in known
-    ]
-    if len(pairs) < FEWEST_TONES:
-        pairs = list(_between(first, second))
-    squares = [_square(one, other) for one, other in pairs]
-    return math.sqrt(sum(squares) / len(squares)) if squares else NAN
-
-
-def _between(first: Response, second: Response) -> Iterator[tuple[ResponsePoint, ResponsePoint]]:
-    """Yield the points of the second inside the band of the first, and what that has there."""
-    low, high = first.band_Hz
-    for point in second.points:
-        if low <= point.frequency_Hz <= high:
-            there = first.at(point.frequency_Hz)
-            near = _nearest(first, point.frequency_Hz)
-            yield replace(near, gain=abs(there), phase_rad=cmath.phase(there)), point
-
-
-def _square(one: ResponsePoint, other: ResponsePoint) -> float:
-    """Return the squared difference of two points in their standard errors."""
-    apart = cmath.rect(one.gain, one.phase_rad) - cmath.rect(other.gain, other.phase_rad)
-    errors = [point.gain * point.relative_error for point in (one, other)]
-    return (abs(apart) / math.hypot(*errors, TINY)) ** 2
-
-
-def _alike(first: float, last: float) -> bool:
-    if not (math.isfinite(first) and math.isfinite(last)):
-        return math.isfinite(first) == math.isfinite(last)
-    return abs(first - last) <= LIKE * max(abs(first), abs(last))
 
 
 def _new_samples(evidence: Evidence) -> Iterator[Sample]:

@@ -58,7 +58,7 @@ class Commanded(Protocol):
     def arm(self, answer: Callable[[Reply], None]) -> None:
         """Ask the control process to arm; ``answer`` is called once, now or later."""
 
-    def probe(self, answer: Callable[[Reply], None]) -> None:
+    def probe(self, answer: Callable[[Reply], None], *, louder: bool) -> None:
         """Ask it to probe every actuator; ``answer`` is called when it begins, or does not."""
 
     def shadow(self, on: bool, answer: Callable[[Reply], None]) -> None:
@@ -217,8 +217,8 @@ class HandDesk:
         match action:
             case Action.ARM:
                 self._service.arm(answer)
-            case Action.PROBE:
-                self._service.probe(answer)
+            case Action.PROBE | Action.PROBE_LOUDER:
+                self._service.probe(answer, louder=action is Action.PROBE_LOUDER)
             case Action.SHADOW | Action.END_SHADOW:
                 self._service.shadow(action is Action.SHADOW, answer)
             case Action.FORGET:

@@ -104,10 +104,10 @@ class ServiceEnd:
             text = "the control process is not running; see `aff-runtime status`"
             self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
-    def probe(self, answer: Callable[[Reply], None]) -> None:
-        """Ask the control process to probe every actuator."""
+    def probe(self, answer: Callable[[Reply], None], *, louder: bool) -> None:
+        """Ask the control process to probe every actuator, louder than the last time."""
         try:
-            self._probes.begin_by_hand(answer)
+            self._probes.begin_by_hand(answer, louder=louder)
         except RefusedError as error:
             answer(Reply(id=0, ok=False, message=str(error)))
 

@@ -61,6 +61,57 @@ def test_after_one_the_ripple_is_amplitude_times_the_largest_gain(where):
     assert response["points"][1] == pytest.approx([2.0, 250.0, math.degrees(-1.0), 2.0, 0.99])
 
 
+def kept_response(where, site, *, sent, coherence, sigmas=math.nan):
+    name, actuator = next(iter(site.actuators.items()))
+    point = ResponsePoint(
+        frequency_Hz=1.0, gain=100.0, phase_rad=0.0, relative_error=0.5, coherence=coherence
+    )
+    about = Provenance(
+        actuator=name, signal=actuator.error.signal, amplitude=sent, repeat_sigmas=sigmas
+    )
+    path = where.site.parent / actuator.response
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(Response(points=[point], delay_s=0.0, provenance=about).to_json())
+    return name
+
+
+def row_of(where, name):
+    found = plain(line(where, Request(do="line"), None))["line"]
+    return next(one for one in found["probe"]["rows"] if one["actuator"] == name), found
+
+
+@pytest.mark.parametrize(
+    ("sent", "coherence", "louder"),
+    [
+        (0.004, 0.5, 0.008),  # twice
+        (0.015, 0.5, 0.02),  # no more than the bound
+        (0.02, 0.5, None),  # which is reached
+        (0.004, 0.95, None),  # all is heard
+    ],
+)
+def test_a_louder_probe_is_offered_where_one_was_not_heard_and_its_bound_is_not_reached(
+    where, sent, coherence, louder
+):
+    name = kept_response(where, load_site(where.site), sent=sent, coherence=coherence)
+    row, _ = row_of(where, name)
+    assert row["sent"] == sent
+    assert row["louder"] == (louder if louder is None else pytest.approx(louder))
+
+
+def test_the_bounds_of_a_chosen_amplitude_stand_there_in_the_units_of_the_plant(where):
+    text = where.site.read_text().replace("amplitude_m_s: 0.008", "bound_m_s: 0.01")
+    where.site.write_text(text)
+    name = kept_response(where, load_site(where.site), sent=0.004, coherence=0.9, sigmas=1.1)
+    row, found = row_of(where, name)
+    assert (row["is_chosen"], row["amplitude"]) == (True, 0.01)
+    assert (row["bound_N"], row["bound_share"]) == (None, 0.1)
+    assert row["ripple"] == pytest.approx(100.0 * 0.01)
+    assert found["responses"][0]["repeat_sigmas"] == 1.1
+    where.site.write_text(text.replace("bound_m_s: 0.01", "bound_m_s: 0.01\n  bound_N: 0.4"))
+    row, _ = row_of(where, name)
+    assert (row["bound_N"], row["bound_share"], row["ripple"]) == (0.4, None, 0.4)
+
+
 def test_a_file_that_is_not_good_says_what_is_wrong_and_nothing_else(where):
     where.site.write_text(where.site.read_text().replace("version: 1", "version: one"))
     found = plain(line(where, Request(do="line"), None))["line"]

@@ -33,6 +33,7 @@ class Service:
         self.bypassed = 0
         self.asked: list[Callable[[Reply], None]] = []
         self.probes: list[Callable[[Reply], None]] = []
+        self.louder: list[bool] = []
         self.shadows: list[bool] = []
         self.notes: list[str] = []
 
@@ -46,8 +47,9 @@ class Service:
     def arm(self, answer: Callable[[Reply], None]) -> None:
         self.asked.append(answer)
 
-    def probe(self, answer: Callable[[Reply], None]) -> None:
+    def probe(self, answer: Callable[[Reply], None], *, louder: bool) -> None:
         self.probes.append(answer)
+        self.louder.append(louder)
 
     def shadow(self, on: bool, answer: Callable[[Reply], None]) -> None:
         self.shadows.append(on)

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.app.hand.audit import verify
-from aff_runtime.app.hand.may import Action, Code, Place, Role
+from aff_runtime.app.hand.may import PROBES, Action, Code, Place, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Notice
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor.hand import visits
@@ -357,20 +357,22 @@ def test_the_socket_is_for_our_own_user_alone(stand: Stand) -> None:
     assert stand.audit.path.parent.stat().st_mode & 0o777 == 0o700
 
 
+@pytest.mark.parametrize("action", PROBES)
 def test_a_probe_is_for_the_role_commission_at_a_service_that_lets_screens_commission(
-    tmp_path: Path,
+    tmp_path: Path, action: Action
 ) -> None:
     for folder, ceiling in (("open", Role.COMMISSION), ("closed", Role.OPERATE)):
         (tmp_path / folder).mkdir()
         with contextlib.closing(Stand(tmp_path / folder, HandRules(ceiling=ceiling))) as stand:
             client = stand.client()
-            asked = stand.command(Action.PROBE, role=Role.COMMISSION)
+            asked = stand.command(action, role=Role.COMMISSION)
             if ceiling is Role.OPERATE:
                 assert code(stand.say(client, asked)) is Code.NO_PROBE
                 assert not stand.service.probes
                 continue
-            assert code(stand.say(client, stand.command(Action.PROBE))) is Code.PROBE_ROLE
+            assert code(stand.say(client, stand.command(action))) is Code.PROBE_ROLE
             assert stand.say(client, asked) is None
             stand.service.probes.pop()(Reply(id=1, ok=True))
+            assert stand.service.louder == [action is Action.PROBE_LOUDER]
             assert client.receive() == Answer(id=asked.id, ok=True, audit=3)
             assert not stand.service.asked

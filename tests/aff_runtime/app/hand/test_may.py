@@ -151,6 +151,7 @@ def test_a_probe_needs_commission_everywhere_and_what_an_arm_needs(
     person: Person, now: Circumstances, code: Code
 ) -> None:
     assert codes(Action.PROBE, person, now) == [code]
+    assert codes(Action.PROBE_LOUDER, person, now) == [code]
 
 
 @pytest.mark.parametrize("state", [State.READY, State.BYPASS, State.ARMED, State.ACTIVE])

@@ -30,7 +30,7 @@ class NoProbe:
 
     is_under_way = False
 
-    def begin_by_hand(self, began: object) -> None:
+    def begin_by_hand(self, began: object, *, louder: bool = False) -> None:
         raise RefusedError("not running yet")
 
 
@@ -95,7 +95,7 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
         bypass=lambda: bypassed.append(1),
     )
     end = ServiceEnd(processes, Pending(VirtualClock(1)), VirtualClock(1), NO_PROBE)  # type: ignore[arg-type]
-    end.probe(replies.append)
+    end.probe(replies.append, louder=False)
     assert replies.pop() == Reply(id=0, ok=False, message="not running yet")
     assert end.now().state is None
     assert (end.now().blocked, end.now().also_blocking) == ("X=0", ("Y=0",))
