@@ -78,6 +78,11 @@ class Bounds:
         mean = abs(self._sums[i]) / self._count[i] if self._count[i] else math.inf
         return min(self._most[i], self._shares[i] * mean)
 
+    @property
+    def speed_m_s(self) -> float:
+        """Mean line speed of the quiet stretch; NaN where it is not known."""
+        return self._speed_sum / self._speed_count if self._speed_count else math.nan
+
     def _speed_wanders(self, speed_m_s: float) -> str:
         if not math.isfinite(speed_m_s):
             return ""
@@ -86,7 +91,7 @@ class Bounds:
         self._speed_m_s += (1.0 - self._keep) * (speed_m_s - self._speed_m_s)
         if not self._speed_count:
             return ""
-        mean = self._speed_sum / self._speed_count
+        mean = self.speed_m_s
         if abs(self._speed_m_s - mean) <= SPEED_SHARE * abs(mean):
             return ""
         return (

@@ -23,14 +23,21 @@ from aff_runtime.core.probe.loud import (
     unbiased,
 )
 from aff_runtime.core.probe.quiet import Window
+from aff_runtime.core.probe.repeats import alike
 from aff_runtime.core.response import Response
 
 FIT_NOISE = 1.3
 """Noise of a tone in the fit over that in a spectrum: ripple beside it takes its part."""
+HOLES = (
+    "too few readings were new to choose the amplitude. Does the PLC scan more slowly than "
+    "cycle_ms? Else the wire loses them; probe again"
+)
 HELD_UP = 1.1
 """Of a stretch: ticks that bring no new angle, and those that work on what was heard."""
 LONGEST_S = 600.0
 """What ``probe.duration_s`` takes."""
+AS_GOOD = 1.1
+"""Times what is sent: who needs no more than that needs no other bound."""
 ROUNDED = 1.0 + 1e-9
 
 
@@ -50,8 +57,8 @@ class Choosing:
 
     Parameters
     ----------
-    former : the response of an actuator as it was measured before; with one of every actuator
-        nothing has to be tried.
+    former : the response of an actuator as it was measured before; with one of every actuator,
+        at the present speed, nothing has to be tried.
 
     Attributes
     ----------
@@ -117,13 +124,18 @@ class Choosing:
             [self.window.noise(j, wave.at) for wave in self._waves]
             for j in range(len(self._probed))
         ]
+        if not all(np.isfinite(one).all() for row in self._noise for one in row):
+            self.reason = HOLES
         return True
 
-    def is_known(self) -> bool:
-        """Choose from what former probes measured; False where one is missing."""
+    def is_known(self, line_speed_m_s: float) -> bool:
+        """Choose from what former probes measured; False where one is missing, or not of here.
+
+        At another speed a line may answer several times as strongly.
+        """
         answers = []
         for former, wave in zip(self._former, self._waves, strict=True):
-            if former is None:
+            if former is None or not alike(former.provenance.line_speed_m_s, line_speed_m_s):
                 return False
             turn_Hz = 1.0 / self.window.seconds
             answers.append(np.array([former.at(float(k) * turn_Hz) for k in wave.at]))
@@ -193,8 +205,6 @@ class Choosing:
     def at_most_s(self) -> float:
         """How long the choice takes at most: the quiet stretch, and steps where needed."""
         quiet_s = self._p.listen_s + HELD_UP * self.window.seconds
-        if all(one is not None for one in self._former):
-            return quiet_s
         steps = 1 + math.ceil(math.log(1.0 / FIRST_SHARE, STEEPEST))
         step_s = self._p.fade_s + self._p.settle_s + HELD_UP * self.window.seconds
         return quiet_s + steps * step_s + self._p.fade_s
@@ -208,6 +218,10 @@ class Choosing:
     def _decide(self) -> None:
         """Go on louder, or end with what is chosen."""
         self.steps += 1
+        if not all(self.window.is_told(j) for j in range(len(self._probed))):
+            self.reason = HOLES
+            self._go_to(self.levels, Step.ENDING)
+            return
         moved = np.zeros((len(self._probed), len(self._waves)))
         answers: list[Complexes] = []
         for j in range(len(self._probed)):
@@ -254,7 +268,7 @@ class Choosing:
             least = heard.least()
             if level * ROUNDED < least:
                 self.reason = self.reason or f"{self._probed[j].name}: {self._unheard(j, least)}"
-            elif level * ROUNDED < self.needed[j]:
+            elif level * AS_GOOD < self.needed[j]:
                 said = f"{heard.sure(level)} of {int(self._counts[j].sum())}"
                 self.remarks[j] = (
                     f"within its bound {said} tones of orders are heard surely; "

@@ -235,7 +235,7 @@ class Probe:
             elif self._choosing.weigh_quiet(
                 [self.bounds.most(j) for j in range(len(self._probed))], self._plan.lowest_Hz()
             ):
-                if self._choosing.is_known():
+                if self._choosing.reason or self._choosing.is_known(self.bounds.speed_m_s):
                     self._take_choice(self._choosing)
                 else:
                     self._choosing.begin_steps()

@@ -117,6 +117,10 @@ class Window:
         turns = (angles[:, :, None] * np.arange(1, self._orders + 1)).reshape(len(angles), -1)
         return np.column_stack([np.ones_like(at), at, at**2, np.cos(turns), np.sin(turns)])
 
+    def is_told(self, signal: int) -> bool:
+        """Whether enough of its readings were there."""
+        return bool(np.isfinite(self._spectra[signal]).all())
+
     def phasors(self, signal: int, at: npt.NDArray[np.int64]) -> Complexes:
         """Return what one signal has at places (turns in the stretch), amplitude and phase."""
         return self._spectra[signal][at]

@@ -151,3 +151,10 @@ def test_a_name_too_long_for_a_socket_is_refused_in_words(tmp_path: Path) -> Non
 def test_a_client_without_a_service_says_how_to_start_one(tmp_path: Path) -> None:
     with pytest.raises(WireError, match="aff-runtime run"):
         ServiceClient(tmp_path / "control.sock")
+
+
+def test_a_probe_may_be_asked_to_be_louder_by_yes_or_no_alone() -> None:
+    assert read_request(b'{"do": "probe", "louder": true}\n').louder is True
+    assert read_request(b'{"do": "probe"}\n').louder is False
+    with pytest.raises(RefusedError, match="louder: true or false is needed, not 2"):
+        read_request(b'{"do": "probe", "louder": 2}\n')

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
 
-from aff_runtime.app.wiring.site_to_law import site_params
+from aff_runtime.app.wiring.site_to_law import probe_params, site_params
 from aff_runtime.config.declared import keys_of
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Actuator, Site
@@ -45,3 +46,47 @@ def test_a_law_that_is_a_row_is_built_for_every_actuator_that_names_it() -> None
 
 def test_without_a_drive_the_plain_blocks_stand_in_for_the_shape_law() -> None:
     assert {a.law for a in site_params(with_law("shape", drive=None)).actuators} == {"blocks"}
+
+
+def probing(**changes: object) -> Site:
+    """Return the shipped site with other settings of the probe."""
+    site = load_site(EUCLID)
+    probe = site.probe.model_copy(update=changes)
+    return site.model_copy(update={"probe": probe})
+
+
+def test_a_given_amplitude_is_sent_as_it_is_and_bounds_no_tension() -> None:
+    params = probe_params(probing(amplitude_m_s=0.012), ["unwind"])
+    assert (params.amplitude, params.is_chosen) == (0.012, False)
+    assert math.isinf(params.bound_N)
+    assert math.isinf(params.bound_share)
+    assert probe_params(probing(amplitude_m_s=0.012, bound_N=4.0), ["unwind"]).bound_N == 4.0
+
+
+def test_a_chosen_amplitude_keeps_below_the_least_limit_of_those_that_are_probed() -> None:
+    site = probing(amplitude_m_s=None, bound_m_s=0.1)
+    limits = [actuator.limit for actuator in site.actuators.values()]
+    assert min(limits) < 0.1 < max(limits)
+    params = probe_params(site, list(site.actuators))
+    assert (params.amplitude, params.is_chosen) == (min(limits), True)
+    assert probe_params(site, ["unwind"]).amplitude == 0.1
+    assert params.bound_share == 0.1
+    assert math.isinf(
+        probe_params(probing(amplitude_m_s=None, bound_N=3.0), ["unwind"]).bound_share
+    )
+
+
+@pytest.mark.parametrize(
+    ("given", "louder", "amplitude"),
+    [
+        (0.005, 0.01, 0.01),  # twice
+        (0.015, 0.03, 0.02),  # up to the bound
+        (0.03, 0.06, 0.03),  # which a given amplitude may be above, but no louder one
+        (None, 0.03, 0.02),
+    ],
+)
+def test_a_louder_probe_goes_no_further_than_the_bound(
+    given: float | None, louder: float, amplitude: float
+) -> None:
+    site = probing(amplitude_m_s=given, bound_m_s=0.02)
+    assert probe_params(site, ["unwind"], louder_than=louder).amplitude == amplitude

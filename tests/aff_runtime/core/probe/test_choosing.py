@@ -105,6 +105,16 @@ def test_with_a_former_response_it_takes_no_steps_and_says_how_far_the_two_are_a
     assert math.isnan(elsewhere.response.provenance.repeat_sigmas)
 
 
+def test_a_former_response_of_another_speed_is_not_believed():
+    probe, _ = probed(quiet_line(0.05))
+    elsewhere = {"unwind": replace(ABOUT["unwind"], line_speed_m_s=1.5)}
+    (first,) = probe.result(elsewhere)
+    _, sent = probed(quiet_line(0.05), former={"unwind": first.response})
+    begin = np.flatnonzero(sent)[0]
+    early = np.abs(sent[begin : begin + round(10.0 / CYCLE_S)])
+    assert early.max() == pytest.approx(PARAMS.amplitude / 16, rel=0.05)
+
+
 def test_it_rises_from_a_small_part_of_its_bound():
     """2 N of noise, 8 N at the bound: too faint at a sixteenth, heard at a quarter of it."""
     probe, sent = probed(quiet_line(2.0))
@@ -227,6 +237,33 @@ def test_a_window_with_too_many_holes_tells_nothing():
     while not next(work):
         pass
     assert np.isnan(window.noise(0, np.array([50]))).all()
+
+
+def test_readings_that_come_every_second_tick_choose_nothing_and_nothing_is_sent():
+    line, probe, sent = quiet_line(0.05), Probe(HERE, PARAMS), []
+    for tick in range(round(30.0 / CYCLE_S)):
+        told = snapshot(line.tick, *line.read(), fresh=tick % 2 == 0)
+        (step,) = probe.step(told, CYCLE_S, FREE)
+        sent.append(step.value)
+        line.advance(step.value)
+    assert probe.stage is Stage.ABORTED
+    assert "cycle_ms" in probe.reason
+    assert not any(sent)
+
+
+def test_readings_that_are_lost_in_a_step_end_it_at_zero():
+    line, probe, sent = quiet_line(0.05), Probe(HERE, PARAMS), []
+    for tick in range(round(60.0 / CYCLE_S)):
+        is_lost = probe.stage is Stage.RISING and tick % 2 == 0
+        told = snapshot(line.tick, *line.read(), fresh=not is_lost)
+        (step,) = probe.step(told, CYCLE_S, FREE)
+        assert math.isfinite(step.value)
+        sent.append(step.value)
+        line.advance(step.value)
+    assert probe.stage is Stage.ABORTED
+    assert "cycle_ms" in probe.reason
+    assert max(map(abs, sent)) > 0.0
+    assert sent[-1] == 0.0
 
 
 def test_what_moves_a_signal_too_far_is_turned_down_for_all_waves_alike():
