@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from aff_hmi.scope.shot import LONGEST, Asked, Shot
 from aff_hmi.scope.signals import THETA, Signal
+from aff_hmi.scope.spectrum import lines_of
 from aff_hmi.scope.ticks import Cut
 from aff_hmi.scope.turns import orders_of, turns_of
 from aff_hmi.words import Say
@@ -70,6 +71,7 @@ def encode(shot: Shot, asked: Asked, say: Say, ring: str = "") -> bytes:
         "orders": [asdict(_orders(turns, column)) for column in columns]
         if turns is not None
         else [],
+        "lines": [_lines(cut, column) for column in columns] if asked.wants_lines else [],
         "marks": [asdict(one) for one in _marks(cut)],
     }
     text = json.dumps(head, ensure_ascii=False, allow_nan=False).encode()
@@ -115,6 +117,11 @@ def _wanted(cut: Cut, asked: Asked) -> list[Signal]:
 def _orders(turns: NDArray[np.float64], column: NDArray[np.float32]) -> Orders:
     amplitudes, floor = orders_of(turns, column)
     return Orders(amplitudes=[_known(one) for one in amplitudes.tolist()], floor=_known(floor))
+
+
+def _lines(cut: Cut, column: NDArray[np.float32]) -> list[list[float]]:
+    found = lines_of(cut.time_s, column, cut.cycle_s)
+    return [[float(f"{f_Hz:.5g}"), float(f"{size:.4g}")] for f_Hz, size in found]
 
 
 def _marks(cut: Cut) -> Iterator[Mark]:

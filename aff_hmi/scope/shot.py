@@ -29,6 +29,7 @@ class Asked:
     trigger : None for what is there now. ``after`` : tick after which it counts.
     pre_percent : share of the window before the trigger.
     kept : number of a window that is kept; 0 for what arrives.
+    wants_lines : whether the strongest frequencies go with it.
     """
 
     names: tuple[str, ...]
@@ -39,6 +40,7 @@ class Asked:
     after: int = -1
     pre_percent: int = 20
     kept: int = 0
+    wants_lines: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,6 +86,7 @@ def asked_of(query: Mapping[str, str]) -> Asked | None:
         after=after,
         pre_percent=pre,
         kept=kept,
+        wants_lines=query.get("lines", "") == "1",
     )
 
 

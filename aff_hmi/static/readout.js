@@ -40,6 +40,20 @@ function valuesUnder(laid, source, n, apart) {
   return laidOver([source[n]], source[0], holed(laid), apart).map(([value]) => value);
 }
 
+/** The strongest frequencies of every signal, the largest first. */
+export function lineTable(head) {
+  const table = byId("line-table");
+  if (!byId("lines").open) return;
+  table.tHead.replaceChildren(row([words.signal, "Hz", words.amplitude], "th"));
+  const rows = head.signals.flatMap((one, n) => {
+    const name = `${one.label} [${one.unit}]`;
+    const found = head.lines[n] ?? [];
+    if (!found.length) return [row([name, "—", words.noLine])];
+    return found.map(([f, size], place) => row([place ? "" : name, figure(f), figure(size)]));
+  });
+  table.tBodies[0].replaceChildren(...rows);
+}
+
 /** Amplitudes of the orders of a roll beside the noise between them. */
 export function orderTable(head) {
   const found = head.orders;

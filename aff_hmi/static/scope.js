@@ -3,7 +3,7 @@ import { isOpen, isText, openBox } from "/static/box.js";
 import { legendLine } from "/static/curves.js";
 import { laidOver, savePicture } from "/static/overlay.js";
 import { HIGH, apartOf, holed, lookOf, marks, options } from "/static/picture.js";
-import { orderTable, readOut } from "/static/readout.js";
+import { lineTable, orderTable, readOut } from "/static/readout.js";
 import { ask, at, byId, number, press, put, words } from "/static/see.js";
 import { fetchShot } from "/static/ticks.js";
 import { factorOf, unitName } from "/static/units.js";
@@ -36,6 +36,7 @@ const chosen = () => boxes().filter((box) => box.checked).map((box) => box.value
 function query() {
   const said = { signals: chosen().join(","), seconds: byId("seconds").value, roll: byId("roll").value };
   if (kept !== null) said.kept = kept.number;
+  if (byId("lines").open) said.lines = 1;
   if (ended !== null) return { ...said, end: ended };
   const on = byId("on").value;
   if (!on) return said;
@@ -218,6 +219,7 @@ function show(found) {
   tell();
   read();
   orderTable(shot.head);
+  lineTable(shot.head);
   buttons();
 }
 
@@ -311,6 +313,7 @@ for (const id of ["cursor-a", "cursor-b"]) {
     read();
   };
 }
+byId("lines").ontoggle = () => renew();
 byId("run").onclick = () => {
   if (isRunning) {
     stand();

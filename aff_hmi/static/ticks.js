@@ -35,6 +35,7 @@ function decode(bytes) {
     one.unit = unitName(one.unit);
     if (factor === 1) return;
     columns[n] = columns[n].map((value) => value * factor);
+    if (head.lines[n]) head.lines[n] = head.lines[n].map(([f, size]) => [f, size * factor]);
     const of = head.orders[n];
     if (!of) return;
     of.amplitudes = of.amplitudes.map((size) => size && size * factor);

@@ -76,6 +76,11 @@ def test_over_turns_there_are_orders_and_a_table(chromium, screen, pictures: Pat
     page.page.click("#orders summary")
     page.await_selector("#order-table tbody tr:nth-child(12)")
     assert "turns" in page.text("#between")
+    page.page.click("#lines summary")
+    page.await_selector("#line-table tbody tr")
+    assert (
+        page.run("() => document.querySelector('#line-table th:nth-child(2)').textContent") == "Hz"
+    )
     page.picture(pictures / "scope-turns.png")
     assert page.complaints == []
     page.close()

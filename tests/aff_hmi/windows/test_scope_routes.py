@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -85,6 +86,19 @@ def test_a_trigger_is_waited_for_and_found(keeping: Pressed) -> None:
     assert read(raw(keeping, f"{path}&level=5000&pre=20")[2])[0]["n"] == -1
     head, _ = read(raw(keeping, f"{path}&level=500&pre=20")[2])
     assert (head["trigger_tick"], head["first"], head["last"]) == (500, 460, 659)
+
+
+def test_the_strongest_frequencies_come_where_they_are_asked_for(keeping: Pressed) -> None:
+    """The angle of the played roll is a saw tooth of 0.1 rad a tick: 20 rad/s."""
+    play(keeping, 1000)
+    path = "/data/scope?signals=unwind.theta_rad&seconds=5"
+    assert read(raw(keeping, path)[2])[0]["lines"] == []
+    ((first, second, *_),) = read(raw(keeping, f"{path}&lines=1")[2])[0]["lines"]
+    turn_Hz = 0.1 / CYCLE_S / (2.0 * math.pi)
+    assert first[0] == pytest.approx(turn_Hz, abs=0.01)
+    assert first[1] == pytest.approx(360.0 / math.pi, rel=0.02)  # of a saw tooth from 0 to 360 deg
+    assert second[0] == pytest.approx(2.0 * turn_Hz, abs=0.01)
+    assert second[1] == pytest.approx(180.0 / math.pi, rel=0.02)
 
 
 def test_a_trigger_on_one_event_lets_all_others_go_by(keeping: Pressed) -> None:
