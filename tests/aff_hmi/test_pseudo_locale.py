@@ -11,6 +11,7 @@ import pytest
 
 pytest.importorskip("starlette")
 
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from aff_runtime.core.monitor import Trend
 from tests.aff_hmi.asgi import HOST
@@ -26,6 +27,7 @@ SAME = re.compile(
     r"g|t|u|l|a|m|c|unwind)*"
 )
 NAMES = {"Euclid", "anna", "unwind tension", "line speed", "Euclid · AFF"}
+NAMES |= set(BY_NAME)  # of events, as the service and its records call them
 CODE = ("code", "kbd", "script", "style")
 
 
