@@ -25,11 +25,13 @@ class _Output:
     least, most : the same of what it took since the reading before, and a tick to either side.
     shown : the last reading that was taken in.
     level : the last reading that followed ours; a PLC that cuts at its limit stays there.
+    cut_at : size at which ours was found cut, and nothing larger of ours since; 0: none.
     since_ns : since when the readings do not follow ours; None while they do, or are cut.
     known : there was a reading, and none has been missed since.
     """
 
     __slots__ = (
+        "cut_at",
         "high",
         "known",
         "least",
@@ -45,7 +47,7 @@ class _Output:
     def __init__(self) -> None:
         self.sent = [0.0] * _RING
         self.taken = self.low = self.high = self.least = self.most = 0.0
-        self.shown = self.level = 0.0
+        self.shown = self.level = self.cut_at = 0.0
         self.since_ns: int | None = None
         self.known = False
 
@@ -81,10 +83,12 @@ class _Output:
             if moves or abs(shown - self.taken) <= within:
                 if self.least - within <= shown <= self.most + within:
                     self.level = shown
+                    if abs(shown) > self.cut_at + within:
+                        self.cut_at = 0.0  # the PLC's limit is beyond
                 self.shown, self.since_ns = shown, None
                 return False
             if self.since_ns is None and self._is_cut(shown, within):
-                self.shown = shown
+                self.shown, self.cut_at = shown, abs(shown)
                 return False
             # ours moves past a reading that stays
             if not min(self.least, 0.0) - within <= shown <= max(self.most, 0.0) + within:
@@ -94,8 +98,8 @@ class _Output:
             if again:  # a ramp to zero never rises: ours is taken again, and cut
                 self.level = shown
             self.shown = shown
-            if again or abs(shown - self.level) <= within:
-                self.since_ns = None
+            if again or self._at_level(shown, within):
+                self.since_ns, self.cut_at = None, abs(shown)
                 return False
         elif min(before, 0.0) - within <= shown <= max(before, 0.0) + within:
             self.shown, self.level = shown, 0.0  # larger than ours: nothing is cut
@@ -108,7 +112,12 @@ class _Output:
     def _is_cut(self, shown: float, within: float) -> bool:
         """Return whether a reading is at the PLC's limit, and what was taken lies beyond."""
         beyond = self.taken >= shown if shown > 0.0 else self.taken <= shown
-        return beyond and abs(shown - self.level) <= within
+        return beyond and self._at_level(shown, within)
+
+    def _at_level(self, shown: float, within: float) -> bool:
+        """Return whether a reading is where the PLC's limit may be: it cuts both signs alike."""
+        size = abs(shown)
+        return abs(shown - self.level) <= within or abs(size - self.cut_at) <= within
 
 
 class AppliedCheck:

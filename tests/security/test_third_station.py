@@ -233,6 +233,20 @@ def test_a_plc_that_gets_and_cuts_one_side_of_a_fast_sine_is_not_accused() -> No
     assert State.ACTIVE in line.states
 
 
+@pytest.mark.parametrize(("frequency_Hz", "phase_rad"), [(1.0, 4.2), (1.25, 3.5)])
+def test_a_plc_that_cuts_the_other_sign_when_readings_come_back_is_not_accused(
+    frequency_Hz: float, phase_rad: float
+) -> None:
+    """The runtime stalls for 50 ms while a slow sine passes zero: the next reading is cut."""
+    line = Line(
+        plc=Plc(scan_ms=40, fade_ms=0, limit=200, cuts=True, rounds=False, zero_ends=False),
+        skips={120: 10},
+        wish=lambda t: 0.03125 * math.cos(2.0 * math.pi * frequency_Hz * t + phase_rad),
+    ).run(RUN_MS)
+    assert not line.accused, line.accused_ms[:3]
+    assert State.ACTIVE in line.states
+
+
 @settings(deadline=None, max_examples=20)
 @given(
     counts=st.integers(3, 5000) | st.integers(-5000, -3),

@@ -239,7 +239,11 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
     made = Supervisor.__new__(Supervisor)  # its requests alone, without processes
     made._pending, made._counts = Pending(MonotonicClock()), CommandTally()
     made._processes = SimpleNamespace(  # type: ignore[assignment]
-        parameters=about, shapes=shelf, control=SimpleNamespace(link=link), note=lambda *_: None
+        parameters=about,
+        shapes=shelf,
+        control=SimpleNamespace(link=link),
+        note=lambda *_: None,
+        note_operator=lambda *_: None,
     )
     caller = Answered()
     made._serve_request(Asked(caller, Request(do="forget")))
