@@ -69,8 +69,14 @@ class _Output:
         return low, high
 
     def begins(self, shown: float, now_ns: int) -> None:
-        """Take the first reading after a start or a gap: it may be anything."""
+        """Take the first reading after a start or a gap: it may be anything.
+
+        Smaller than ours and of its sign it may be ours, cut at the PLC's limit while nobody
+        looked.
+        """
         self.shown, self.since_ns, self.known = shown, now_ns, True
+        if 0.0 < shown <= self.taken or self.taken <= shown < 0.0:
+            self.cut_at = abs(shown)
 
     def judge_reading(self, shown: float, within: float, between_ns: float, now_ns: int) -> bool:
         """Take a reading in; return whether it is neither ours, nor zero, nor between the two."""
@@ -79,20 +85,8 @@ class _Output:
             self.shown, self.since_ns = shown, now_ns
             return False
         if self.low - within <= shown <= self.high + within:
-            moves = abs(shown - before) > within or self.high - self.low <= within
-            if moves or abs(shown - self.taken) <= within:
-                if self.least - within <= shown <= self.most + within:
-                    self.level = shown
-                    if abs(shown) > self.cut_at + within:
-                        self.cut_at = 0.0  # the PLC's limit is beyond
-                self.shown, self.since_ns = shown, None
+            if self._is_ours(shown, before, within):
                 return False
-            if self.since_ns is None and self._is_cut(shown, within):
-                self.shown, self.cut_at = shown, abs(shown)
-                return False
-            # ours moves past a reading that stays
-            if not min(self.least, 0.0) - within <= shown <= max(self.most, 0.0) + within:
-                self.level = 0.0  # larger than what was taken: nothing is cut
         elif min(self.low, 0.0) - within <= shown <= max(self.high, 0.0) + within:
             again = self.since_ns is not None and abs(shown) > abs(before) + within
             if again:  # a ramp to zero never rises: ours is taken again, and cut
@@ -108,6 +102,26 @@ class _Output:
         if self.since_ns is None:
             self.since_ns = now_ns
         return now_ns - self.since_ns > between_ns
+
+    def _is_ours(self, shown: float, before: float, within: float) -> bool:
+        """Take in a reading that something of ours may be; return whether it counts as ours.
+
+        One that stays while ours moves past it counts only where the PLC's limit may be.
+        """
+        moves = abs(shown - before) > within or self.high - self.low <= within
+        if moves or abs(shown - self.taken) <= within:
+            if self.least - within <= shown <= self.most + within:
+                self.level = shown
+                if abs(shown) > self.cut_at + within:
+                    self.cut_at = 0.0  # the PLC's limit is beyond
+            self.shown, self.since_ns = shown, None
+            return True
+        if self.since_ns is None and self._is_cut(shown, within):
+            self.shown, self.cut_at = shown, abs(shown)
+            return True
+        if not min(self.least, 0.0) - within <= shown <= max(self.most, 0.0) + within:
+            self.level = 0.0  # larger than what was taken: nothing is cut
+        return False
 
     def _is_cut(self, shown: float, within: float) -> bool:
         """Return whether a reading is at the PLC's limit, and what was taken lies beyond."""
@@ -197,8 +211,8 @@ class AppliedCheck:
         self._echo_tick = tick - age
         first = self._echo_tick if before is None else min(before, self._echo_tick)
         if before is None:
-            for output, shown in zip(self._outputs, snapshot.applied, strict=False):
-                output.begins(shown, now_ns)
+            for output in self._outputs:
+                output.known = False
         signs = self._held_back + self._is_sign(snapshot, first, self._echo_tick, now_ns)
         self._held_back = 0
         if signs:
