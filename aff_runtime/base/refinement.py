@@ -110,7 +110,7 @@ class RecordLacks:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Lacking:
-    """What records lack; ``together``: all of them."""
+    """What records do not hold, and what cannot be claimed for that; ``together``: all of them."""
 
     version: int = VERSION
     records: tuple[RecordLacks, ...]

@@ -82,7 +82,7 @@ def _about(card: Card) -> str:
         ("line", begun.line),
         ("site file", begun.site),
         ("its SHA-256 when the card was begun", begun.site_sha256),
-        ("its revision then", begun.site_hash),
+        ("its hash in the service then", begun.site_hash),
         ("runtime", begun.release),
         ("machine", begun.machine),
         ("entries, newest", f"{card.entries}, {card.utc}"),
@@ -216,8 +216,8 @@ def _rests(said: Measured) -> str:
     texts = [
         f"{name} {value}"
         for name, value in (
-            ("site file, revision", inputs.site_hash),
-            ("configuration", inputs.config_hash),
+            ("site file, hash in the service", inputs.site_hash),
+            ("revision (site file, responses, shapes)", inputs.config_hash),
             ("PLC program", inputs.plc),
             ("roll", inputs.roll_id),
             *((f"response of {name}", digest) for name, digest in inputs.responses.items()),

@@ -17,6 +17,7 @@ MEMORY_BYTES = 1 << 30
 PROCESSOR_S = 20
 # A name that no server answers for takes its time without taking the processor.
 PATIENCE_S = 30.0
+"""The longest that a check of a site file may take, by the clock."""
 ONE_THREAD = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",

@@ -29,7 +29,7 @@ LOG_BYTES = 1 << 20  # that are kept of what it says
 LOOK_S = 1.0  # between two looks at the clock while it says nothing
 TOO_LONG = (
     f"it took longer than {LONGEST_S / 3600:g} h, or {PROCESSOR_S // 3600} h of a processor, and "
-    "was ended: give shorter or fewer windows, or leave effects out of the library"
+    "was ended: give shorter or fewer windows, or leave effects out (--without)"
 )
 
 
@@ -56,7 +56,10 @@ def command_of(
     site: str,
     out: str,
 ) -> tuple[str, ...]:
-    """Return the arguments of ``sim-plant`` of a refinement with one process."""
+    """Return the arguments of ``sim-plant`` of a refinement with one process.
+
+    ``line``, ``site``, ``out`` : paths. ``without`` : effects that are not looked for, by name.
+    """
     arguments = ["refine", line, *windows]
     arguments += [part for one in holdout for part in ("--holdout", one)]
     arguments += [part for one in without for part in ("--without", one)]

@@ -21,12 +21,14 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError, WireError
 from aff_runtime.config.findings import KeyPath
 
+ANSWER_S = 5.0
+"""For the answer itself, beside the check of the site file that it waits for."""
 # KEY.KEY: NUMBER  # remark
 _PROPOSED = re.compile(r"([A-Za-z_][\w.]*): ([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:\s+#.*)?")
 
 
 def proposed(sentences: Sequence[str]) -> Mapping[KeyPath, float]:
-    """Return the settings that a step proposes, by their place in the site file.
+    """Return the settings that a step proposes, by their path of keys in the site file.
 
     Raises
     ------
@@ -38,8 +40,8 @@ def proposed(sentences: Sequence[str]) -> Mapping[KeyPath, float]:
         match = _PROPOSED.fullmatch(text)
         if match is None:
             raise RefusedError(f"{text}: cannot be tried here; use `aff-runtime settings try`")
-        place = tuple(int(key) if key.isdecimal() else key for key in match[1].split("."))
-        settings[place] = float(match[2])
+        path = tuple(int(key) if key.isdecimal() else key for key in match[1].split("."))
+        settings[path] = float(match[2])
     if not settings:
         raise RefusedError("this step proposes nothing")
     return settings
@@ -89,6 +91,8 @@ def _why(asked: Request) -> str:
 def ask_settings(where: Paths, **arguments: Any) -> SettingsAnswer:
     """Return what the service answers to a request about settings.
 
+    ``act`` : try, keep, undo or diff, or state: what runs, and how a try stands.
+
     Raises
     ------
     AffError
@@ -96,7 +100,7 @@ def ask_settings(where: Paths, **arguments: Any) -> SettingsAnswer:
     """
     client = ServiceClient(where.socket)
     try:
-        answer = client.ask("settings", timeout_s=PATIENCE_S + 5.0, **arguments)
+        answer = client.ask("settings", timeout_s=PATIENCE_S + ANSWER_S, **arguments)
     finally:
         client.close()
     try:

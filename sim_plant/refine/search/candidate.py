@@ -36,7 +36,10 @@ class Candidate:
         return self.chi2_reduction - self.penalty
 
     def trimmed(self) -> tuple[Hypothesis, tuple[float, ...]]:
-        """Return the hypothesis without the orders that did not pay their price, and its start."""
+        """Return the hypothesis without the numbers that were left at absence, and its start.
+
+        The first look leaves there an order that saves less than its penalty.
+        """
         h = self.hypothesis
         kept = [k for k, (s, a) in enumerate(zip(self.start, h.absent, strict=True)) if s != a]
         if not kept or len(kept) == len(h.names):
@@ -99,7 +102,7 @@ class FittedCandidate:
 def bic_penalty(objective: Objective, numbers: int) -> float:
     """Return the fall of the cost that this many free numbers must pay.
 
-    Equation: q ln(N / 4), N rows  [BIC].
+    Equation: q ln(N / 4) of q ``numbers`` and N rows  [BIC].
     """
     return numbers * math.log(objective.rows / 4.0)
 
@@ -107,9 +110,9 @@ def bic_penalty(objective: Objective, numbers: int) -> float:
 def sure_fall(objective: Objective, base: Fit, fit: Fit) -> float:
     """Return by how much ``fit`` costs less than ``base``, as far as that is sure.
 
-    What the steps of coarse words leave wanders slowly, and anything slow explains some of it: an
-    effect counts where other channels, or more of a word than its steps, show it.
-    See ``sure_part``.
+    A word whose count is larger than its noise (an angle, a radius) leaves steps in the residual,
+    which drift slowly, and anything slow explains some of them: an effect counts where other
+    channels, or more of a word than its steps, show it. See ``sure_part``.
     """
     doubt = objective.doubt
     return sure_part(base.cost - fit.cost, before=doubt(base.residual), after=doubt(fit.residual))

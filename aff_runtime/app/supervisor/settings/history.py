@@ -33,7 +33,10 @@ def history_folder(site: Path, state: Path) -> Path:
 
 
 def kept_folder(site: Path, state: Path, purpose: str) -> Path:
-    """Return a folder of one site: in the service's state, else beside what it learns."""
+    """Return a folder of one site: below ``state``, else in ``learned`` beside the site file.
+
+    ``state`` : the service's own folder; who may not write there keeps it beside the site file.
+    """
     root = state if os.access(state, os.W_OK | os.X_OK) else site.absolute().parent / "learned"
     name = hashlib.sha256(os.fsencode(os.path.realpath(site))).hexdigest()[:8]
     return root / purpose / f"{site.stem}-{name}"
