@@ -8,7 +8,8 @@
 #
 # --dry-run     say what would be done, do nothing
 # --can         CAN, CANopen or a serial line: their packages, and the service's right to use them
-# --records     Parquet: aff-runtime watch and export
+# --records     Parquet: aff-runtime watch and export; and a timer for the first, which nothing
+#               starts; updated ever after
 # --hmi         the screen too: a user, an environment and a unit of its own; updated ever after;
 #               a key and a certificate where it has none. And the unit of the commissioner, which
 #               nothing starts
@@ -65,7 +66,7 @@ while [ $# -gt 0 ]; do
         --wheels) wheels=$2; shift ;;
         --unlocked) locked=no ;;
         --product) product=$2; shift ;;
-        -h | --help) sed -n '2,26s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h | --help) sed -n '2,27s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) echo "install.sh: unknown option $1" >&2; exit 2 ;;
     esac
     shift
@@ -284,6 +285,8 @@ if [ "$hmi" = yes ] && [ -z "$prefix" ]; then
     fi
 fi
 
+# What looks over weeks is of the release of the service.
+[ ! -e "$units/aff-watch.service" ] || records=yes
 run mkdir -p "$opt/share" "$etc" "$state/learned" "$state/runs" "$units" "$rules"
 environment "$opt"
 # No extras unless asked: the gateway needs neither numba nor scipy nor matplotlib.
@@ -314,6 +317,20 @@ name_interpreter() {
 name_interpreter "$units/aff-runtime.service.d"
 if [ "$can" = yes ]; then
     run cp "$source_dir/deploy/aff-runtime.can.conf" "$units/aff-runtime.service.d/can.conf"
+fi
+# Every night, what changes over weeks: brought, and switched on by nobody but a person.
+if [ "$records" = yes ]; then
+    run mkdir -p "$state/watch" "$units/aff-watch.service.d"
+    run cp "$source_dir/deploy/aff-watch.service" "$units/aff-watch.service"
+    run cp "$source_dir/deploy/aff-watch.timer" "$units/aff-watch.timer"
+    name_interpreter "$units/aff-watch.service.d"
+    # The control process ticks on the last processor.
+    last=$(($(nproc --all) - 1))
+    if [ "$last" -gt 0 ]; then
+        put "$units/aff-watch.service.d/cpu.conf" "CPUAffinity=0-$((last - 1))"
+    else
+        run rm -f "$units/aff-watch.service.d/cpu.conf"
+    fi
 fi
 # Several lines: a template, and per line what is the technician's. A template that is there follows.
 for old in "$etc"/lines/*; do
@@ -428,6 +445,9 @@ Line $line: edit $etc/lines/$line/site.yaml and
   sudo -u aff-runtime aff-runtime status --runtime-dir /run/aff-runtime-$line
 DONE
 done
+[ "$records" = no ] || cat << DONE
+Every night what changes over weeks, once the line runs: systemctl enable --now aff-watch.timer
+DONE
 [ "$hmi" = no ] || cat << DONE
 The screen: restart aff-runtime as above (it opens its door), then
   systemctl enable aff-hmi && systemctl restart aff-hmi
