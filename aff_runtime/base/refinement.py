@@ -10,7 +10,8 @@ from dataclasses import dataclass
 VERSION = 1
 SUMMARY, LACKING = "summary.json", "lacking.json"
 KINDS = ("nothing", "traced", "set", "event", "unknown")
-"""What a verdict is: ``set`` is one of several that the records do not tell apart."""
+"""A verdict's answer in a word: ``set`` is *not identifiable*, ``event`` is *unknown* with nothing
+left but what begins at a moment."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""Words of a command line that a person typed for a step: ``name=value unit``."""
+"""What a person typed for a step on the command line: ``name=value unit``."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class TypedValues:
         Raises
         ------
         ConfigError
-            It is a word, or has another unit.
+            It is no number, or has another unit.
         """
         typed = self._values.get(name)
         if typed is None:
@@ -51,7 +51,7 @@ class TypedValues:
         return typed.number
 
     def word(self, name: str) -> str:
-        """Return a word as it was typed, empty where it was not."""
+        """Return a text as it was typed, empty where it was not."""
         typed = self._values.get(name)
         return typed.text if typed is not None else ""
 
@@ -93,7 +93,7 @@ def typed(text: str) -> Typed:
 
 
 def _si(number: float, written: str) -> tuple[float, str]:
-    """Return a number and its SI unit; NaN where the unit is not known: the text is a word."""
+    """Return a number and its SI unit; NaN where the unit is not known: the text is no number."""
     if not math.isfinite(number):
         return math.nan, ""
     if not written or written == _DECIBEL:

@@ -20,11 +20,13 @@ from aff_runtime.config.plain_file import read_plain
 
 MAX_BYTES = 64 * 1024
 FURTHER = "further"
-SECOND_TENSION = "second.tension"
+"""Answers ``further.1``, ``.2``: channels to record beside the quantities that setup asks for."""
 MOST_FURTHER = 32
+SECOND_TENSION = "second.tension"
+"""Answer that names the tension which the second driven roller is to keep quiet."""
 STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.]*$", max_length=80)]
-Line = Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f]*$", max_length=200)]
+TextLine = Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f]*$", max_length=200)]
 ScaleText = Annotated[
     str,
     StringConstraints(pattern=r"^-?[0-9.]+([eE][-+]?[0-9]+)?( [A-Za-z/ 0-9]+)?$", max_length=40),
@@ -32,7 +34,11 @@ ScaleText = Annotated[
 
 
 class FoundWord(BaseModel):
-    """Where a quantity was found, how it is stored, and SI in a count as text."""
+    """Where a quantity was found, and how it is stored.
+
+    ``order`` : which of two words comes first. ``scale`` : SI units of one count, or such as
+    ``4096 counts/turn``, as the site file writes it.
+    """
 
     model_config = STRICT
 
@@ -53,7 +59,7 @@ class Draft(BaseModel):
     model_config = STRICT
 
     version: Literal[1] = 1
-    answers: Annotated[Mapping[Key, Line], MaxLen(200)] = {}
+    answers: Annotated[Mapping[Key, TextLine], MaxLen(200)] = {}
     words: Annotated[Mapping[Key, FoundWord], MaxLen(64)] = {}
 
     def with_answer(self, name: str, kept: str) -> Draft:
@@ -107,7 +113,7 @@ class Draft(BaseModel):
 
     @property
     def second(self) -> str:
-        """Return the name of the second driven roller; empty without one."""
+        """Return the driven roller that is corrected beside the unwind; empty without one."""
         name = self.answers.get("second", NONE)
         return "" if name == NONE else name
 
@@ -118,11 +124,11 @@ class Draft(BaseModel):
 
     @property
     def owners(self) -> dict[int, str]:
-        """Return by wire address the channel or answer that has it."""
+        """Return by wire address (the first register is 0) the channel or answer that has it."""
         owners = {
-            place: channel
+            address: channel
             for channel, word in self.words.items()
-            for place in word.decoding.addresses
+            for address in word.decoding.addresses
         }
         for name in ("heartbeat", "roll_id", "status.word", "echo", *self._applied()):
             given = self.answers.get(name, "")

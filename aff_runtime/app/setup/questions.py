@@ -15,6 +15,7 @@ LONGEST = 200  # characters of an answer
 _NAME = re.compile(r"[a-z][A-Za-z0-9_]{0,39}")
 _BIT = re.compile(r"\s*(?P<word>\d{1,5})\.(?P<bit>\d{1,2})(?P<inverted>\s+inverted)?\s*")
 NONE, FIND = "none", "find"
+"""Answers: the PLC has none; setup shall find it by watching."""
 
 
 class AnswerError(ValueError):
