@@ -83,7 +83,7 @@ class Quadrature:
 
     Both may be given at once; they add. ``amplitude`` and ``angle`` are empty where an effect is
     declared by its two components only. ``order`` names the parameter that says how often a turn
-    the phasor turns; empty: the pairs of an effect are its orders 1, 2, 3 ...
+    the phasor turns; empty: see `Effect.pairs`.
     """
 
     cos: str
@@ -174,6 +174,9 @@ class Effect:
     cancel_orders : whole orders of its body that a drive can cancel, or the parameter that says
         which; empty: none.
     quadratures : pairs among ``accepts``.
+    pairs : what they stand for. ``orders``: the orders 1, 2, 3 ... of a body. ``cells``: where the
+        location is ``all``, the first is what the first load cell that the line declares has, each
+        further one what the next cell has *more* than the first.
     limits : returns narrower bounds (low, high) of some parameters at an index of its place on a
         given line, where physics knows them; None where the line says nothing.
     refuses : says why an index of its place on a given line cannot have it in this form, "" where
@@ -202,6 +205,7 @@ class Effect:
     wander: float = 0.0
     cancel_orders: tuple[int, ...] | str = ()
     quadratures: tuple[Quadrature, ...] = ()
+    pairs: Literal["orders", "cells"] = "orders"
     limits: Limits | None = None
     refuses: Refusal | None = None
     starts: Starts | None = None

@@ -59,6 +59,7 @@ EFFECT = Effect(
     traced=("cos_N", "sin_N", "frequency_Hz"),
     traced_per_place=("cos_{k}_N", "sin_{k}_N"),
     quadratures=(PAIR, *OTHERS),
+    pairs="cells",
     apply=apply,
     text="mains pick-up in a reading: a line in time, often an alias, that no roller explains",
     shows=Frequency(at=lambda values: float(values["frequency_Hz"]), harmonics_of_Hz=(50.0, 60.0)),

@@ -100,7 +100,9 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         limits=tuple(limits),
         selection=selection,
         evaluation=evaluation,
-        verdict=verdict_of(selection, evaluation, str(judged.record.path)),
+        verdict=verdict_of(
+            selection, evaluation, str(judged.record.path), fitted[0].twin.declaration
+        ),
     )
     if site is not None:
         outcome = replace(outcome, proposal=proposal_of(outcome, site, progress))

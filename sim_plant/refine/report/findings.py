@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from sim_plant.base.effects import Value
+from sim_plant.line.build import cell_sensors
+from sim_plant.line.declaration import Declaration
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
@@ -26,17 +29,23 @@ from sim_plant.refine.report.verdict import (
 from sim_plant.refine.search.selection import AcceptedEffect, Ranges, Selection
 
 
-def verdict_of(selection: Selection, evaluation: Evaluation | None, holdout: str) -> Verdict:
+def verdict_of(
+    selection: Selection,
+    evaluation: Evaluation | None,
+    holdout: str,
+    line: Declaration | None = None,
+) -> Verdict:
     """Return the whole verdict.
 
     Parameters
     ----------
     evaluation : errors on the record judged; None where none was judged.
     holdout : path of that record, the first held out or else the first fitted.
+    line : as the first record fitted was made on it; None: nothing is told by its channels.
     """
     return Verdict(
         answer=_answer(selection),
-        effects=effect_findings(selection),
+        effects=effect_findings(selection, line),
         unknown=tuple(
             UnknownFinding(kind=u.kind, coordinate=u.coordinate, strength=u.strength)
             for u in selection.unknown
@@ -74,8 +83,11 @@ def channel_errors(evaluation: Evaluation) -> dict[str, ChannelError]:
     }
 
 
-def effect_findings(selection: Selection) -> tuple[EffectFinding, ...]:
+def effect_findings(
+    selection: Selection, line: Declaration | None = None
+) -> tuple[EffectFinding, ...]:
     """Return one finding per effect: parameters, 95 % intervals, score and runner-up."""
+    cells = tuple(sensor.channel for sensor in cell_sensors(line)) if line is not None else ()
     findings, at = [], 0  # at: position of the effect's first number in the row of all
     sd = standard_deviations(selection.fit)
     fit = selection.fit
@@ -91,7 +103,8 @@ def effect_findings(selection: Selection) -> tuple[EffectFinding, ...]:
             if pair.cos in position and pair.sin in position
         }
         own_sd = sd[at : at + len(values)]
-        findings.append(_finding(accepted, h, values, own_sd, amplitude_sd, known))
+        found = _finding(accepted, h, values, own_sd, amplitude_sd, known)
+        findings.append(replace(found, cells=cells))
         at += len(values)
     return tuple(findings)
 

@@ -31,6 +31,8 @@ class EffectFinding:
     runner_up : the next best explanation, if there is one.
     cancel : whether a drive can cancel it by feed-forward.
     text : what the effect is, a sentence without a stop.
+    cells : channels of the line's load cells, in the order in which it declares them; a file of
+        version 1 has none.
     """
 
     place: EffectAt
@@ -41,6 +43,7 @@ class EffectFinding:
     margin: float
     cancel: bool
     text: str
+    cells: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

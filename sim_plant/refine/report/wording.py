@@ -75,11 +75,47 @@ class NumberRow:
 
 
 def number_rows(finding: EffectFinding) -> list[NumberRow]:
-    """Return the parameters of an effect as text."""
-    return [
+    """Return the parameters of an effect as text; what load cells have, cell by cell."""
+    cells = _cell_rows(finding)
+    in_cells = _names_in_pairs(finding.place.effect) if cells else set()
+    rows = [
         _number_row(finding.place.effect, key, value, finding.interval95.get(key))
         for key, value in finding.parameters.items()
+        if key not in in_cells
     ]
+    return [*rows, *cells]
+
+
+def _names_in_pairs(effect: str) -> set[str]:
+    pairs = BY_NAME[effect].quadratures
+    return {name for p in pairs for name in (p.cos, p.sin, p.amplitude, p.angle)}
+
+
+def _cell_rows(finding: EffectFinding) -> list[NumberRow]:
+    """Return the size in every load cell, where an effect is in all and not alike; else nothing.
+
+    Equation: |c_1 + d_k| of the first cell's phasor and what cell k has more; no interval but the
+    first's is known.
+    """
+    known, values = BY_NAME.get(finding.place.effect), finding.parameters
+    if known is None or known.pairs != "cells" or finding.place.location != "all":
+        return []
+    pairs = [p for p in known.quadratures if p.cos in values and p.sin in values]
+    if len(pairs) < 2:  # one phasor, of every cell
+        return []
+    parts = [complex(float(values[p.cos]), float(values[p.sin])) for p in pairs]
+    sizes = [abs(parts[0]), *(abs(parts[0] + more) for more in parts[1:])]
+    unit = unit_of(known.name, pairs[0].cos)
+    rows = []
+    for k, size in enumerate(sizes):
+        cell = finding.cells[k] if k < len(finding.cells) else f"cell {k + 1}"
+        ends = finding.interval95.get(pairs[0].amplitude) if k == 0 else None
+        low, high = (f"{end:.4g}" for end in ends) if ends else ("", "")
+        name = f"at {cell.removesuffix('_' + unit)}"
+        rows.append(
+            NumberRow(key=cell, name=name, value=f"{size:.4g}", unit=unit, low=low, high=high)
+        )
+    return rows
 
 
 def _number_row(
@@ -125,6 +161,9 @@ def size_of(finding: EffectFinding) -> str:
     """Return how much of an effect there is, with units and 95 % intervals."""
     sizes, effect = [], finding.place.effect
     for number in number_rows(finding):
+        if number.key not in finding.parameters:
+            sizes.append(f"{number.value} {number.unit} {number.name}")
+            continue
         if not tells_size(effect, number.key):
             continue
         name = "" if isinstance(finding.parameters[number.key], str) else f"{number.name} "
@@ -149,7 +188,9 @@ def _orders_of(finding: EffectFinding) -> list[str]:
     """Return the largest orders of an effect that has no other size, with units."""
     known = BY_NAME.get(finding.place.effect)
     values = finding.parameters
-    if known is None or (known.profiles is not None and known.profiles.size in values):
+    if known is None or known.pairs != "orders":
+        return []
+    if known.profiles is not None and known.profiles.size in values:
         return []
     sizes = [
         (math.hypot(float(values[pair.cos]), float(values[pair.sin])), order, pair.cos)

@@ -103,3 +103,46 @@ def test_details_of_a_named_outline_are_not_told_beside_its_size():
 
 
 PARTS = (("cos", 0.6), ("sin", -0.8))
+
+
+HUM = {
+    "cos_N": -0.9,
+    "sin_N": -0.5,
+    "cos_1_N": 0.9,
+    "sin_1_N": 0.9,
+    "cos_2_N": 0.6,
+    "sin_2_N": 0.1,
+    "frequency_Hz": 99.7,
+    "amplitude_N": math.hypot(0.9, 0.5),
+    "phase_rad": -2.6,
+}
+CELLS = ("unwind_tension_N", "r3_tension_N", "rewind_tension_N")
+
+
+def test_what_every_cell_has_is_told_by_its_name_and_whole():
+    interval = {"amplitude_N": (1.0, 1.1)}
+    found = finding("mains_hum", "all", HUM, cells=CELLS, interval95=interval)
+    # of cells 2 and 3 the phasor is the first's plus their own: 0 + 0.4j, -0.3 - 0.4j
+    assert size_of(found) == (
+        "frequency 99.7 Hz, 1.03 N at unwind_tension, 0.4 N at r3_tension, 0.5 N at rewind_tension"
+    )
+    rows = number_rows(found)
+    assert [(n.name, n.value, n.unit) for n in rows] == [
+        ("frequency", "99.7", "Hz"),
+        ("at unwind_tension", "1.03", "N"),
+        ("at r3_tension", "0.4", "N"),
+        ("at rewind_tension", "0.5", "N"),
+    ]
+    assert [(n.low, n.high) for n in rows[1:]] == [("1", "1.1"), ("", ""), ("", "")]
+
+
+def test_cells_of_a_line_that_is_not_known_are_counted():
+    assert size_of(finding("mains_hum", "all", HUM)).endswith(
+        "1.03 N at cell 1, 0.4 N at cell 2, 0.5 N at cell 3"
+    )
+
+
+def test_one_cell_has_one_size():
+    one = {name: HUM[name] for name in ("cos_N", "sin_N", "frequency_Hz", "amplitude_N")}
+    told = size_of(finding("mains_hum", "R9", one, cells=CELLS))
+    assert told == "frequency 99.7 Hz, amplitude 1.03 N"
