@@ -5,7 +5,7 @@ What was chosen while others were still missing may sit a roller off, or be no l
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.search.candidate import Progress, bic_penalty, sure_fall
 from sim_plant.refine.search.completeness import sure_excess
-from sim_plant.refine.search.selection import AcceptedEffect, Selection, alike_margin
+from sim_plant.refine.search.selection import ACCEPTANCE, AcceptedEffect, Selection, alike_margin
 
 EXCHANGE = CRITERIA.search.exchange
 
@@ -32,6 +32,7 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
     """
     fit, accepted = selection.fit, list(selection.accepted)
     for k in range(len(accepted)):
+        was = fit
         margin = alike_margin(selection.nominal.cost - fit.cost)
         tried = [
             (place, _moved(objective, fit, k, place))
@@ -50,12 +51,40 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
         if there != here and here not in alike and undecided:
             alike.append(here)
         others = [p for p in accepted[k].ambiguous if p.effect != there.effect]
-        accepted[k] = replace(
+        chosen = replace(
             accepted[k],
             hypothesis=fit.hypotheses[k],
             ambiguous=tuple(p for p in dict.fromkeys([*others, *alike]) if p != there),
         )
+        gains = {place: was.cost - other.cost for place, other in tried}
+        accepted[k] = scored_at(chosen, gains | {here: 0.0}) if there != here or alike else chosen
     return replace(selection, fit=fit, accepted=tuple(accepted))
+
+
+def scored_at(chosen: AcceptedEffect, gains: Mapping[EffectAt, float]) -> AcceptedEffect:
+    """Return an effect with score, rival and rejected list as of the place it was moved to.
+
+    A place that cannot be told from it goes before the others, as its next best explanation.
+
+    Parameters
+    ----------
+    chosen : the effect at its new place, with the scores of the old one.
+    gains : chi-square that each place explains more than the old one, all else fitted again; the
+        price of the numbers is the same everywhere.
+    """
+    here = chosen.hypothesis.key
+    told = {place: chosen.score + gain for place, gain in gains.items()}
+    rows = dict(chosen.rejected) | told
+    del rows[here]
+    rejected = sorted(rows.items(), key=lambda row: (row[0] not in chosen.ambiguous, -row[1]))
+    runner_up, second = rejected[0] if rejected else (None, 0.0)
+    return replace(
+        chosen,
+        score=told[here],
+        runner_up=runner_up,
+        margin=told[here] - max(second, 0.0),
+        rejected=tuple(rejected[: ACCEPTANCE.reported_rejected]),
+    )
 
 
 def leaves_more(objective: Objective, fit: Fit) -> bool:

@@ -3,9 +3,10 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
+from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.twin import Case
-from sim_plant.refine.search.exchange import exchanged, joined
+from sim_plant.refine.search.exchange import exchanged, joined, scored_at
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from tests.sim_plant.refine.small import STEP_S, formula_twin, line_with, objective_of, white
 
@@ -97,6 +98,49 @@ def test_a_neighbour_that_was_ahead_stays_named_while_something_is_missing(missi
     (found,) = exchanged(objective, selection, lambda _text: None).accepted
     assert found.hypothesis.location == "R2"
     assert [place.location for place in found.ambiguous] == alike
+
+
+def test_a_place_that_is_moved_to_has_the_scores_of_that_place() -> None:
+    """R5 scored 100; R4 explains 30 more than R5, R6 20 less; R7 was not tried again."""
+    old, far = EffectAt("eccentric_roller", "R5"), EffectAt("eccentric_roller", "R7")
+    new, near = EffectAt("eccentric_roller", "R4"), EffectAt("eccentric_roller", "R6")
+    moved = AcceptedEffect(
+        hypothesis=hypothesis(BY_NAME["eccentric_roller"], "R4", line=LINE),
+        score=100.0,
+        runner_up=new,
+        margin=2.0,
+        rejected=((new, 98.0), (near, 95.0), (far, 60.0)),
+        ambiguous=(near,),
+    )
+    told = scored_at(moved, {new: 30.0, near: -20.0, old: 0.0})
+    assert (told.score, told.runner_up, told.margin) == (130.0, near, 50.0)
+    assert told.rejected == ((near, 80.0), (old, 100.0), (far, 60.0))  # the open one first
+
+
+def test_after_an_exchange_the_old_place_is_the_rival_and_the_new_one_none():
+    first, second = (hypothesis(BY_NAME["eccentric_roller"], at, line=LINE) for at in AHEAD)
+    twin = formula_twin(turning, ("pullroll_tension_N", "unwind_tension_N"), SAMPLES, line=LINE)
+    true = twin.simulate(Case(effects=(second.added((2e-4, 1e-4)),)))
+    objective = objective_of(twin, true + white((2, SAMPLES), 8))
+    accepted = AcceptedEffect(
+        hypothesis=first,
+        score=7000.0,
+        runner_up=second.key,
+        margin=1.0,
+        rejected=((second.key, 6999.0),),
+    )
+    nominal = nominal_fit(objective, {})
+    fit = gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {})
+    selection = Selection(
+        nominal=nominal, fit=fit, accepted=(accepted,), travels=(), before=(), after=()
+    )
+    moved = exchanged(objective, selection, lambda _text: None)
+    (found,) = moved.accepted
+    assert found.hypothesis.key == second.key
+    assert found.score == pytest.approx(7000.0 + fit.cost - moved.fit.cost)
+    assert found.runner_up == first.key
+    assert found.margin == pytest.approx(fit.cost - moved.fit.cost)
+    assert second.key not in dict(found.rejected)
 
 
 def test_a_constant_drag_is_named_at_every_idler_of_its_zone_that_no_reading_parts_from_it():
