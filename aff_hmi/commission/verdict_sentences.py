@@ -54,6 +54,10 @@ TEXTS = (
     N_("a drive shaft twists or has play: the motor runs ahead of its roller"),
     N_("the web slips on a driven roller above a speed: the tension it holds drops"),
     N_("from a splice on the web is another one: tensions change zone by zone as it passes"),
+    N_(
+        "a seam of another thickness is on the web: each roller pulls at another arm while the "
+        "seam runs over it"
+    ),
     N_("the web is warmer in a zone: it is longer without being pulled"),
     N_("a drive pushes unevenly over its turn: ripple at a fixed number per turn of that roller"),
     N_("a measuring roller shakes its own cell once per turn, as speed squared"),
@@ -66,7 +70,10 @@ TEXTS = (
 
 REMEDIES = (
     N_("turn {place} by hand with the web off; clean, grease or change its bearings"),
-    N_("put a dial gauge on {place} and have the roller, or its bearing seats, trued"),
+    N_(
+        "put a dial gauge on {place}: its total reading is twice the eccentricity; then have "
+        "the roller, or its bearing seats, trued"
+    ),
     N_("centre the encoder of {place} and its coupling"),
     N_("calibrate {place} with a known weight"),
     N_("compare the filter set in the amplifier of {place} with low_pass_Hz as declared"),
@@ -84,6 +91,7 @@ REMEDIES = (
     N_("look for play in couplings, keys and gear of {place}"),
     N_("clean the surface of {place}, give it more wrap or nip, or run slower"),
     N_("judge the webs before and after the splice on their own"),
+    N_("look at the seam at that length of web: its overlap and its tape"),
     N_("measure the web's temperature before and after {place}"),
     N_("look at the commutation and the encoder offset of the motor of {place}"),
     N_("have the measuring roller {place} balanced"),
@@ -99,10 +107,21 @@ VERDICT = (
     N_("Traced: {what}."),
     N_("Unknown: {what}; no effect of the library explains it."),
     N_("{what} cannot be told from {why}."),
+    N_("{what} or {roll} (not told apart)"),
+    N_("{what} (not told apart)"),
     N_("To tell: {rest}."),
     N_("{what} scores {score}, the next best explanation ({why}) {next}"),
     N_("{what} scores {score}, no other explains the record as well"),
     N_("A difference of 10 decides."),
+    N_(
+        "What repeats there takes {number} of the weighted squared error, by noise alone it "
+        "would be less than {limit}."
+    ),
+    N_(
+        "From that moment on the error is {number} more than noise makes it (weighted and "
+        "squared)."
+    ),
+    N_("The error that is left is {number} more than noise makes it (weighted and squared)."),
     N_(
         "On the held-out record the error in {channel} is {before} rms as declared, {after} as "
         "amended; noise alone leaves {floor}."
@@ -117,6 +136,17 @@ VERDICT = (
     ),
     N_("As amended, all tensions and speeds are within 10 % of noise."),
     N_("As amended, more than 10 % above noise: {rest}."),
+    N_(
+        "On the held-out record the error in {channel} is {before} rms as declared; noise alone"
+        " leaves {floor}."
+    ),
+    N_(
+        "On the record fitted (no proof) the error in {channel} is {before} rms as declared; "
+        "noise alone leaves {floor}."
+    ),
+    N_("There the error in {channel} is {before} rms as declared; noise alone leaves {floor}."),
+    N_("As declared, all tensions and speeds are within 10 % of noise."),
+    N_("As declared, more than 10 % above noise: {rest}."),
     N_("Make the record that tells the candidates apart before anything is changed."),
     N_("Paste the AFF block below into the site file."),
     N_(
@@ -124,16 +154,34 @@ VERDICT = (
         "{what}."
     ),
     N_("This is no ripple to cancel: {what}."),
+    N_("Beside it, no ripple to cancel: {what}."),
     N_("Look for what turns or swings at that coordinate; the amended line does not contain it."),
     N_("Record again with more speeds and a tension step, and more channels."),
     N_("Do not take the declaration for right: {rest} above noise on the record judged."),
     N_("Fit that record and judge on the other."),
     N_("Nothing to do: the declaration stands."),
+    N_("First do what tells the candidates apart, before anything is changed."),
+    N_("First at the machine: {what}."),
+    N_(
+        "Until that is done, paste the AFF block below into the site file, at the actuator of "
+        "{roll}."
+    ),
+    N_("The ripple of a cancelled roller comes back when the service is off."),
+    N_("Look in the log of {name} at {number} s: what was done on the line then."),
+    N_("If nothing was, record again with more speeds and a tension step, and more channels."),
+    N_("Not explained: {rest}: check these."),
+    N_(
+        "Nothing to do: the declaration stands, except for what these records cannot tell: {rest}."
+    ),
     N_("something that repeats in time, {number} Hz at every speed"),
     N_("something that repeats {number} times per turn of {roll}"),
     N_(
         "something that repeats every {number} mm of web ({inverse} 1/m); a roller of {radius} "
         "mm radius turns so"
+    ),
+    N_(
+        "an event at {number} s of {name} in {zone}, first seen in {channel}; ask what was done"
+        " on the line then"
     ),
     N_(
         "an event at {number} s in {zone}, first seen in {channel}; ask what was done on the "

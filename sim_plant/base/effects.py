@@ -34,6 +34,7 @@ Apply = Callable[[LineArrays, int, Mapping[str, Value]], LineArrays]
 Limits = Callable[[LineArrays, int], Mapping[str, tuple[float, float]]]
 Refusal = Callable[[LineArrays, int, Mapping[str, Value]], str]
 Starts = Callable[[LineArrays, int, "Asked"], Sequence["Start"]]
+RunOut = Callable[[Mapping[str, Value]], float]
 Experiment = Callable[[str, "Effect", str], str]
 """(own location, another effect, its location) -> what to do at the machine; empty: no help."""
 
@@ -144,6 +145,15 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Form:
+    """What an effect is, and what to do about it, where these strengths alone are there."""
+
+    strengths: tuple[str, ...]
+    text: str
+    remedy: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Effect:
     """One catalogue row.
 
@@ -168,6 +178,9 @@ class Effect:
     onset : its form that begins at a moment of the record; None: it has none.
     remedy : what to do at the machine or in the declaration, without a stop at its end;
         ``{place}`` stands for where.
+    forms : other words than ``text`` and ``remedy``, for those that have only some strengths.
+    run_out : (all parameters) -> total indicator reading, m, of a dial gauge on its body when that
+        is turned with the web off; None: a gauge shows nothing of it.
     experiment : what tells it from another effect, where the signatures of both do not say it.
     sensor_only : acts in a reading, not in the web: must not be cancelled.
     wander : share of what it explains that it leaves, where its size is not quite constant.
@@ -200,6 +213,8 @@ class Effect:
     onset: Onset | None = None
     fitted_later: tuple[str, ...] = ()
     traced_per_place: tuple[str, ...] = ()
+    forms: tuple[Form, ...] = ()
+    run_out: RunOut | None = None
     experiment: Experiment | None = None
     sensor_only: bool = False
     wander: float = 0.0
@@ -227,6 +242,17 @@ class Effect:
     def resonant(self) -> bool:
         """Whether it shows at an order that something rings at."""
         return isinstance(self.shows, Orders) and self.shows.resonant
+
+    def words(self, values: Mapping[str, Value]) -> tuple[str, str]:
+        """Return text and remedy by the strengths that are there."""
+        there = {
+            name
+            for name, row in self.accepts.items()
+            if row.role == "strength" and values.get(name, row.default) != row.default
+        }
+        fits = (form for form in self.forms if there and there <= set(form.strengths))
+        form = next(fits, None)
+        return (self.text, self.remedy) if form is None else (form.text, form.remedy)
 
     def cancelled(self, values: Mapping[str, Value]) -> tuple[int, ...]:
         """Return the whole orders of its body that a drive can cancel, none where it must not."""

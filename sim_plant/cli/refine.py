@@ -243,7 +243,9 @@ def summary(outcome: Outcome) -> str:
         lines.append(f"  not identifiable: {a.place} or {', '.join(map(str, a.alternatives))}")
         lines += [f"    to tell: {what}" for what in a.experiments]
     for u in verdict.unknown:
-        lines.append(f"  unknown, class {u.kind}: {coordinate_text(u.kind, u.coordinate)}")
+        lines.append(
+            f"  unknown, class {u.kind}: {coordinate_text(u.kind, u.coordinate, u.begins)}"
+        )
     lines.append(
         f"{'channel':28s} {'before':>10s} {'after':>10s} {'floor':>10s} {'after/floor':>11s}"
     )

@@ -29,6 +29,11 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return add_shape(arrays, place, eccentric(radius_m, abs(centre_m), cmath.phase(centre_m)))
 
 
+def run_out(parameters: Mapping[str, Value]) -> float:
+    """Return what a dial gauge reads from its least to its most over a turn: 2 e."""
+    return 2.0 * abs(phasor(parameters, PAIR))
+
+
 EFFECT = Effect(
     name="eccentric_roller",
     place="body",
@@ -47,6 +52,8 @@ EFFECT = Effect(
     apply=apply,
     text="a roller turns off its centre: ripple once per turn in both its spans",
     shows=whole(1),
-    remedy="put a dial gauge on {place} and have the roller, or its bearing seats, trued",
+    remedy="put a dial gauge on {place}: its total reading is twice the eccentricity; then have "
+    "the roller, or its bearing seats, trued",
+    run_out=run_out,
     cancel_orders=(1,),
 )

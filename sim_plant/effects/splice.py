@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.base.effects import Effect, Form, Parameter, Value
 from sim_plant.base.signatures import Onset
 
 
@@ -74,6 +74,14 @@ EFFECT = Effect(
         unit="m",
         forms=(("step_m", "piece_m"), ("EA_factor", "thickness_factor")),
         grid=(("piece_m", (0.05, 0.1)),),
+    ),
+    forms=(
+        Form(
+            strengths=("step_m",),
+            text="a seam of another thickness is on the web: each roller pulls at another arm "
+            "while the seam runs over it",
+            remedy="look at the seam at that length of web: its overlap and its tape",
+        ),
     ),
     remedy="judge the webs before and after the splice on their own",
 )

@@ -83,7 +83,7 @@ def _effect(plain: Finding, found: EffectFinding, alike: Ambiguity | None) -> Fi
     effect, place = BY_NAME[found.place.effect], found.place.location
     number = next((q.amplitude for q in effect.quadratures if q.amplitude), effect.traced[0])
     low, high = found.interval95.get(number, (math.nan, math.nan))
-    to_do, sure = effect.remedy.format(place=place), "named"
+    to_do, sure = effect.words(found.parameters)[1].format(place=place), "named"
     if alike is not None:
         sure = "one of several"
         others = ", ".join(map(str, alike.alternatives))

@@ -36,11 +36,12 @@ from sim_plant.refine.report.amend import write_amended
 from sim_plant.refine.report.announce import announce, holdout_limits
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
-from sim_plant.refine.report.outcome import Outcome, Plan
+from sim_plant.refine.report.outcome import Begun, Outcome, Plan
 from sim_plant.refine.report.page import write_report
 from sim_plant.refine.report.site_edit import FILE as SITE
 from sim_plant.refine.report.site_edit import Proposal, SiteFile, proposed
 from sim_plant.refine.report.summary import write_summary
+from sim_plant.refine.report.verdict import Verdict
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
 from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
@@ -92,6 +93,12 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         limits.append(weak.said)
         progress(weak.said)
         selection, evaluation = weak.selection, weak.evaluation
+    verdict = verdict_of(
+        selection,
+        evaluation,
+        str(judged.record.path),
+        [(f.record.path.name, f.twin) for f in fitted],
+    )
     outcome = Outcome(
         plan=plan,
         line=line,
@@ -100,9 +107,8 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         limits=tuple(limits),
         selection=selection,
         evaluation=evaluation,
-        verdict=verdict_of(
-            selection, evaluation, str(judged.record.path), fitted[0].twin.declaration
-        ),
+        verdict=verdict,
+        begun=begun(fitted, selection, verdict, plan.workers, progress),
     )
     if site is not None:
         outcome = replace(outcome, proposal=proposal_of(outcome, site, progress))
@@ -196,6 +202,27 @@ def judge(
         return evaluate(pool, judged.measured, selection.fit.effects, shifts, find_angles=held_out)
 
 
+def begun(
+    fitted: Sequence[Recorded],
+    selection: Selection,
+    verdict: Verdict,
+    workers: int,
+    progress: Progress,
+) -> Begun | None:
+    """Return the fitted record in which the first of what was found begins, to be shown there."""
+    known = [e.begins for e in verdict.effects]
+    unknown = [u.begins for u in verdict.unknown]
+    moments = [moment for moment in (*known, *unknown) if moment is not None]
+    if not moments:
+        return None
+    number = moments[0].number
+    there = [replace(e, record=None) for e in selection.fit.effects if e.record in (None, number)]
+    shown, shifts = fitted[number], tuple(sorted(selection.corrections.items()))
+    with SimulationPool([shown.twin], workers, progress) as pool:
+        found = evaluate(pool, shown.measured, there, shifts, find_angles=False)
+    return Begun(moment=moments[0], evaluation=found)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Imitating:
     """What is claimed without an effect that can be an imitation.
@@ -269,5 +296,5 @@ def write_all(outcome: Outcome, command: str) -> None:
     if outcome.proposal is not None and outcome.proposal.adds:
         (out / SITE).write_text(outcome.proposal.text, encoding="utf-8")
     (out / "verdict.json").write_text(outcome.verdict.to_json(), encoding="utf-8")
-    write_summary(outcome, is_block=block is not None)
+    write_summary(outcome)
     write_report(outcome, command, amended, block)

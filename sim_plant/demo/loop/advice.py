@@ -8,9 +8,9 @@ from pathlib import Path
 
 from aff_runtime.base.run_files import yaml_values
 from sim_plant.demo.loop.correcting import Decision
-from sim_plant.refine.report.page import next_step
+from sim_plant.refine.report.next_step import next_step
 from sim_plant.refine.report.verdict import EffectFinding, Verdict
-from sim_plant.refine.report.wording import location_words, remedy
+from sim_plant.refine.report.wording import remedy
 
 
 def cancelled_rolls(site: Path) -> frozenset[str]:
@@ -29,7 +29,7 @@ def advice(verdict: Verdict, decision: Decision | None, rolls: Collection[str]) 
     rolls : of the blocks that the site file has in the end, in small letters.
     """
     if verdict.ambiguous:
-        return next_step(verdict, block=False)
+        return next_step(verdict)
     ripples = [e for e in verdict.effects if e.cancel]
     cancelled = [e for e in ripples if e.place.location.lower() in rolls]
     left = [e for e in ripples if e not in cancelled]
@@ -47,7 +47,7 @@ def advice(verdict: Verdict, decision: Decision | None, rolls: Collection[str]) 
     if others:
         said.append(f"No correction cancels {_names(others)}: {_remedies(others)}.")
     if verdict.unknown or not said:
-        said.append(next_step(replace(verdict, effects=()), block=False))
+        said.append(next_step(replace(verdict, effects=())))
     return " ".join(said)
 
 
@@ -56,6 +56,4 @@ def _names(effects: Sequence[EffectFinding]) -> str:
 
 
 def _remedies(effects: Sequence[EffectFinding]) -> str:
-    return "; ".join(
-        dict.fromkeys(remedy(e.place.effect, location_words(e.place.location)) for e in effects)
-    )
+    return "; ".join(dict.fromkeys(map(remedy, effects)))

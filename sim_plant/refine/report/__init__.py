@@ -6,6 +6,7 @@ __all__ = [
     "announce",
     "findings",
     "folder",
+    "next_step",
     "outcome",
     "page",
     "plain",

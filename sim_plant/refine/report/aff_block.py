@@ -108,18 +108,25 @@ def site_name(roller: str) -> str:
     return name if name[:1].isalpha() else f"roller_{name}"[:48]
 
 
-def _as_roll(name: str, declaration: Declaration | None) -> str:
-    """Return the comment on how an idler comes into the site file; empty for a driven roller."""
-    if declaration is None or name in {drive.roller for drive in declaration.control.drives}:
-        return ""
-    at = declaration.body(name)
-    radius_m = declaration.rollers[at].radius_m
-    driven = sorted(declaration.body(drive.roller) for drive in declaration.control.drives)
+def actuators_for(name: str, declaration: Declaration) -> str:
+    """Return the driven roller whose actuator cancels a roller; of an idler those beside it."""
+    drives = {drive.roller for drive in declaration.control.drives}
+    if name in drives:
+        return name
+    at, driven = declaration.body(name), sorted(map(declaration.body, drives))
     ends = [
         max((k for k in driven if k < at), default=None),
         min((k for k in driven if k > at), default=None),
     ]
-    beside = " or ".join(declaration.rollers[k].name for k in ends if k is not None)
+    return " or ".join(declaration.rollers[k].name for k in ends if k is not None)
+
+
+def _as_roll(name: str, declaration: Declaration | None) -> str:
+    """Return the comment on how an idler comes into the site file; empty for a driven roller."""
+    if declaration is None or name in {drive.roller for drive in declaration.control.drives}:
+        return ""
+    radius_m = declaration.rollers[declaration.body(name)].radius_m
+    beside = actuators_for(name, declaration)
     return (
         f"# {name} has no drive: its entry goes to the actuator of {beside}, the drives before "
         f"and after it;\n# under `rolls` of the site file, with its angle channel if it has one:\n"

@@ -2,30 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
+from types import MappingProxyType
 
+from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.effect_at import EffectAt
 
+NONE_FITTED: Mapping[str, Value] = MappingProxyType({})
 
-def experiment(one: EffectAt, other: EffectAt) -> str:
+
+def experiment(
+    one: EffectAt,
+    other: EffectAt,
+    values: Mapping[str, Value] = NONE_FITTED,
+    angles: Collection[str] = (),
+    places: Sequence[str] = (),
+) -> str:
     """Return the experiment that tells two effects apart, as a sentence.
 
-    The first that fits: two effects locked to the order of different rollers; what an effect's
-    own ``experiment`` gives; two on one roller; a record under other conditions.
+    The first that fits: two effects locked to the order of different rollers, at standstill before
+    a record; what an effect's own ``experiment`` gives; two on one roller; a record under other
+    conditions.
+
+    Parameters
+    ----------
+    values : the numbers of ``one`` as fitted; none: no size is told.
+    angles : bodies whose angle is recorded. Without it a body's turn by hand leaves no trace: its
+        phase is found anew in every record.
+    places : where a gauge is put that reads both; empty: at those two.
     """
     a, b = BY_NAME[one.effect], BY_NAME[other.effect]
     elsewhere = one.location != other.location
-    locked = a.order_locked and b.order_locked
-    if elsewhere and locked and not (a.sensor_only or b.sensor_only):
-        return (
-            f"lift the web off, turn {one.location} alone half a turn by hand and record again: "
-            "the line's phase moves only if that roller causes it"
-        )
+    locked = a.order_locked and b.order_locked and not (a.sensor_only or b.sensor_only)
+    if elsewhere and locked:
+        both = places or (one.location, other.location)
+        at_rest = _by_gauge(one, other, values, both) or _of_the_effects(one, other)
+        said = [text for text in (at_rest, _half_a_turn(one.location, angles)) if text]
+        if said:
+            return "; then ".join(said)
     own = _of_the_effects(one, other)
     if own:
         return own
-    if locked and not elsewhere:
+    if a.order_locked and b.order_locked and not elsewhere:
         return (
             f"turn {one.location} by hand under a dial gauge: run-out shows an eccentric or "
             "uneven roller, none an unbalance"
@@ -33,6 +52,38 @@ def experiment(one: EffectAt, other: EffectAt) -> str:
     return (
         "record again at another speed, another tension and another roll radius, and give "
         "both records to refine together"
+    )
+
+
+def _by_gauge(
+    one: EffectAt, other: EffectAt, values: Mapping[str, Value], places: Sequence[str]
+) -> str:
+    """Return what a dial gauge tells at standstill; empty where it reads nothing of either."""
+    known = BY_NAME[one.effect]
+    if known.run_out is None:
+        if BY_NAME[other.effect].run_out is None:
+            return ""
+        at, cause = other.location, "if it is the cause"
+        return f"take the web off and turn {at} by hand under a dial gauge: it runs out {cause}"
+    in_mm = 1e3 * known.run_out({**known.parameters, **values}) if values else 0.0
+    size = f", {in_mm:.3g} mm in total" if in_mm else ""
+    if one.effect == other.effect:
+        every = f"{', '.join(places[:-1])} and {places[-1]}"
+        which = "the eccentric one runs out"
+    else:
+        every, which = one.location, "if it is the cause it runs out"
+    return (
+        f"take the web off and turn {every} by hand under a dial gauge: {which} by twice the "
+        f"eccentricity{size}"
+    )
+
+
+def _half_a_turn(roller: str, angles: Collection[str]) -> str:
+    if roller not in angles:
+        return ""
+    return (
+        f"lift the web off, turn {roller} alone half a turn by hand and record again: "
+        "the line's phase moves only if that roller causes it"
     )
 
 
@@ -49,6 +100,20 @@ def _of_the_effects(one: EffectAt, other: EffectAt) -> str:
     return ""
 
 
-def experiments(claimed: EffectAt, rivals: Sequence[EffectAt]) -> list[str]:
-    """Return the experiments that tell ``claimed`` from its rivals, each once."""
-    return list(dict.fromkeys(experiment(claimed, other) for other in rivals))
+def experiments(
+    claimed: EffectAt,
+    rivals: Sequence[EffectAt],
+    values: Mapping[str, Value] = NONE_FITTED,
+    angles: Collection[str] = (),
+) -> list[str]:
+    """Return the experiments that tell ``claimed`` from its rivals, each once; see `experiment`.
+
+    One gauge goes round all places of the same effect.
+    """
+    alike = [r.location for r in rivals if r.effect == claimed.effect]
+    places = list(dict.fromkeys([claimed.location, *alike]))
+    said = [
+        experiment(claimed, other, values, angles, places if len(places) > 1 else ())
+        for other in rivals
+    ]
+    return list(dict.fromkeys(said))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import nan
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,51 +16,82 @@ from sim_plant.refine.spectra.spectral_lines import SpectralLines
 BEFORE, AFTER, MEASURED = "#b3261e", "#1a7f37", "#9aa0a6"
 POINTS = 3000
 """At least so many points are drawn of a longer spectrum, each the largest of its neighbours."""
+SHOWN_S = 8.0
+"""Length of what is drawn of a record where the declared line is worst."""
+BEGUN_S, BEFORE_SHARE = 20.0, 0.25
+"""Length of what is drawn around a moment, for web that takes its time to pass the line; and its
+share before that moment."""
 HIGHEST_HZ = 15.0
 """Highest frequency of the map over web travel, at the highest speed of the record."""
 
 
-def overlay(judged: Evaluation, sample_time_s: float, seconds: float = 8.0) -> str:
-    """Return measured against declared and amended, and the error of both.
+def overlay(
+    judged: Evaluation,
+    sample_time_s: float,
+    part: slice,
+    *,
+    amended: bool = True,
+    mark_s: float = nan,
+) -> tuple[str, str]:
+    """Return measured against declared and amended, and the error of both, as two figures.
 
-    The three channels with the largest error before, one of them a tension where there is one;
-    of the record the ``seconds`` in which the declared line is worst.
+    Of the channels of `shown_channels`, in this ``part`` of the record.
+
+    Parameters
+    ----------
+    amended : the amended line is another one than the declared: both are drawn.
+    mark_s : a moment to mark; NaN: none.
     """
+    show = shown_channels(judged)
+    figures = [Figure(figsize=(6, 2.3 * len(show))) for _ in range(2)]
+    columns = [
+        figure.subplots(len(show), 1, sharex=True, squeeze=False)[:, 0] for figure in figures
+    ]
+    time_s = (np.arange(judged.measured.shape[1]) * sample_time_s)[part]
+    models = [(judged.declared, BEFORE, "declared"), (judged.amended, AFTER, "amended")]
+    for left, right, k in zip(*columns, show, strict=True):
+        measured = judged.measured[k, part]
+        left.plot(time_s, measured, color=MEASURED, lw=2.0, label="measured")
+        for model, colour, label in models if amended else models[:1]:
+            error = f"error as {label}"
+            left.plot(time_s, model[k, part], color=colour, lw=0.9, label=label)
+            right.plot(time_s, measured - model[k, part], color=colour, lw=0.8, label=error)
+        for axis in (left, right):
+            axis.set_ylabel(as_written(judged.channels[k]), fontsize=8)
+            axis.grid(alpha=0.3)
+            if np.isfinite(mark_s):
+                axis.axvline(mark_s, color="black", lw=0.9, ls=":")
+    for figure, axes in zip(figures, columns, strict=True):
+        axes[0].legend(
+            loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=8, ncols=3, frameon=False
+        )
+        axes[-1].set_xlabel("time [s]")
+        figure.tight_layout()
+    return svg(figures[0]), svg(figures[1])
+
+
+def shown_channels(judged: Evaluation) -> list[int]:
+    """Return the three channels with the largest error before, one of them a tension if any is."""
     ranked = channels_by_error(judged)
     show = ranked[:3]
     tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
     if tensions and not set(tensions) & set(show):
         show = [*show[:2], tensions[0]]
-    figure = Figure(figsize=(12, 2.3 * len(show)))
-    axes = figure.subplots(len(show), 2, sharex=True, squeeze=False)
-    part = worst_part(judged, show[0], max(1, round(seconds / sample_time_s)))
-    time_s = np.arange(judged.measured.shape[1]) * sample_time_s
-    for row, k in zip(axes, show, strict=True):
-        measured = judged.measured[k, part]
-        row[0].plot(time_s[part], measured, color=MEASURED, lw=2.0, label="measured")
-        for model, colour, label in (
-            (judged.declared, BEFORE, "declared"),
-            (judged.amended, AFTER, "amended"),
-        ):
-            row[0].plot(time_s[part], model[k, part], color=colour, lw=0.9, label=label)
-            row[1].plot(
-                time_s[part],
-                measured - model[k, part],
-                color=colour,
-                lw=0.8,
-                label=f"error as {label}",
-            )
-        row[0].set_ylabel(as_written(judged.channels[k]), fontsize=8)
-        for axis in row:
-            axis.grid(alpha=0.3)
-    for axis in axes[0]:
-        axis.legend(
-            loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=8, ncols=3, frameon=False
-        )
-    for axis in axes[-1]:
-        axis.set_xlabel("time [s]")
-    figure.tight_layout()
-    return svg(figure)
+    return show
+
+
+def worst_of(judged: Evaluation, sample_time_s: float) -> slice:
+    """Return the seconds of a record in which the declared line is worst."""
+    samples = max(1, round(SHOWN_S / sample_time_s))
+    return worst_part(judged, shown_channels(judged)[0], samples)
+
+
+def part_around(judged: Evaluation, sample_time_s: float, moment_s: float) -> slice:
+    """Return the seconds of a record around a moment, most of them after it."""
+    size, rows = round(BEGUN_S / sample_time_s), judged.measured.shape[1]
+    start = round((moment_s - BEFORE_SHARE * BEGUN_S) / sample_time_s)
+    start = max(0, min(start, rows - size))
+    return slice(start, min(rows, start + size))
 
 
 def worst_part(judged: Evaluation, channel: int, samples: int) -> slice:
@@ -72,14 +104,19 @@ def worst_part(judged: Evaluation, channel: int, samples: int) -> slice:
 
 
 def spectrum(
-    before: Sequence[SpectralLines], after: Sequence[SpectralLines], threshold: float
+    before: Sequence[SpectralLines],
+    after: Sequence[SpectralLines],
+    threshold: float,
+    *,
+    amended: bool = True,
 ) -> str:
     """Return what a free spectral line explains in time, travel and roll angle, chi-square."""
     figure = Figure(figsize=(11, 2.6 * len(before)))
     axes = np.atleast_1d(figure.subplots(len(before), 1))
     labels = {"time": "Hz", "travel": "1/m of web", "angle": "times per turn of "}
     for axis, first, last in zip(axes, before, after, strict=True):
-        for drawn, colour, label in ((first, BEFORE, "before"), (last, AFTER, "after")):
+        both = ((first, BEFORE, "before"), (last, AFTER, "after"))
+        for drawn, colour, label in both if amended else both[:1]:
             thin = max(1, drawn.chi2_reduction.size // POINTS)
             size = drawn.chi2_reduction.size // thin * thin
             peak = drawn.chi2_reduction[:size].reshape(-1, thin).max(axis=1)
@@ -95,7 +132,8 @@ def spectrum(
         axis.set_ylabel("error explained", fontsize=8)
         axis.grid(alpha=0.3)
         axis.yaxis.set_minor_formatter(NullFormatter())
-    axes[0].legend(fontsize=8)
+    if amended:
+        axes[0].legend(fontsize=8)
     figure.tight_layout()
     return svg(figure)
 
@@ -106,11 +144,18 @@ def channels_by_error(judged: Evaluation) -> list[int]:
     Largest first. An angle or a radius adds up what a speed shows: its error says nothing more.
     """
     ratio = judged.before / np.maximum(judged.floor, 1e-12)
-    kept = [int(k) for k in np.argsort(-ratio) if not judged.channels[k].endswith(("rad", "_m"))]
+    kept = [int(k) for k in np.argsort(-ratio) if not is_sum(judged.channels[k])]
     return kept or [0]
 
 
-def wavenumber_map(judged: Evaluation, sample_time_s: float) -> str:
+def is_sum(channel: str) -> bool:
+    """Return whether a channel adds up what a speed shows: an angle or a radius."""
+    return channel.endswith(("rad", "_m"))
+
+
+def wavenumber_map(
+    judged: Evaluation, sample_time_s: float, *, amended: bool = True
+) -> tuple[str, ...]:
     """Return the residual's short spectra over web travel, before and after, on one channel.
 
     A roller shows at 1 / (2 pi R) at every speed; a roll drifts as its radius changes. Colours
@@ -124,12 +169,11 @@ def wavenumber_map(judged: Evaluation, sample_time_s: float) -> str:
     centre = np.interp(grid[starts] + 0.5 * size * step_m, travel_m, np.arange(travel_m.size))
     wavenumber = np.fft.rfftfreq(size, step_m)
     keep = wavenumber <= HIGHEST_HZ * sample_time_s / step_m
-    figure = Figure(figsize=(11, 3.2))
-    axes = figure.subplots(1, 2, sharey=True)
-    for axis, model, title in (
-        (axes[0], judged.declared, "before"),
-        (axes[1], judged.amended, "after"),
-    ):
+    maps = []
+    both = ((judged.declared, "before"), (judged.amended, "after"))
+    for model, title in both if amended else both[:1]:
+        figure = Figure(figsize=(6, 3.2))
+        axis = figure.subplots()
         residual = np.interp(grid, travel_m, judged.measured[at] - model[at])
         parts = np.stack([residual[s : s + size] for s in starts])
         parts = (parts - parts.mean(axis=1, keepdims=True)) * np.hanning(size)
@@ -145,7 +189,10 @@ def wavenumber_map(judged: Evaluation, sample_time_s: float) -> str:
             shading="nearest",
             rasterized=True,
         )
-        axis.set_title(f"{as_written(judged.channels[at])}, {title}", fontsize=9)
+        name = as_written(judged.channels[at])
+        axis.set_title(f"{name}, {title}" if amended else name, fontsize=9)
         axis.set_xlabel("time [s]")
-    axes[0].set_ylabel("1/m of web")
-    return svg(figure)
+        axis.set_ylabel("1/m of web")
+        figure.tight_layout()
+        maps.append(svg(figure))
+    return tuple(maps)

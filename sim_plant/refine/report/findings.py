@@ -6,12 +6,15 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from sim_plant.base.effects import Value
 from sim_plant.line.build import cell_sensors
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declaration import RollAngle
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.report.confidence import (
     amplitude_standard_deviation,
     interval,
@@ -23,17 +26,22 @@ from sim_plant.refine.report.verdict import (
     Answer,
     ChannelError,
     EffectFinding,
+    Moment,
     UnknownFinding,
     Verdict,
 )
 from sim_plant.refine.search.selection import AcceptedEffect, Ranges, Selection
+from sim_plant.refine.spectra.onset_filter import moment_axis
+
+Fitted = tuple[str, Twin]
+"""A record that was fitted: its name, and its line."""
 
 
 def verdict_of(
     selection: Selection,
     evaluation: Evaluation | None,
     holdout: str,
-    line: Declaration | None = None,
+    fitted: Sequence[Fitted] = (),
 ) -> Verdict:
     """Return the whole verdict.
 
@@ -41,22 +49,38 @@ def verdict_of(
     ----------
     evaluation : errors on the record judged; None where none was judged.
     holdout : path of that record, the first held out or else the first fitted.
-    line : as the first record fitted was made on it; None: nothing is told by its channels.
+    fitted : the records fitted; none: nothing is told by their names and channels.
     """
+    sensors = fitted[0][1].declaration.sensors if fitted else ()
+    angles = {sensor.roller for sensor in sensors if isinstance(sensor, RollAngle)}
     return Verdict(
         answer=_answer(selection),
-        effects=effect_findings(selection, line),
+        effects=effect_findings(selection, fitted),
         unknown=tuple(
-            UnknownFinding(kind=u.kind, coordinate=u.coordinate, strength=u.strength)
+            UnknownFinding(
+                kind=u.kind,
+                coordinate=u.coordinate,
+                strength=u.strength,
+                begins=_beginning(u.coordinate, fitted),
+            )
             for u in selection.unknown
         ),
         ambiguous=tuple(
             Ambiguity(
                 place=a.hypothesis.key,
                 alternatives=a.ambiguous,
-                experiments=tuple(experiments(a.hypothesis.key, a.ambiguous)),
+                experiments=tuple(
+                    experiments(
+                        a.hypothesis.key,
+                        a.ambiguous,
+                        dict(h.fixed) | dict(zip(h.names, values, strict=True)),
+                        angles,
+                    )
+                ),
             )
-            for a in selection.accepted
+            for a, h, values in zip(
+                selection.accepted, selection.fit.hypotheses, selection.fit.values, strict=True
+            )
             if a.ambiguous
         ),
         residual_rms={} if evaluation is None else channel_errors(evaluation),
@@ -84,10 +108,11 @@ def channel_errors(evaluation: Evaluation) -> dict[str, ChannelError]:
 
 
 def effect_findings(
-    selection: Selection, line: Declaration | None = None
+    selection: Selection, fitted: Sequence[Fitted] = ()
 ) -> tuple[EffectFinding, ...]:
     """Return one finding per effect: parameters, 95 % intervals, score and runner-up."""
-    cells = tuple(sensor.channel for sensor in cell_sensors(line)) if line is not None else ()
+    lines = [twin.declaration for _, twin in fitted[:1]]
+    cells = tuple(sensor.channel for line in lines for sensor in cell_sensors(line))
     findings, at = [], 0  # at: position of the effect's first number in the row of all
     sd = standard_deviations(selection.fit)
     fit = selection.fit
@@ -104,9 +129,34 @@ def effect_findings(
         }
         own_sd = sd[at : at + len(values)]
         found = _finding(accepted, h, values, own_sd, amplitude_sd, known)
-        findings.append(replace(found, cells=cells))
+        findings.append(replace(found, cells=cells, begins=_onset(h, found.parameters, fitted)))
         at += len(values)
     return tuple(findings)
+
+
+def _onset(h: Hypothesis, values: Mapping[str, Value], fitted: Sequence[Fitted]) -> Moment | None:
+    """Return when an effect that has a moment begins; None where it was there from the start."""
+    onset, at = h.effect.onset, h.record or 0
+    if onset is None or at >= len(fitted):
+        return None
+    moment = values.get(onset.moment, h.effect.accepts[onset.moment].default)
+    if moment == h.effect.accepts[onset.moment].default:
+        return None
+    name, twin = fitted[at]
+    if onset.unit == "s":
+        return Moment(record=name, time_s=float(moment), number=at)
+    axis_m = moment_axis(twin, 0, onset.unit).moments
+    times_s = np.arange(axis_m.size) * twin.declaration.sample_time_s
+    at_s = float(np.interp(float(moment), axis_m, times_s))
+    return Moment(record=name, time_s=at_s, number=at)
+
+
+def _beginning(where: Mapping[str, float | str], fitted: Sequence[Fitted]) -> Moment | None:
+    """Return when an unknown begins; None where it has no moment."""
+    at = int(where.get("record", 1)) - 1
+    if "from_s" not in where or at >= len(fitted):
+        return None
+    return Moment(record=fitted[at][0], time_s=float(where["from_s"]), number=at)
 
 
 def _finding(
@@ -136,5 +186,5 @@ def _finding(
         runner_up=accepted.runner_up,
         margin=accepted.margin,
         cancel=bool(h.effect.cancel_orders),
-        text=h.effect.text,
+        text=h.effect.words(parameters)[0],
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,22 +11,31 @@ from jinja2 import Environment, PackageLoader
 
 from aff_runtime.base.channel_units import unit_of_name
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.nuisances import declared_nuisances
-from sim_plant.refine.report.figures import channels_by_error, overlay, spectrum, wavenumber_map
+from sim_plant.refine.report.aff_block import AffBlock, actuators_for, aff_blocks
+from sim_plant.refine.report.figures import (
+    channels_by_error,
+    overlay,
+    part_around,
+    spectrum,
+    wavenumber_map,
+    worst_of,
+)
+from sim_plant.refine.report.next_step import PERIODIC, next_step
+from sim_plant.refine.report.tables import ShiftRow, above_noise, best_each, error_rows, shift_rows
 from sim_plant.refine.report.wording import (
+    claim_words,
     coordinate_text,
     location_words,
     number_rows,
     place_words,
-    remedy,
     size_of,
 )
 
 if TYPE_CHECKING:
     from sim_plant.refine.judge.holdout import Evaluation
     from sim_plant.refine.report.outcome import Outcome
-    from sim_plant.refine.report.verdict import Verdict
+    from sim_plant.refine.report.verdict import UnknownFinding, Verdict
 
 
 SHOWN_SHIFTS = 5
@@ -37,16 +46,16 @@ def headline(verdict: Verdict) -> str:
     """Return the verdict in a few sentences: what, where, how large."""
     if verdict.answer == "nothing":
         return "Nothing found: the declared line explains the record fitted to its noise."
+    rivals = {a.place: a.alternatives for a in verdict.ambiguous}
     names = [
-        place_words(e.place) + (f", {size_of(e)}" if size_of(e) else "") for e in verdict.effects
+        ", ".join(filter(None, (claim_words(e.place, rivals.get(e.place, ())), size_of(e))))
+        for e in verdict.effects
     ]
     text = "Traced: " + "; ".join(names) + "." if names else ""
     for item in verdict.unknown:
-        said = coordinate_text(item.kind, item.coordinate)
+        said = coordinate_text(item.kind, item.coordinate, item.begins)
         text += f" Unknown: {said}; no effect of the library explains it."
     for ambiguity in verdict.ambiguous:
-        text += f" {place_words(ambiguity.place)} cannot be told from "
-        text += f"{', '.join(map(place_words, ambiguity.alternatives))}."
         text += "".join(f" To tell: {what}." for what in ambiguity.experiments)
     return text.strip()
 
@@ -62,11 +71,29 @@ def confidence(verdict: Verdict) -> str:
         else:
             text += "no other explains the record as well"
         said.append(text)
-    return "; ".join(said) + ". A difference of 10 decides." if said else ""
+    sure = ["; ".join(said) + ". A difference of 10 decides."] if said else []
+    return " ".join([*sure, *map(_sure_of_unknown, verdict.unknown)])
 
 
-def gain(judged: Evaluation, held: bool) -> str:
-    """Return what the amended line explains: on the tension and the channel that gained most."""
+def _sure_of_unknown(item: UnknownFinding) -> str:
+    """Return how much more than noise an unknown is, as a sentence."""
+    if item.kind in PERIODIC:
+        least = CRITERIA.search.unexplained.periodic
+        return (
+            f"What repeats there takes {item.strength:.0f} of the weighted squared error, by "
+            f"noise alone it would be less than {least:.0f}."
+        )
+    what = "From that moment on the error" if item.kind == "event" else "The error that is left"
+    return f"{what} is {item.strength:.0f} more than noise makes it (weighted and squared)."
+
+
+def gain(judged: Evaluation, held: bool, *, amended: bool = True) -> str:
+    """Return what the amended line explains: on the tension and the channel that gained most.
+
+    Parameters
+    ----------
+    amended : the amended line is another one than the declared.
+    """
     ranked = channels_by_error(judged)
     tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
     where = "On the held-out record" if held else "On the record fitted (no proof)"
@@ -75,156 +102,103 @@ def gain(judged: Evaluation, held: bool) -> str:
         unit = unit_of_name(judged.channels[at])
         before, after, floor = judged.before[at], judged.after[at], judged.floor[at]
         said.append(
-            f"the error in {judged.channels[at]} is {before:.3g} {unit} rms as declared, "
-            f"{after:.3g} {unit} as amended; noise alone leaves {floor:.3g} {unit}"
+            f"the error in {judged.channels[at]} is {before:.3g} {unit} rms as declared"
+            + (f", {after:.3g} {unit} as amended" if amended else "")
+            + f"; noise alone leaves {floor:.3g} {unit}"
         )
-    return f"{where} {'. There '.join(said)}. {_left(judged, ranked)}"
+    return f"{where} {'. There '.join(said)}. {_left(judged, ranked, amended=amended)}"
 
 
-def _left(judged: Evaluation, ranked: Sequence[int]) -> str:
+def _left(judged: Evaluation, ranked: Sequence[int], *, amended: bool) -> str:
     """Return which tensions and speeds hold more than noise as amended."""
+    line = "amended" if amended else "declared"
     above = above_noise(judged, ranked)
     if not above:
-        return "As amended, all tensions and speeds are within 10 % of noise."
+        return f"As {line}, all tensions and speeds are within 10 % of noise."
     named = ", ".join(f"{name} (x {ratio:.2f})" for name, ratio in above.items())
-    return f"As amended, more than 10 % above noise: {named}."
+    return f"As {line}, more than 10 % above noise: {named}."
 
 
-def above_noise(judged: Evaluation, ranked: Sequence[int]) -> dict[str, float]:
-    """Return error over noise floor, as amended, of the tensions and speeds well above noise."""
-    return {
-        judged.channels[k]: float(judged.after[k] / judged.floor[k])
-        for k in ranked
-        if judged.after[k] >= CRITERIA.report.above_noise * judged.floor[k]
-    }
+def next_of(outcome: Outcome) -> str:
+    """Return what the reader may do now."""
+    judged, verdict = outcome.evaluation, outcome.verdict
+    return next_step(
+        verdict,
+        {b.roll: actuators_for(b.roll, outcome.line.declaration) for b in blocks_of(outcome)},
+        above_noise(judged, channels_by_error(judged)),
+        [row.name for row in shifts_of(outcome) if row.is_outside],
+        outcome.limits,
+    )
 
 
-def next_step(verdict: Verdict, block: bool, above: Collection[str] = ()) -> str:
-    """Return what the reader may do now.
-
-    Parameters
-    ----------
-    block : there is an AFF block to paste.
-    above : channels that hold more than noise.
-    """
-    if verdict.ambiguous:
-        return "Make the record that tells the candidates apart before anything is changed."
-    what = [remedy(e.place.effect, location_words(e.place.location)) for e in verdict.effects]
-    said = []
-    if block:
-        said.append(
-            "Paste the AFF block below into the site file. The ripple of a cancelled roller "
-            f"comes back when the service is off; to be rid of it: {'; '.join(what)}."
-        )
-    elif what:
-        said.append(f"This is no ripple to cancel: {'; '.join(what)}.")
-    if verdict.unknown:
-        said.append(
-            "Look for what turns or swings at that coordinate; the amended line does not "
-            "contain it."
-            if verdict.unknown[0].kind in ("time", "travel", "angle")
-            else "Record again with more speeds and a tension step, and more channels."
-        )
-    if said:
-        return " ".join(said)
-    if above:
-        return (
-            f"Do not take the declaration for right: {', '.join(above)} above noise on the record "
-            "judged. Fit that record and judge on the other."
-        )
-    return "Nothing to do: the declaration stands."
+def blocks_of(outcome: Outcome) -> list[AffBlock]:
+    """Return the AFF blocks to paste."""
+    return aff_blocks(outcome.verdict.effects)
 
 
-def best_each(rejected: Sequence[tuple[EffectAt, float]]) -> list[tuple[EffectAt, float]]:
-    """Return the best score of each effect and place: some were tried in several forms."""
-    best: dict[EffectAt, float] = {}
-    for place, score in rejected:
-        best[place] = max(score, best.get(place, score))
-    return list(best.items())
+def shifts_of(outcome: Outcome) -> list[ShiftRow]:
+    """Return the declared numbers as estimated anew with the effects."""
+    tolerances = {n.name: n.tolerance for n in declared_nuisances(outcome.declared)}
+    return shift_rows(outcome.selection.corrections, tolerances)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ShiftRow:
-    """A declared number estimated anew; ``used``: share of its tolerance."""
+class Shown:
+    """Two figures of a part of a record, and what is said above them."""
 
-    name: str
-    shift: str
-    tolerance: str
-    used: float
+    caption: str
+    figures: tuple[str, ...]
 
 
-def shift_rows(
-    corrections: Mapping[str, float], tolerances: Mapping[str, float]
-) -> list[ShiftRow]:
-    """Return declared numbers estimated anew, those first that used most of their tolerance."""
-    rows = []
-    for name, value in corrections.items():
-        tolerance = tolerances.get(name, 0.0)
-        factor, unit = 100.0, "%"
-        if name.endswith((".offset", "_draw")):
-            factor, unit = 1.0, "N" if name.endswith(".offset") else "(absolute)"
-        rows.append(
-            ShiftRow(
-                name=name,
-                shift=f"{factor * value:+.3g} {unit}",
-                tolerance=f"{factor * tolerance:.3g} {unit}" if tolerance else "",
-                used=abs(value) / tolerance if tolerance else 0.0,
-            )
-        )
-    return sorted(rows, key=lambda row: (-row.used, row.name))
+def overlays(outcome: Outcome) -> list[Shown]:
+    """Return what begins where it does, and the record judged where it is worst."""
+    judged, step_s = outcome.evaluation, outcome.selection.travels[0].sample_time_s
+    shown = []
+    if outcome.begun is not None:
+        at, found = outcome.begun.moment, outcome.begun.evaluation
+        part = part_around(found, step_s, at.time_s)
+        said = f"{_span(at.record, part, step_s)}; dotted: {at.time_s:.2f} s, where it begins"
+        figures = overlay(found, step_s, part, amended=outcome.is_amended, mark_s=at.time_s)
+        shown.append(Shown(caption=said, figures=figures))
+    part = worst_of(judged, step_s)
+    said = f"{_span(outcome.judged.path.name, part, step_s)}, where the declared line is worst"
+    figures = overlay(judged, step_s, part, amended=outcome.is_amended)
+    return [*shown, Shown(caption=said, figures=figures)]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ErrorRow:
-    """Error of one channel, rms, and over its noise floor."""
-
-    name: str
-    before: float
-    after: float
-    floor: float
-
-    @property
-    def was(self) -> float:
-        """Before over floor."""
-        return self.before / self.floor if self.floor else 0.0
-
-    @property
-    def ratio(self) -> float:
-        """After over floor."""
-        return self.after / self.floor if self.floor else 0.0
-
-
-def error_rows(judged: Evaluation) -> list[ErrorRow]:
-    """Return the error of every channel."""
-    rows = zip(judged.channels, judged.before, judged.after, judged.floor, strict=True)
-    return [ErrorRow(name=n, before=b, after=a, floor=f) for n, b, a, f in rows]
+def _span(record: str, part: slice, step_s: float) -> str:
+    return f"{record}, {part.start * step_s:.1f} to {part.stop * step_s:.1f} s"
 
 
 def write_report(outcome: Outcome, command: str, amended: Path | None, block: Path | None) -> Path:
     """Write ``report.html``; return its path."""
     judged, selection = outcome.evaluation, outcome.selection
     verdict, step_s = outcome.verdict, selection.travels[0].sample_time_s
-    tolerances = {n.name: n.tolerance for n in declared_nuisances(outcome.declared)}
-    above = above_noise(judged, channels_by_error(judged))
+    is_amended, shifts = outcome.is_amended, shifts_of(outcome)
     template = Environment(
         loader=PackageLoader("sim_plant.refine.report", "."), autoescape=True
     ).get_template("page.html.j2")
     page = template.render(
         headline=headline(verdict),
+        records_said=outcome.records_said(),
         sure=confidence(verdict),
-        gain=gain(judged, bool(outcome.plan.holdout)),
-        next_step=next_step(verdict, block is not None, above),
+        gain=gain(judged, bool(outcome.plan.holdout), amended=is_amended),
+        next_step=next_of(outcome),
         verdict=verdict,
         rows=error_rows(judged),
         command=command,
         limits=outcome.limits,
         records=outcome.records,
         held=outcome.plan.holdout,
+        judged=outcome.judged.path.name,
+        fitted=outcome.records[0].path.name,
+        judged_s=judged.measured.shape[1] * step_s,
+        is_amended=is_amended,
         accepted=selection.accepted,
         angles=judged.angles_rad,
         unwound=judged.unwound_m,
-        shifts=shift_rows(selection.corrections, tolerances),
-        shown_shifts=SHOWN_SHIFTS,
+        shifts=shifts,
+        shown_shifts=max(SHOWN_SHIFTS, sum(row.is_outside for row in shifts)),
         keys={key for e in verdict.effects for key in e.parameters},
         best_each=best_each,
         numbers=number_rows,
@@ -232,13 +206,23 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         location_words=location_words,
         above=CRITERIA.report.above_noise,
         block=block.read_text(encoding="utf-8") if block else "",
+        unsure=open_blocks(outcome),
         amended=amended.name if amended else "",
-        overlay=overlay(judged, step_s),
-        order_map=wavenumber_map(judged, step_s),
+        overlays=overlays(outcome),
+        order_map=wavenumber_map(judged, step_s, amended=is_amended),
         spectra=spectrum(
-            selection.before[0], selection.after[0], CRITERIA.search.unexplained.periodic
+            selection.before[0],
+            selection.after[0],
+            CRITERIA.search.unexplained.periodic,
+            amended=is_amended,
         ),
     )
     path = outcome.plan.out / "report.html"
     path.write_text(page, encoding="utf-8")
     return path
+
+
+def open_blocks(outcome: Outcome) -> list[str]:
+    """Return what has to be confirmed before its block may be used: it is told from no other."""
+    rolls = {block.roll for block in blocks_of(outcome)}
+    return [place_words(a.place) for a in outcome.verdict.ambiguous if a.place.location in rolls]

@@ -9,51 +9,31 @@ from dataclasses import asdict
 from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.refinement import SUMMARY, EffectSaid, ErrorSaid, NumberSaid, Summary
 from sim_plant.refine.model.effect_at import EffectAt
-from sim_plant.refine.report.figures import channels_by_error
 from sim_plant.refine.report.outcome import Outcome
-from sim_plant.refine.report.page import (
-    above_noise,
-    confidence,
-    error_rows,
-    gain,
-    headline,
-    next_step,
-)
+from sim_plant.refine.report.page import confidence, gain, headline, next_of
+from sim_plant.refine.report.tables import error_rows
 from sim_plant.refine.report.verdict import Ambiguity, EffectFinding, Verdict
-from sim_plant.refine.report.wording import (
-    coordinate_text,
-    location_words,
-    number_rows,
-    place_words,
-    remedy,
-)
+from sim_plant.refine.report.wording import coordinate_text, number_rows, place_words, remedy
 
 
-def write_summary(outcome: Outcome, *, is_block: bool) -> None:
-    """Write ``summary.json`` into the plan's folder.
-
-    Parameters
-    ----------
-    is_block : there is an AFF block to paste.
-    """
-    said = json.dumps(asdict(summary(outcome, is_block=is_block)), indent=1)
+def write_summary(outcome: Outcome) -> None:
+    """Write ``summary.json`` into the plan's folder."""
+    said = json.dumps(asdict(summary(outcome)), indent=1)
     (outcome.plan.out / SUMMARY).write_text(f"{said}\n", encoding="utf-8")
 
 
-def summary(outcome: Outcome, *, is_block: bool) -> Summary:
+def summary(outcome: Outcome) -> Summary:
     """Return the verdict in words."""
     verdict, judged, held = outcome.verdict, outcome.evaluation, outcome.plan.holdout
     rivals = {a.place: a for a in verdict.ambiguous}
-    above = above_noise(judged, channels_by_error(judged))
-    judged_record = outcome.records[len(outcome.plan.records) if held else 0]
     return Summary(
         kind=kind_of(verdict),
         headline=headline(verdict),
         sure=confidence(verdict),
-        gain=gain(judged, bool(held)),
-        next_step=next_step(verdict, is_block, above),
+        gain=gain(judged, bool(held), amended=outcome.is_amended),
+        next_step=next_of(outcome),
         effects=tuple(_effect(e, rivals) for e in verdict.effects),
-        unknown=tuple(coordinate_text(u.kind, u.coordinate) for u in verdict.unknown),
+        unknown=tuple(coordinate_text(u.kind, u.coordinate, u.begins) for u in verdict.unknown),
         errors=tuple(
             ErrorSaid(
                 channel=row.name,
@@ -65,7 +45,7 @@ def summary(outcome: Outcome, *, is_block: bool) -> Summary:
             for row in error_rows(judged)
         ),
         limits=outcome.limits,
-        judged_on=judged_record.path.name,
+        judged_on=outcome.judged.path.name,
         held_out=bool(held),
         site_said=outcome.proposal.said if outcome.proposal is not None else (),
     )
@@ -89,7 +69,7 @@ def _effect(e: EffectFinding, rivals: Mapping[EffectAt, Ambiguity]) -> EffectSai
             for n in number_rows(e)
         ),
         can_cancel=e.cancel,
-        to_do=remedy(e.place.effect, location_words(e.place.location)),
+        to_do=remedy(e),
         others=tuple(map(place_words, rival.alternatives)) if rival is not None else (),
         experiments=rival.experiments if rival is not None else (),
     )

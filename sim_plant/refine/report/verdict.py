@@ -17,6 +17,15 @@ Answer = Literal["nothing", "traced", "not_identifiable", "unknown"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Moment:
+    """When something begins: s from the start of a record, by name and number of those fitted."""
+
+    record: str
+    time_s: float
+    number: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EffectFinding:
     """One effect that was traced.
 
@@ -33,6 +42,7 @@ class EffectFinding:
     text : what the effect is, a sentence without a stop.
     cells : channels of the line's load cells, in the order in which it declares them; a file of
         version 1 has none.
+    begins : when an effect that begins at a moment does; not in a file of version 1 either.
     """
 
     place: EffectAt
@@ -44,6 +54,7 @@ class EffectFinding:
     cancel: bool
     text: str
     cells: tuple[str, ...] = ()
+    begins: Moment | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,11 +66,13 @@ class UnknownFinding:
     kind : ``time``, ``travel``, ``angle``, ``event``, ``state`` or ``broadband``.
     coordinate : where it is, by name.
     strength : chi-square that a free term would explain.
+    begins : when an event does; not in a file of version 1.
     """
 
     kind: str
     coordinate: Mapping[str, float | str]
     strength: float
+    begins: Moment | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

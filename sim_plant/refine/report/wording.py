@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from aff_runtime.base.channel_units import unit_of_name
 from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.effect_at import EffectAt
-from sim_plant.refine.report.verdict import EffectFinding
+from sim_plant.refine.report.verdict import EffectFinding, Moment
 
 SMALL_M, SMALL_S = 0.1, 1.0
 """A smaller length is written in mm, a shorter time in ms."""
@@ -54,9 +54,22 @@ def place_words(place: EffectAt) -> str:
     return f"{place.effect.replace('_', ' ')} at {location_words(place.location)}"
 
 
-def remedy(effect: str, place: str) -> str:
-    """Return what to do about an effect at ``place``, without a stop at its end."""
-    return BY_NAME[effect].remedy.format(place=place)
+def claim_words(place: EffectAt, alternatives: Sequence[EffectAt]) -> str:
+    """Return an effect at its place, with all that cannot be told from it."""
+    if not alternatives:
+        return place_words(place)
+    also = [
+        location_words(p.location) if p.effect == place.effect else place_words(p)
+        for p in sorted(alternatives, key=lambda p: p.effect != place.effect)
+    ]
+    *first, last = [place_words(place), *also]
+    return f"{', '.join(first)} or {last} (not told apart)"
+
+
+def remedy(finding: EffectFinding) -> str:
+    """Return what to do about an effect, by what of it was found, without a stop at its end."""
+    _, text = BY_NAME[finding.place.effect].words(finding.parameters)
+    return text.format(place=location_words(finding.place.location))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,7 +96,16 @@ def number_rows(finding: EffectFinding) -> list[NumberRow]:
         for key, value in finding.parameters.items()
         if key not in in_cells
     ]
-    return [*rows, *cells]
+    return [*rows, *cells, *_moment_rows(finding)]
+
+
+def _moment_rows(finding: EffectFinding) -> list[NumberRow]:
+    """Return when an effect begins by the clock of the record, where it has a moment."""
+    at = finding.begins
+    if at is None:
+        return []
+    name = f"after the start of {at.record}"
+    return [NumberRow(key=at.record, name=name, value=f"{at.time_s:.1f}", unit="s")]
 
 
 def _names_in_pairs(effect: str) -> set[str]:
@@ -205,14 +227,17 @@ def _orders_of(finding: EffectFinding) -> list[str]:
     return orders
 
 
-def coordinate_text(kind: str, where: Mapping[str, float | str]) -> str:
-    """Return what is known of an unknown as text."""
+def coordinate_text(
+    kind: str, where: Mapping[str, float | str], begins: Moment | None = None
+) -> str:
+    """Return what is known of an unknown as text; ``begins`` names the record of an event."""
     if kind in ("time", "travel", "angle"):
         return _periodic_text(kind, where)
     if kind == "event":
+        record = f" of {begins.record}" if begins is not None else ""
         return (
-            f"an event at {float(where['from_s']):.2f} s in {where['zone']}, first seen in "
-            f"{where['channel']}; ask what was done on the line then"
+            f"an event at {float(where['from_s']):.2f} s{record} in {where['zone']}, first seen "
+            f"in {where['channel']}; ask what was done on the line then"
         )
     if kind == "state":
         return (

@@ -27,8 +27,9 @@ def test_what_is_known_of_effects_is_still_what_the_catalogue_says():
         for one in CATALOGUE
     }
     assert set(NAMES) <= names
-    assert set(TEXTS) <= {one.text for one in CATALOGUE}
-    assert set(REMEDIES) <= {one.remedy for one in CATALOGUE}
+    said = [*CATALOGUE, *(form for one in CATALOGUE for form in one.forms)]
+    assert set(TEXTS) <= {one.text for one in said}
+    assert set(REMEDIES) <= {one.remedy for one in said}
 
 
 @pytest.mark.parametrize(
@@ -127,7 +128,48 @@ def test_an_effect_that_is_new_is_told_in_english():
 
 
 def test_a_set_names_its_members_in_german():
+    said = summary(
+        headline="Traced: eccentric roller at R1 or R2 (not told apart), eccentricity 0.1 mm."
+    )
+    assert told(said, GERMAN).headline == (
+        "Gefunden: exzentrische Walze: R1 oder R2 (nicht unterschieden), eccentricity 0.1 mm."
+    )
+
+
+def test_a_set_of_an_older_file_names_its_members_in_german():
     said = summary(headline="eccentric roller at R1 cannot be told from eccentric roller at R2.")
     assert told(said, GERMAN).headline == (
         "exzentrische Walze: R1 ist nicht zu unterscheiden von exzentrische Walze: R2."
     )
+
+
+TRUED = (
+    "put a dial gauge on R8: its total reading is twice the eccentricity; then have the roller, "
+    "or its bearing seats, trued"
+)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        (f"First at the machine: {TRUED}.", ["Zuerst an der Maschine: Messuhr an R8 setzen"]),
+        (
+            "Until that is done, paste the AFF block below into the site file, at the actuator of "
+            "unwind or swrap_lead. The ripple of a cancelled roller comes back when the service "
+            "is off.",
+            ["Bis das getan ist", "unwind", "wenn der Dienst aus ist."],
+        ),
+        (
+            "Look in the log of b.csv at 26.74 s: what was done on the line then. If nothing was, "
+            "record again with more speeds and a tension step, and more channels.",
+            ["Im Protokoll von b.csv bei 26.74 s", "War es nichts"],
+        ),
+        (
+            "Not explained: a_N 27 % above noise; web.EA_N outside its tolerance: check these.",
+            ["Nicht erklärt: a_N 27 %", "diese prüfen."],
+        ),
+    ],
+)
+def test_what_to_do_next_is_told_in_german(text, words):
+    said = told(summary(next_step=text), GERMAN).next_step
+    assert all(word in said for word in words), said

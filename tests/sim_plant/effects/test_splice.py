@@ -3,6 +3,7 @@ import math
 import numpy as np
 import pytest
 
+from sim_plant.effects.splice import EFFECT
 from sim_plant.line.spliced_spans import on_wrap
 from tests.sim_plant.effects.running import (
     SPEED_M_S,
@@ -101,3 +102,21 @@ def test_a_seam_leaves_nothing_behind_when_it_is_on_the_roll() -> None:
     made = at_rest(effect("splice", "web", step_m=3e-4, at_length_m=0.5), seconds=80.0)
     plain = at_rest(seconds=80.0)
     assert made["span_tension_N"] == pytest.approx(plain["span_tension_N"], abs=0.02)
+
+
+@pytest.mark.parametrize(
+    ("found", "is_seam"),
+    [
+        ({"step_m": 5e-4, "piece_m": 0.1}, True),
+        ({"EA_factor": 0.8}, False),
+        ({"EA_factor": 0.8, "step_m": 5e-4}, False),
+        ({}, False),
+    ],
+)
+def test_a_seam_alone_is_told_as_a_seam_and_not_as_another_web(
+    found: dict[str, float], is_seam: bool
+) -> None:
+    text, remedy = EFFECT.words({**found, "at_length_m": 19.0})
+    assert ("seam" in text) is is_seam
+    assert ("tape" in remedy) is is_seam
+    assert ("webs before and after" in remedy) is not is_seam

@@ -10,14 +10,21 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.report.experiments import experiment, experiments
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.page import headline
+from sim_plant.refine.report.verdict import Moment
+from sim_plant.refine.report.wording import size_of
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
-from tests.sim_plant.refine.small import fit_of
+from sim_plant.refine.search.unexplained import Unknown
+from tests.sim_plant.refine.small import STEP_S, fit_of, formula_twin
 
 
 @pytest.mark.parametrize(
     ("one", "other", "word"),
     [
-        (("eccentric_roller", "R1"), ("eccentric_roller", "R2"), "turn R1 alone"),
+        (
+            ("eccentric_roller", "R1"),
+            ("eccentric_roller", "R2"),
+            "turn R1 and R2 by hand under a dial gauge",
+        ),
         (("unbalanced_roller", "swrap"), ("torque_ripple", "swrap"), "drive off"),
         (("eccentric_roller", "swrap"), ("unbalanced_roller", "swrap"), "dial gauge"),
         (("encoder_eccentricity", "unwind"), ("out_of_round_roll", "unwind"), "second encoder"),
@@ -28,6 +35,28 @@ from tests.sim_plant.refine.small import fit_of
 )
 def test_the_experiment_touches_what_differs(one, other, word):
     assert word in experiment(EffectAt(*one), EffectAt(*other))
+
+
+def test_an_eccentric_roller_is_gauged_at_rest_and_turned_only_where_its_angle_is_recorded():
+    one, rivals = EffectAt("eccentric_roller", "R4"), [EffectAt("eccentric_roller", "R5")]
+    values = {"cos_m": 3e-5, "sin_m": -4e-5}  # e = 0.05 mm
+    gauge = (
+        "take the web off and turn R4 and R5 by hand under a dial gauge: the eccentric one runs "
+        "out by twice the eccentricity, 0.1 mm in total"
+    )
+    assert experiments(one, rivals, values) == [gauge]
+    assert experiments(one, rivals, values, angles=["R5", "unwind"]) == [gauge]
+    (said,) = experiments(one, rivals, values, angles=["R4"])
+    assert said.startswith(f"{gauge}; then lift the web off, turn R4 alone half a turn")
+    more = [*rivals, EffectAt("eccentric_roller", "R6"), EffectAt("unbalanced_roller", "R6")]
+    both, other = experiments(one, more, values)
+    assert "turn R4, R5 and R6 by hand" in both
+    assert "turn R4 by hand under a dial gauge: if it is the cause it runs out" in other
+
+
+def test_of_two_rollers_out_of_balance_one_always_stops_with_the_same_side_down():
+    said = experiment(EffectAt("unbalanced_roller", "R4"), EffectAt("unbalanced_roller", "R5"))
+    assert "let R4 and R5 turn freely" in said
 
 
 def test_there_is_one_for_every_pair_of_effects_and_each_is_said_once():
@@ -63,3 +92,36 @@ def test_the_verdict_names_the_equals_and_the_experiment():
     assert written["ambiguous"][0]["effect"] == "unbalanced_roller at swrap"
     assert written["ambiguous"][0]["with"] == ["torque_ripple at swrap"]
     assert written["effects"][0]["runner_up"] == "torque_ripple at swrap"
+
+
+def test_the_verdict_has_channels_records_and_moments_by_their_names():
+    """At 2 m/s the web at 30 m of it unstretched passes after 30 (1 + strain) / 2 s."""
+    seam = hypothesis(BY_NAME["splice"], "web", (), ("step_m", "piece_m", "at_length_m"))
+    accepted = AcceptedEffect(
+        hypothesis=seam, score=500.0, runner_up=None, margin=500.0, rejected=()
+    )
+    numbers = {"step_m": 5e-4, "piece_m": 0.1, "at_length_m": 30.0}
+    fit = fit_of(seam, values=(tuple(numbers[name] for name in seam.names),))
+    twin = formula_twin(lambda _case: np.zeros((1, 3000)), ("a_N",), 3000, speed_m_s=2.0)
+    event = Unknown(kind="event", coordinate={"from_s": 12.5, "record": 2.0}, strength=1.0)
+    found = Selection(
+        nominal=fit_of(),
+        fit=replace(fit, covariance=np.eye(3) * 1e-8),
+        travels=(),
+        before=(),
+        after=(),
+        accepted=(accepted,),
+        unknown=(event,),
+    )
+    verdict = verdict_of(found, None, "c.csv", [("a.csv", twin), ("b.csv", twin)])
+    (effect,) = verdict.effects
+    web = twin.declaration.web
+    strain = web.wound_in_tension_N / web.EA_N
+    moment_s = effect.parameters["at_length_m"] * (1.0 + strain) / 2.0
+    assert effect.begins.record == "a.csv"
+    assert effect.begins.time_s == pytest.approx(moment_s, abs=2.0 * STEP_S)
+    assert size_of(effect).endswith(f"{effect.begins.time_s:.1f} s after the start of a.csv")
+    assert effect.text == BY_NAME["splice"].forms[0].text
+    assert verdict.unknown[0].begins == Moment(record="b.csv", time_s=12.5, number=1)
+    rollers = {s.channel: s.roller for s in twin.declaration.sensors if s.kind == "load_cell"}
+    assert effect.cells == tuple(rollers)

@@ -10,16 +10,17 @@ from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.report.confidence import standard_deviations
-from sim_plant.refine.report.figures import channels_by_error, wavenumber_map, worst_part
-from sim_plant.refine.report.page import (
-    best_each,
-    confidence,
-    gain,
-    headline,
-    next_step,
-    shift_rows,
+from sim_plant.refine.report.figures import (
+    channels_by_error,
+    overlay,
+    part_around,
+    wavenumber_map,
+    worst_part,
 )
-from sim_plant.refine.report.verdict import Ambiguity, UnknownFinding
+from sim_plant.refine.report.next_step import next_step
+from sim_plant.refine.report.page import confidence, gain, headline
+from sim_plant.refine.report.tables import above_noise, best_each, error_rows, shift_rows
+from sim_plant.refine.report.verdict import Ambiguity, Moment, UnknownFinding
 from tests.sim_plant.refine.small import finding, fit_of, verdict_with
 
 CHANNELS = ("unwind_tension_N", "unwind_angle_rad", "unwind_radius_m", "line_speed_m_s")
@@ -83,7 +84,7 @@ def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():
 @pytest.mark.parametrize(
     ("found", "block", "word"),
     [
-        (verdict_with(EFFECT), True, "Paste the AFF block"),
+        (verdict_with(EFFECT), True, "paste the AFF block"),
         (verdict_with(EFFECT), False, "no ripple to cancel: look how unwind was stored"),
         (verdict_with(unknown=[unknown("travel")]), False, "turns or swings"),
         (verdict_with(unknown=[unknown("state")]), False, "more speeds"),
@@ -94,12 +95,98 @@ def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():
     ],
 )
 def test_the_next_step_fits_the_verdict(found, block, word):
-    assert word in next_step(found, block)
+    assert word in next_step(found, {"unwind": "unwind"} if block else {})
 
 
 def test_a_declaration_does_not_stand_that_is_wrong_on_the_record_judged():
-    said = next_step(verdict_with(), False, ["unwind_tension_N"])
+    said = next_step(verdict_with(), above={"unwind_tension_N": 1.5})
     assert "Do not take the declaration for right: unwind_tension_N above noise" in said
+
+
+def test_what_a_drive_may_cancel_is_measured_and_mended_first_and_cancelled_until_then():
+    eccentric = finding("eccentric_roller", "R8", {"eccentricity_m": 2.67e-4})
+    seam = finding("splice", "web", {"step_m": 5e-4, "piece_m": 0.1}, cancel=False)
+    said = next_step(verdict_with(eccentric, seam), {"R8": "unwind or swrap_lead"})
+    order = (
+        "First at the machine: put a dial gauge on R8",
+        "total reading is twice the eccentricity",
+        "then have the roller, or its bearing seats, trued.",
+        "Until that is done, paste the AFF block",
+        "at the actuator of unwind or swrap_lead.",
+        "Beside it, no ripple to cancel: look at the seam",
+    )
+    at = [said.index(part) for part in order]
+    assert at == sorted(at)
+
+
+@pytest.mark.parametrize(
+    ("above", "outside", "end"),
+    [
+        ({}, (), ""),
+        ({"pull_roll_speed_m_s": 1.266}, (), "pull_roll_speed_m_s 27 % above noise"),
+        ({}, ("rollers.pull_roll.radius_m",), "rollers.pull_roll.radius_m outside its tolerance"),
+        (
+            {"a_N": 1.5, "b_N": 2.0},
+            ("web.EA_N", "r"),
+            "a_N 50 % above noise, b_N 100 % above noise; web.EA_N and r outside their tolerance",
+        ),
+    ],
+)
+@pytest.mark.parametrize("ambiguous", [(), (SAME,)])
+def test_what_is_not_explained_is_said_beside_what_is(above, outside, end, ambiguous):
+    said = next_step(verdict_with(EFFECT, ambiguous=ambiguous), {}, above, outside)
+    assert said.endswith(f"Not explained: {end}: check these.") if end else "Not" not in said
+
+
+def test_an_event_is_looked_up_in_the_log_of_its_record():
+    begins = Moment(record="day2.csv", time_s=26.74)
+    where = {"from_s": 26.74, "zone": "unwind_zone", "channel": "unwind_speed_rad_s"}
+    event = UnknownFinding(kind="event", coordinate=where, strength=211522.9, begins=begins)
+    found = verdict_with(unknown=[event], answer="unknown")
+    assert "Look in the log of day2.csv at 26.74 s" in next_step(found)
+    assert "If nothing was, record again with more speeds" in next_step(found)
+    assert "an event at 26.74 s of day2.csv in unwind_zone, first seen in" in headline(found)
+    assert "From that moment on the error is 211523 more than noise" in confidence(found)
+
+
+def test_a_spectral_line_is_as_sure_as_it_is_above_what_noise_makes():
+    said = confidence(verdict_with(unknown=[unknown("time", {"frequency_Hz": 3.33})]))
+    assert "takes 10000 of the weighted squared error" in said
+    assert f"less than {CRITERIA.search.unexplained.periodic:.0f}" in said
+
+
+def test_a_declaration_stands_except_for_what_no_record_tells():
+    said = next_step(verdict_with(), untold=["a wrong scale or zero of a load cell"])
+    assert said.endswith(
+        "except for what these records cannot tell: a wrong scale or zero of a load cell."
+    )
+
+
+def test_what_is_not_told_apart_is_named_together_in_the_headline():
+    eccentric = finding("eccentric_roller", "R4", {"eccentricity_m": 1.078e-4})
+    also = [EffectAt("unbalanced_roller", "R5"), *(EffectAt("eccentric_roller", k) for k in AT)]
+    open_ = Ambiguity(place=eccentric.place, alternatives=tuple(also), experiments=("look",))
+    slow = finding("loop_delay", "unwind", {"delay_s": 0.05})
+    assert headline(verdict_with(eccentric, slow, ambiguous=[open_])) == (
+        "Traced: eccentric roller at R4, R5, R6 or unbalanced roller at R5 (not told apart), "
+        "eccentricity 0.1078 mm; loop delay at unwind, delay 50 ms. To tell: look."
+    )
+    two = replace(open_, alternatives=(EffectAt("eccentric_roller", "R5"),))
+    said = headline(verdict_with(eccentric, ambiguous=[two]))
+    assert said.startswith("Traced: eccentric roller at R4 or R5 (not told apart), ")
+
+
+AT = ("R5", "R6")
+
+
+def test_what_rounds_to_a_limit_is_not_beyond_it_and_sums_do_not_count():
+    limit = CRITERIA.report.above_noise
+    close = replace(judged(), after=np.array([0.25 * (limit + 0.004), 50.0, 50.0, limit + 0.006]))
+    assert list(above_noise(close, channels_by_error(close))) == ["line_speed_m_s"]
+    assert [row.mark for row in error_rows(close)] == ["ok", "sum", "sum", "miss"]
+    shifts = {"a": 0.1004, "b": 0.102, "c": -0.13, "d": 0.02}
+    rows = shift_rows(shifts, dict.fromkeys(shifts, 0.1))
+    assert [row.name for row in rows if row.is_outside] == ["c", "b"]
 
 
 def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
@@ -173,6 +260,32 @@ def test_the_overlay_shows_where_the_declared_line_is_worst():
     early = replace(one, first=2700)
     assert worst_part(early, 0, 200).start >= 2700
     assert worst_part(early, 0, 9999) == slice(2700, 4000)
+
+
+def test_what_begins_is_shown_a_quarter_into_its_part_of_the_record():
+    assert part_around(judged(), STEP_S, 20.0) == slice(1500, 3500)
+    assert part_around(judged(), STEP_S, 0.5) == slice(0, 2000)
+    assert part_around(judged(), STEP_S, 39.9) == slice(2000, 4000)
+    short = replace(judged(), measured=np.zeros((4, 900)))
+    assert part_around(short, STEP_S, 5.0) == slice(0, 900)
+
+
+def test_without_an_amended_line_one_curve_and_one_map_are_drawn(monkeypatch):
+    drawn, marks = [], []
+    monkeypatch.setattr(
+        "matplotlib.axes.Axes.plot", lambda _axis, *_, label, **__: drawn.append(label)
+    )
+    monkeypatch.setattr("matplotlib.axes.Axes.axvline", lambda _axis, x, **_: marks.append(x))
+    monkeypatch.setattr("matplotlib.axes.Axes.legend", lambda _axis, **_: None)
+    part = part_around(judged(), STEP_S, 20.0)
+    overlay(judged(), STEP_S, part, amended=False, mark_s=20.0)
+    assert set(drawn) == {"measured", "declared", "error as declared"}
+    assert set(marks) == {20.0}
+    overlay(judged(), STEP_S, part)
+    assert {"amended", "error as amended"} < set(drawn)
+    assert len(marks) == 2 * 2  # of two channels, measured and error: the first overlay's only
+    assert len(wavenumber_map(judged(), STEP_S, amended=False)) == 1
+    assert "as amended" not in gain(judged(), held=True, amended=False).casefold()
 
 
 def test_a_line_in_web_travel_stands_still_on_the_map_at_every_speed(monkeypatch):
