@@ -112,6 +112,10 @@ VERDICT = (
     N_("To tell: {rest}."),
     N_("{what} scores {score}, the next best explanation ({why}) {next}"),
     N_("{what} scores {score}, no other explains the record as well"),
+    N_(
+        "{what} scores {score}, its rival ({why}) {next}: not told apart, for errors of the model "
+        "may make that difference"
+    ),
     N_("A difference of 10 decides."),
     N_(
         "What repeats there takes {number} of the weighted squared error, by noise alone it "

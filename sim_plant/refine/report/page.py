@@ -62,16 +62,20 @@ def headline(verdict: Verdict) -> str:
 
 def confidence(verdict: Verdict) -> str:
     """Return how far each effect is ahead of what else might explain the record."""
-    said = []
+    said, unsure = [], {a.place: a.alternatives for a in verdict.ambiguous}
     for e in verdict.effects:
         text = f"{place_words(e.place)} scores {e.score:.0f}, "
-        if e.runner_up:
+        if e.runner_up and e.runner_up in unsure.get(e.place, ()):
+            text += f"its rival ({place_words(e.runner_up)}) {e.score - e.margin:.0f}: "
+            text += "not told apart, for errors of the model may make that difference"
+        elif e.runner_up:
             text += f"the next best explanation ({place_words(e.runner_up)}) "
             text += f"{e.score - e.margin:.0f}"
         else:
             text += "no other explains the record as well"
         said.append(text)
-    sure = ["; ".join(said) + ". A difference of 10 decides."] if said else []
+    decides = ". A difference of 10 decides." if len(said) > len(unsure) else "."
+    sure = ["; ".join(said) + decides] if said else []
     return " ".join([*sure, *map(_sure_of_unknown, verdict.unknown)])
 
 

@@ -143,6 +143,18 @@ def test_a_set_of_an_older_file_names_its_members_in_german():
     )
 
 
+def test_what_is_not_told_apart_is_no_next_best_in_german():
+    sure = (
+        "eccentric roller at R4 scores 121900, its rival (eccentric roller at R5) 121647: not "
+        "told apart, for errors of the model may make that difference. A difference of 10 decides."
+    )
+    assert told(summary(sure=sure), GERMAN).sure == (
+        "exzentrische Walze: R4 erreicht 121900, die Alternative (exzentrische Walze: R5) 121647: "
+        "nicht unterschieden, denn Fehler des Modells können so viel ausmachen. Ein Unterschied "
+        "von 10 entscheidet."
+    )
+
+
 TRUED = (
     "put a dial gauge on R8: its total reading is twice the eccentricity; then have the roller, "
     "or its bearing seats, trued"

@@ -205,6 +205,20 @@ def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
     assert confidence(verdict_with()) == ""
 
 
+def test_what_is_not_told_apart_is_not_said_to_be_decided():
+    rival = EffectAt("eccentric_roller", "R5")
+    one = finding("eccentric_roller", "R4", {}, score=121900.0, runner_up=rival, margin=253.0)
+    open_ = Ambiguity(place=one.place, alternatives=(rival,), experiments=())
+    said = confidence(verdict_with(one, ambiguous=[open_]))
+    assert said == (
+        "eccentric roller at R4 scores 121900, its rival (eccentric roller at R5) 121647: not "
+        "told apart, for errors of the model may make that difference."
+    )
+    slow = finding("loop_delay", "unwind", {}, score=900.0)
+    both = confidence(verdict_with(one, slow, ambiguous=[open_]))
+    assert both.endswith("no other explains the record as well. A difference of 10 decides.")
+
+
 def test_what_stays_above_noise_is_named_but_no_sums():
     assert "all tensions and speeds are within 10 %" in gain(judged(), held=True)
     loud = replace(judged(), after=np.array([0.3, 50.0, 50.0, 1.05]))

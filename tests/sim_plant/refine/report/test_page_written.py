@@ -1,0 +1,147 @@
+"""The page as a file: its tables, its figures and their captions, by what was found."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.line.load import load_line
+from sim_plant.refine.judge.holdout import Evaluation
+from sim_plant.refine.model.effect_at import EffectAt
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.records.recording import Recording
+from sim_plant.refine.report.aff_block import write_block
+from sim_plant.refine.report.findings import verdict_of
+from sim_plant.refine.report.outcome import Begun, Outcome, Plan
+from sim_plant.refine.report.page import next_of, write_report
+from sim_plant.refine.report.verdict import Moment
+from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from tests.sim_plant.refine.small import LINE, LINE_FILE, STEP_S, fit_of, one_peak, travel_at
+
+ROWS = 3000
+CHANNELS = ("unwind_tension_N", "line_speed_m_s", "unwind_angle_rad")
+R4 = hypothesis(BY_NAME["eccentric_roller"], "R4", line=LINE)
+
+
+def record(name, low, high):
+    columns = {
+        "line_speed_ref_m_s": np.linspace(low, high, ROWS),
+        "tension_ref_N": np.linspace(60.0 * high, 90.0, ROWS),
+    }
+    return Recording(path=Path(name), sha256="0" * 64, sample_time_s=STEP_S, columns=columns)
+
+
+def evaluation(after):
+    noise = np.random.default_rng(3).standard_normal((3, ROWS))
+    return Evaluation(
+        channels=CHANNELS,
+        before=np.array([3.0, 2.0, 9.0]),
+        after=np.array(after),
+        floor=np.ones(3),
+        measured=noise,
+        declared=np.zeros((3, ROWS)),
+        amended=np.zeros((3, ROWS)),
+        effects=(),
+        angles_rad={},
+        unwound_m={},
+        first=100,
+        travel_m=STEP_S * np.arange(ROWS),
+    )
+
+
+def outcome(folder, accepted=(), corrections=None, after=(1.0, 1.0, 9.0)):
+    fit = fit_of(*(a.hypothesis for a in accepted), values=((3e-5, -4e-5),) * len(accepted))
+    selection = Selection(
+        nominal=fit_of(),
+        fit=replace(fit, covariance=np.eye(2 * len(accepted)) * 1e-14),
+        travels=(travel_at(np.ones(ROWS)),),
+        before=one_peak(900.0),
+        after=one_peak(20.0),
+        accepted=tuple(accepted),
+        corrections=corrections or {},
+    )
+    judged = evaluation(after)
+    return Outcome(
+        plan=Plan(line=LINE_FILE, records=(Path("a.csv"),), holdout=(Path("b.csv"),), out=folder),
+        line=load_line(LINE_FILE),
+        declared=LINE,
+        records=(record("a.csv", 0.5, 1.0), record("b.csv", 0.7, 1.4)),
+        limits=("a wrong scale of a load cell",),
+        selection=selection,
+        evaluation=judged,
+        verdict=verdict_of(selection, judged, "b.csv"),
+    )
+
+
+def found(*ambiguous):
+    places = tuple(EffectAt("eccentric_roller", name) for name in ambiguous)
+    return AcceptedEffect(
+        hypothesis=R4,
+        score=500.0,
+        runner_up=EffectAt("eccentric_roller", "R5"),
+        margin=2.0,
+        rejected=((EffectAt("eccentric_roller", "R5"), 498.0),),
+        ambiguous=places,
+    )
+
+
+def page_of(one):
+    block = write_block(one.plan.out, one.verdict.effects, one.line.declaration)
+    return write_report(one, "sim-plant refine", None, block).read_text()
+
+
+def test_a_page_fits_a_narrow_screen(tmp_path):
+    page = page_of(outcome(tmp_path, [found()]))
+    assert 'name="viewport"' in page
+    assert page.count("<table>") == page.count('<div class="wide"><table>') > 0
+
+
+def test_a_page_says_which_records_it_rests_on_and_each_figure_its_own(tmp_path):
+    page = page_of(outcome(tmp_path, [found()]))
+    assert (
+        "Records: a.csv (fitted), b.csv (held out); line speed 0.5 to 1.4 m/s; tension 60 to 90 N."
+    ) in page
+    captions = re.findall("<figcaption>(.*?)</figcaption>", page)
+    assert re.fullmatch(
+        r"b\.csv, [\d.]+ to [\d.]+ s, where the declared line is worst", captions[0]
+    )
+    assert captions[1:] == ["b.csv, 0 to 30.0 s", "a.csv, the whole record"]
+
+
+def test_a_block_of_what_is_not_told_apart_has_to_wait(tmp_path):
+    wait = "Only after it is confirmed that it is the eccentric roller at R4."
+    assert wait not in page_of(outcome(tmp_path, [found()]))
+    page = page_of(outcome(tmp_path, [found("R5")]))
+    assert page.index("To cancel it") < page.index(wait) < page.index("- roll: r4")
+
+
+def test_the_block_goes_to_the_actuators_beside_an_idler(tmp_path):
+    assert "at the actuator of unwind or swrap_lead." in next_of(outcome(tmp_path, [found()]))
+
+
+@pytest.mark.parametrize(("share", "is_outside"), [(0.98, False), (1.002, False), (1.3, True)])
+def test_a_number_outside_its_tolerance_is_marked_and_told(tmp_path, share, is_outside):
+    one = outcome(tmp_path, [found()], {"web.EA_N": share * LINE.tolerances["web.EA_N"]})
+    one = replace(one, declared=LINE)
+    page = page_of(one)
+    assert ('<tr class="out"><td>web.EA_N' in page) is is_outside
+    assert ("outside it (red) something is" in page) is is_outside
+    assert ("web.EA_N outside its tolerance" in next_of(one)) is is_outside
+
+
+def test_without_an_effect_a_page_has_one_curve_and_nothing_amended(tmp_path):
+    page = page_of(outcome(tmp_path))
+    assert "amended" not in page
+    assert "<th>before</th>" not in page
+    both = page_of(outcome(tmp_path, [found()]))
+    assert page.count("<svg") == both.count("<svg") - 1  # one map, not two
+    assert '<tr class="sum"><td>unwind_angle_rad</td>' in page
+
+
+def test_what_begins_is_shown_in_its_record(tmp_path):
+    begun = Begun(moment=Moment(record="a.csv", time_s=12.5), evaluation=evaluation((1, 1, 1)))
+    page = page_of(replace(outcome(tmp_path, [found()]), begun=begun))
+    assert "<figcaption>a.csv, 7.5 to 27.5 s; dotted: 12.50 s, where it begins<" in page
