@@ -118,7 +118,7 @@ VERDICT = (
     ),
     N_("A difference of 10 decides."),
     N_(
-        "What repeats there takes {number} of the weighted squared error, by noise alone it "
+        "What repeats there takes {rest} of the weighted squared error, by noise alone it "
         "would be less than {limit}."
     ),
     N_(

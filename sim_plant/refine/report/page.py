@@ -76,19 +76,24 @@ def confidence(verdict: Verdict) -> str:
         said.append(text)
     decides = ". A difference of 10 decides." if len(said) > len(unsure) else "."
     sure = ["; ".join(said) + decides] if said else []
-    return " ".join([*sure, *map(_sure_of_unknown, verdict.unknown)])
+    return " ".join([*sure, *_sure_of_unknown(verdict.unknown)])
 
 
-def _sure_of_unknown(item: UnknownFinding) -> str:
-    """Return how much more than noise an unknown is, as a sentence."""
-    if item.kind in PERIODIC:
-        least = CRITERIA.search.unexplained.periodic
-        return (
-            f"What repeats there takes {item.strength:.0f} of the weighted squared error, by "
-            f"noise alone it would be less than {least:.0f}."
-        )
-    what = "From that moment on the error" if item.kind == "event" else "The error that is left"
-    return f"{what} is {item.strength:.0f} more than noise makes it (weighted and squared)."
+def _sure_of_unknown(unknown: Sequence[UnknownFinding]) -> list[str]:
+    """Return how much more than noise the unknown is, as sentences."""
+    lines = [f"{item.strength:.0f}" for item in unknown if item.kind in PERIODIC]
+    least = CRITERIA.search.unexplained.periodic
+    said = [
+        f"What repeats there takes {', '.join(lines)} of the weighted squared error, by noise "
+        f"alone it would be less than {least:.0f}."
+    ]
+    others = [
+        f"{'From that moment on the error' if item.kind == 'event' else 'The error that is left'} "
+        f"is {item.strength:.0f} more than noise makes it (weighted and squared)."
+        for item in unknown
+        if item.kind not in PERIODIC
+    ]
+    return [*(said if lines else []), *others]
 
 
 def gain(judged: Evaluation, held: bool, *, amended: bool = True) -> str:

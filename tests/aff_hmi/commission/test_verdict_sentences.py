@@ -155,6 +155,17 @@ def test_what_is_not_told_apart_is_no_next_best_in_german():
     )
 
 
+def test_how_far_above_noise_something_unknown_is_reads_german():
+    sure = (
+        "What repeats there takes 35512, 6653 of the weighted squared error, by noise alone it "
+        "would be less than 260."
+    )
+    assert told(summary(sure=sure), GERMAN).sure == (
+        "Was sich dort wiederholt, macht 35512, 6653 des gewichteten quadrierten Fehlers aus, vom "
+        "Rauschen allein wäre es weniger als 260."
+    )
+
+
 TRUED = (
     "put a dial gauge on R8: its total reading is twice the eccentricity; then have the roller, "
     "or its bearing seats, trued"

@@ -150,8 +150,9 @@ def test_an_event_is_looked_up_in_the_log_of_its_record():
 
 
 def test_a_spectral_line_is_as_sure_as_it_is_above_what_noise_makes():
-    said = confidence(verdict_with(unknown=[unknown("time", {"frequency_Hz": 3.33})]))
-    assert "takes 10000 of the weighted squared error" in said
+    lines = [unknown("time", {"frequency_Hz": hertz}) for hertz in (3.33, 4.2)]
+    said = confidence(verdict_with(unknown=lines))
+    assert "takes 10000, 10000 of the weighted squared error" in said
     assert f"less than {CRITERIA.search.unexplained.periodic:.0f}" in said
 
 
