@@ -19,6 +19,8 @@ from dataclasses import dataclass
 from enum import IntEnum, IntFlag
 
 NO_ECHO = -1
+"""``echo_age`` where no heartbeat of ours was read back: the site maps no such word, or the
+exchange failed. Any other age is in ticks since we sent the heartbeat that the PLC shows."""
 
 
 class Status(IntFlag):

@@ -130,11 +130,13 @@ class Draft(BaseModel):
             for channel, word in self.words.items()
             for address in word.decoding.addresses
         }
+        # the answer `echo` names the word `aff_echo`: the PLC's copy of our heartbeat
         for name in ("heartbeat", "roll_id", "status.word", "echo", *self._applied()):
             given = self.answers.get(name, "")
             if given.isdecimal():
                 owners.setdefault(int(given), name)
         for name, kept in self.answers.items():
+            # of a PLC with status bits in an order of its own: word and bit of each
             if name.startswith("bits.") and kept not in (NONE, FIND):
                 owners.setdefault(split_bit(kept)[0], name)
         return owners

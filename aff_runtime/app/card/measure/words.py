@@ -1,4 +1,7 @@
-"""Step 2: the PLC's words: its heartbeat, its echo of ours, and values against a display."""
+"""Step 2: the PLC's words: its heartbeat, its echo of ours, and values against a display.
+
+A display is what the machine itself shows: a drive's, a load-cell amplifier's, the PLC's panel.
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ import numpy as np
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Array, Figure, Finding, at_most, mean_and_half
 from aff_runtime.app.report.comparison.window import Window
+from aff_runtime.app.wiring.site_to_guard import echo_params
 from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import NO_ECHO
@@ -124,7 +128,9 @@ def _echo(evidence: Evidence) -> Iterator[Figure]:
     if evidence.site.gateway.read.aff_echo is None:
         return
     ages = evidence.window.table.columns.get("echo_age", np.empty(0))
-    seen = float(np.mean(ages > NO_ECHO)) if ages.size else NAN
+    # an older one is a word that stands still, or the heartbeat of another master
+    is_ours = (ages > NO_ECHO) & (ages <= echo_params(evidence.site).ticks)
+    seen = float(np.mean(is_ours)) if ages.size else NAN
     yield Figure(
         name="echo: share of ticks in which the PLC shows our heartbeat",
         value=100.0 * seen,

@@ -1,5 +1,7 @@
 """Step 2: the heartbeat and whose rest it is; words against a display that was read before."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -77,6 +79,16 @@ def test_a_heartbeat_that_rests_and_an_echo_that_is_missing_fail(tmp_path):
     assert rest.good is False
     if SITE.gateway.read.aff_echo is not None:
         assert figure(found, "echo: share").value == pytest.approx(75.0)
+
+
+def test_a_word_that_never_copies_our_heartbeat_is_no_echo(tmp_path):
+    columns = steady(10.0)
+    columns["echo_age"][:] = np.arange(columns["echo_age"].size)  # the word stands still
+    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=SHOWN))
+    most = math.ceil(3 * SITE.freshness.fault_after_ms * 1e-3 / CYCLE_S) + 2
+    share = figure(found, "echo: share")
+    assert share.value == pytest.approx(100.0 * (most + 1) / columns["echo_age"].size)
+    assert share.good is False
 
 
 def rests(folder, ours, plc=0, late_us=0.0):
