@@ -50,6 +50,7 @@ class Step(IntEnum):
     WEIGHING = 3
     ENDING = 4
     ENDED = 5
+    HELD = 6
 
 
 class Choosing:
@@ -112,9 +113,8 @@ class Choosing:
         if self._work is None:
             self._work = self.window.weigh()
             self._bounds = list(bounds)
-            turn_Hz = 1.0 / self.window.seconds
             self._counts = [
-                wave.at * turn_Hz >= low_Hz
+                wave.at * self.window.turn_Hz >= low_Hz
                 for wave, low_Hz in zip(self._waves, lowest_Hz, strict=True)
             ]
         if not next(self._work):
@@ -137,8 +137,7 @@ class Choosing:
         for former, wave in zip(self._former, self._waves, strict=True):
             if former is None or not alike(former.provenance.line_speed_m_s, line_speed_m_s):
                 return False
-            turn_Hz = 1.0 / self.window.seconds
-            answers.append(np.array([former.at(float(k) * turn_Hz) for k in wave.at]))
+            answers.append(np.array([former.at(float(k) * self.window.turn_Hz) for k in wave.at]))
         own = [
             peak_of(answer * wave.phasors, wave.at, wave.period)
             for answer, wave in zip(answers, self._waves, strict=True)
@@ -184,8 +183,8 @@ class Choosing:
 
     def hold(self) -> None:
         """Go no further: what is sent stays as loud as it is, and is faded by who withdraws it."""
-        self._step, self._work = Step.SETTLING, None
-        self._waited = -round(LONGEST_S / self._cycle_s)
+        self.levels = [level for _, level in self._now()]
+        self._step, self._work = Step.HELD, None
 
     def needed_of(self, j: int) -> float:
         """Return the peak that one wave needs; NaN where none would do."""
@@ -305,12 +304,8 @@ class Choosing:
     def _sent(self) -> tuple[ActuatorStep, ...]:
         if self._step is Step.ENDED:
             return (ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0),) * len(self._waves)
-        is_fading = self._step in (Step.FADING, Step.ENDING)
-        share = min(1.0, self._waited * self._cycle_s / self._p.fade_s) if is_fading else 1.0
         sent = []
-        for wave, before, after in zip(self._waves, self._from, self.levels, strict=True):
-            goal = 0.0 if self._step is Step.ENDING else after
-            level = before + share * (goal - before)
+        for wave, before, (goal, level) in zip(self._waves, self._from, self._now(), strict=True):
             most = max(before, goal)
             sent.append(
                 ActuatorStep(
@@ -320,3 +315,11 @@ class Choosing:
                 )
             )
         return tuple(sent)
+
+    def _now(self) -> Iterator[tuple[float, float]]:
+        """Yield where the level of every wave goes, and what it is."""
+        is_fading = self._step in (Step.FADING, Step.ENDING)
+        share = min(1.0, self._waited * self._cycle_s / self._p.fade_s) if is_fading else 1.0
+        for before, after in zip(self._from, self.levels, strict=True):
+            goal = 0.0 if self._step is Step.ENDING else after
+            yield goal, before + share * (goal - before)

@@ -1,14 +1,15 @@
 """How loud a probe is: by the noise, within its bounds, and never beyond them."""
 
 import math
-import random
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from aff_runtime.core.params import BlockParams, ProbeParams
-from aff_runtime.core.probe.loud import ROOM, Heard, allowed, peak_of, unbiased
+from aff_runtime.core.params import ProbeParams
+from aff_runtime.core.probe.choosing import Choosing
+from aff_runtime.core.probe.excitation import Waveform
+from aff_runtime.core.probe.loud import FIRST_SHARE, ROOM, Heard, allowed, peak_of, unbiased
 from aff_runtime.core.probe.probe import Probe, Stage
 from aff_runtime.core.probe.quiet import Window
 from aff_runtime.core.response import Provenance
@@ -21,9 +22,8 @@ from tests.aff_runtime.core.plants import (
     snapshot,
     with_blocks,
 )
+from tests.aff_runtime.core.probe.noisy_line import BLOCKS, RIPPLE, noise
 
-RIPPLE = {("unwind", 1): 2.0 + 1j, ("unwind", 2): 1.0j, ("unwind", 3): 0.7, ("swrap", 1): 1.2}
-BLOCKS = BlockParams(roll="unwind", orders=(1, 2, 3, 4), settle_s=8.0, amp_limit=0.02)
 HERE = site(with_blocks(BLOCKS))
 PARAMS = ProbeParams(
     actuators=("unwind",),
@@ -37,11 +37,6 @@ PARAMS = ProbeParams(
 ABOUT = {"unwind": Provenance(actuator="unwind", signal="tension_N", line_speed_m_s=1.0)}
 GAIN = -400.0
 LONGEST_S = 160.0
-
-
-def noise(sigma, seed=5):
-    rng = random.Random(seed)
-    return lambda: rng.gauss(0.0, sigma)
 
 
 def probed(line, params=PARAMS, former=None):
@@ -299,3 +294,19 @@ def test_noise_alone_passes_for_no_answer():
 def test_the_peak_of_two_tones_that_meet_is_their_sum():
     found = peak_of(np.array([1.0, 2.0 + 0j]), np.array([3, 7]), 1000)
     assert found == pytest.approx(3.0)
+
+
+def test_what_is_held_in_the_middle_of_a_fade_stays_as_loud_as_it_is():
+    wave = Waveform(round(PARAMS.duration_s / CYCLE_S), CYCLE_S)
+    wave.plan([1.0, 2.0, 3.0], PARAMS.fade_s, PARAMS.louder_from_Hz)
+    while not wave.fill():
+        pass
+    choosing = Choosing(HERE, PARAMS, HERE.actuators[:1], [wave], {})
+    choosing.begin_steps()
+    half = round(0.5 * PARAMS.fade_s / CYCLE_S)
+    for _ in range(half):
+        choosing.sound(1, [0.0], [0.0] * len(HERE.rolls))
+    choosing.hold()
+    period = round(10.0 / CYCLE_S)
+    sent = [choosing.sound(1, [0.0], [0.0] * len(HERE.rolls))[0].value for _ in range(period)]
+    assert max(map(abs, sent)) == pytest.approx(0.5 * FIRST_SHARE * PARAMS.amplitude, rel=0.02)

@@ -2,7 +2,6 @@
 
 import cmath
 import math
-import random
 from dataclasses import replace
 from itertools import pairwise
 
@@ -26,8 +25,8 @@ from tests.aff_runtime.core.plants import (
     snapshot,
     with_blocks,
 )
+from tests.aff_runtime.core.probe.noisy_line import BLOCKS, RIPPLE, noise
 
-RIPPLE = {("unwind", 1): 2.0 + 1j, ("unwind", 2): 1.0j, ("unwind", 3): 0.7, ("swrap", 1): 1.2}
 PARAMS = ProbeParams(
     actuators=("unwind",),
     amplitude=0.01,
@@ -38,12 +37,6 @@ PARAMS = ProbeParams(
     max_speed_m_s=2.0,
 )
 ORIGIN = {n: Provenance(actuator=n, signal="tension_N") for n in ("unwind", "follower")}
-BLOCKS = BlockParams(roll="unwind", orders=(1, 2, 3, 4), settle_s=8.0, amp_limit=0.02)
-
-
-def noise(sigma, seed=5):
-    rng = random.Random(seed)
-    return lambda: rng.gauss(0, sigma)
 
 
 def probed(plant, params=PARAMS, sigma=0.05):
