@@ -15,7 +15,6 @@ from aff_runtime.cli.service import add_state_dir, connect
 from aff_runtime.cli.terminal import say
 from aff_runtime.config.identified_drive import numbers_of
 from aff_runtime.config.models import Site
-from aff_runtime.config.models.service import BOUND_SHARE
 from aff_runtime.config.probe_bound import probe_bound
 from aff_runtime.core.probe.repeats import MOST_REPEAT_ERRORS
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, MIN_COHERENCE, Response
@@ -84,7 +83,7 @@ def _once(options: argparse.Namespace, site: Site, names: list[str], *, louder: 
     for kept in ProbeDone.from_json(answer).results:
         actuator = site.actuators[kept.result.actuator]
         measured = Response.from_json(kept.result.text)
-        for line in table(kept, actuator.response_unit):
+        for line in table(kept, actuator.response_unit, actuator.unit):
             say(line)
         bound = probe_bound(site, kept.result.actuator)
         if bound.given is None:
@@ -105,32 +104,28 @@ def bounds(site: Site, names: Sequence[str]) -> Iterator[str]:
     """Yield what a probe will send and move at most, before it does."""
     for name in names:
         actuator, bound = site.actuators[name], probe_bound(site, name)
-        unit = actuator.unit
+        signal, unit = actuator.error.signal, actuator.unit
         sent = (
             f"at most {bound.most:g} {unit}, chosen from the noise"
             if bound.given is None
             else f"{bound.given:g} {unit}"
         )
         moved = ""
-        if actuator.error.signal.endswith("_N"):
-            if site.probe.bound_N is not None:
-                moved = (
-                    f"; it ends where {actuator.error.signal} moves by {site.probe.bound_N:g} N"
-                )
-            elif bound.given is None:
-                share = f"{BOUND_SHARE:.0%} of what it is"
-                moved = f"; it ends where {actuator.error.signal} moves by {share}"
+        if bound.bound_N is not None:
+            moved = f"; it ends where {signal} moves by {bound.bound_N:g} N"
+        elif bound.share is not None:
+            moved = f"; it ends where {signal} moves by {bound.share:.0%} of what it is"
         yield f"{name}: {sent}{moved}"
 
 
-def table(kept: KeptResponse, unit: str) -> Iterator[str]:
+def table(kept: KeptResponse, unit: str, sent_unit: str) -> Iterator[str]:
     """Yield one probed actuator as text; ``unit`` is that of its gain."""
     result = kept.result
     yield f"{result.actuator}: sign {result.sign:+d}, delay {result.delay_s * 1e3:.0f} ms"
     measured = Response.from_json(result.text)
     about = measured.provenance
     if math.isfinite(about.amplitude):
-        yield f"  sent: {about.amplitude:.3g} {unit.partition('/(')[2].rstrip(')')} at most"
+        yield f"  sent: {about.amplitude:.3g} {sent_unit} at most"
     if math.isfinite(about.repeat_sigmas):
         yield (
             f"  against the probe before: {about.repeat_sigmas:.2f} of the stated errors apart "

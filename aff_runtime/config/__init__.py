@@ -17,5 +17,6 @@ __all__ = [
     "revision",
     "site_paths",
     "wire_table",
+    "x509",
     "yaml_marks",
 ]

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.config.models import Site
+from aff_runtime.config.models.service import BOUND_SHARE
 
 TIMES_LOUDER = 2.0
 """By which a louder probe is: four times the power, a coherence of 0.5 turns to 0.8."""
@@ -19,11 +21,15 @@ class ProbeBound:
     given : the amplitude that the site file sets; None: it is chosen from the noise.
     most : that a chosen amplitude takes: of the probe's bound and the actuator's limit the lesser.
     key : of the site file, that holds ``most``.
+    bound_N : by how much the tension may move, where the site file says it; None for none.
+    share : of its mean by which it may move, where nothing is said and the amplitude is chosen.
     """
 
     given: float | None
     most: float
     key: str
+    bound_N: float | None
+    share: float | None
 
 
 def probe_bound(site: Site, actuator: str) -> ProbeBound:
@@ -33,4 +39,13 @@ def probe_bound(site: Site, actuator: str) -> ProbeBound:
     given = probe.amplitude_m_s if of_speed else probe.amplitude_N_m
     bound = probe.bound_m_s if of_speed else probe.bound_N_m
     key = "probe.bound_m_s" if of_speed else "probe.bound_N_m"
-    return ProbeBound(given=given, most=min(bound, row.limit) if row.limit > 0 else bound, key=key)
+    is_tension = unit_of_channel(row.error.signal) == "N"
+    bound_N = probe.bound_N if is_tension else None
+    is_tenth = is_tension and given is None and bound_N is None
+    return ProbeBound(
+        given=given,
+        most=min(bound, row.limit) if row.limit > 0 else bound,
+        key=key,
+        bound_N=bound_N,
+        share=BOUND_SHARE if is_tenth else None,
+    )

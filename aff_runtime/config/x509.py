@@ -102,12 +102,13 @@ def _list_issuer(der: bytes) -> tuple[int, int]:
 def _time(der: bytes, at: int) -> tuple[datetime, int]:
     """Return the time at ``at`` and where the next element begins."""
     tag, begin, end = _element(der, at)
-    form = "%y%m%d%H%M%SZ" if tag == _UTC_TIME else "%Y%m%d%H%M%SZ"
     try:
         text = der[begin:end].decode("ascii")
     except UnicodeDecodeError as error:
         raise ValueError("no time") from error
-    return datetime.strptime(text, form).replace(tzinfo=UTC), end
+    if tag == _UTC_TIME:  # two digits of the year: 50 to 99 are of 1900
+        text = f"{'19' if text[:2] >= '50' else '20'}{text}"
+    return datetime.strptime(text, "%Y%m%d%H%M%SZ").replace(tzinfo=UTC), end
 
 
 def _element(der: bytes, at: int) -> tuple[int, int, int]:

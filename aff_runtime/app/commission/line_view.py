@@ -25,7 +25,6 @@ from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.config.check import MAX_RESPONSE_BYTES, check_site
 from aff_runtime.config.identified_drive import with_identified
 from aff_runtime.config.models import Site
-from aff_runtime.config.models.service import BOUND_SHARE
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.probe_bound import TIMES_LOUDER, probe_bound
 from aff_runtime.core.identified import Estimate, IdentifiedDrive
@@ -83,13 +82,8 @@ def _bounds(site: Site, responses: dict[str, Response]) -> ProbeView:
     rows = []
     for name, actuator in site.actuators.items():
         bound = probe_bound(site, name)
-        signal_unit = unit_of_channel(actuator.error.signal) or "1"
-        is_tension = signal_unit == "N"
-        is_chosen = bound.given is None
         amplitude = bound.most if bound.given is None else bound.given
         former = responses.get(name)
-        bound_N = site.probe.bound_N if is_tension else None
-        is_tenth = is_tension and is_chosen and bound_N is None
         ripple = amplitude * _gain_of(former)
         rows.append(
             ProbeRow(
@@ -98,11 +92,11 @@ def _bounds(site: Site, responses: dict[str, Response]) -> ProbeView:
                 limit=actuator.limit,
                 unit=actuator.unit,
                 signal=actuator.error.signal,
-                signal_unit=signal_unit,
-                ripple=_known(min(ripple, bound_N) if bound_N is not None else ripple),
-                is_chosen=is_chosen,
-                bound_N=bound_N,
-                bound_share=BOUND_SHARE if is_tenth else None,
+                signal_unit=unit_of_channel(actuator.error.signal) or "1",
+                ripple=_known(ripple if bound.bound_N is None else min(ripple, bound.bound_N)),
+                is_chosen=bound.given is None,
+                bound_N=bound.bound_N,
+                bound_share=bound.share,
                 sent=_known(former.provenance.amplitude) if former else None,
                 louder=_louder(former, max(amplitude, bound.most)),
             )

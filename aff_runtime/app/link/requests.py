@@ -95,14 +95,10 @@ def _checked(said: dict[str, Any], ident: Ident) -> Request:
     if not isinstance(do, str) or do not in VERBS:
         words = f"{', '.join(VERBS[:-1])} or {VERBS[-1]}"
         raise RefusedError(f"unknown request {_short(do)}; use {words}")
-    by, on, actuators = said.get("by", ""), said.get("on", True), said.get("actuators", [])
+    by, actuators = said.get("by", ""), said.get("actuators", [])
     if not isinstance(by, str) or len(by) > MAX_BY_CHARACTERS:
         raise RefusedError(f"by: a text of {MAX_BY_CHARACTERS} characters at most is needed")
-    if not isinstance(on, bool):
-        raise RefusedError(f"on: true or false is needed, not {_short(on)}")
-    louder = said.get("louder", False)
-    if not isinstance(louder, bool):
-        raise RefusedError(f"louder: true or false is needed, not {_short(louder)}")
+    on, louder = _flag("on", said.get("on", True)), _flag("louder", said.get("louder", False))
     if not isinstance(actuators, list) or not all(isinstance(name, str) for name in actuators):
         raise RefusedError("actuators: a list of names is needed")
     settings = settings_request.settings_request(said) if do == "settings" else None
@@ -115,6 +111,13 @@ def _checked(said: dict[str, Any], ident: Ident) -> Request:
         louder=louder,
         settings=settings,
     )
+
+
+def _flag(name: str, given: object) -> bool:
+    """Return true or false of a request, refused when it is anything else."""
+    if not isinstance(given, bool):
+        raise RefusedError(f"{name}: true or false is needed, not {_short(given)}")
+    return given
 
 
 def _ident(given: object) -> Ident:

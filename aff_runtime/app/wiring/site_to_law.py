@@ -10,7 +10,6 @@ from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.models import Actuator, Drive, Roll, Site
 from aff_runtime.config.models.drive import slow_band
-from aff_runtime.config.models.service import BOUND_SHARE
 from aff_runtime.config.probe_bound import probe_bound
 from aff_runtime.core.blocks.bank import SAMPLES_PER_TURN
 from aff_runtime.core.params import (
@@ -101,9 +100,9 @@ def _loudness(
     given = bounds[0].given
     is_chosen = given is None
     amplitude = most if given is None else max(given, min(louder_than, most))
-    bound_N = site.probe.bound_N
-    share = BOUND_SHARE if is_chosen and bound_N is None else math.inf
-    return amplitude, is_chosen, math.inf if bound_N is None else bound_N, share
+    bound_N = min((one.bound_N for one in bounds if one.bound_N is not None), default=math.inf)
+    share = min((one.share for one in bounds if one.share is not None), default=math.inf)
+    return amplitude, is_chosen, bound_N, share
 
 
 def _blocks_probe(site: Site) -> ProbeParams:

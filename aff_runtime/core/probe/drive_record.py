@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.core.identified import IdentifiedDrive
 from aff_runtime.core.identify.drive_fit import fit_drive
@@ -113,7 +114,7 @@ class DriveRecord:
             raise RefusedError(
                 "a torque goes in behind the speed loop, which law shape does not correct"
             )
-        if not actuator.signal.endswith("_N"):
+        if unit_of_channel(actuator.signal) != "N":
             raise RefusedError(
                 f"{actuator.signal} is no tension: without a force no inertia is known"
             )

@@ -43,8 +43,7 @@ class TonePlan:
         """
         p = self._p
         spacing_Hz = BINS_APART / self._measured_s
-        rolls = self._rolls
-        turns_Hz = {name: abs(phase.omega_rad_s) / math.tau for name, phase in rolls.items()}
+        turns_Hz = self._turns_Hz()
         taken = [n * f for f in turns_Hz.values() for n in range(1, p.nuisance_orders + 1)]
         plan: list[list[float]] = [[] for _ in self._probed]
         for wanted_of in (self._beside_orders_Hz, self._grid_Hz):
@@ -83,8 +82,12 @@ class TonePlan:
 
     def lowest_Hz(self) -> list[float]:
         """Return per probed actuator from where on its tones stand where orders lie, or will."""
-        turns_Hz = {name: abs(phase.omega_rad_s) / math.tau for name, phase in self._rolls.items()}
+        turns_Hz = self._turns_Hz()
         return [_below([n * turns_Hz[roll] for roll, n in a.orders]) for a in self._probed]
+
+    def _turns_Hz(self) -> dict[str, float]:
+        """Return how often every roll turns now."""
+        return {name: abs(phase.omega_rad_s) / math.tau for name, phase in self._rolls.items()}
 
     def _swept_Hz(self, actuator: ActuatorParams) -> list[float]:
         """Return the highest frequency of every order: smallest radius, highest speed."""

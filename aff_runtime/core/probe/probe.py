@@ -11,6 +11,7 @@ from enum import IntEnum
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.probe_columns import EXCITING, PROGRESS, STAGE
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
@@ -103,10 +104,11 @@ class Probe:
         ]
         self._line_speed = index.get(site.line_speed or "", -1)
         self._former = former or {}
+        are_N = [unit_of_channel(a.signal) == "N" for a in self._probed]
         self.bounds = Bounds(
             [a.signal for a in self._probed],
-            [params.bound_N if a.signal.endswith("_N") else math.inf for a in self._probed],
-            [params.bound_share if a.signal.endswith("_N") else math.inf for a in self._probed],
+            [params.bound_N if is_N else math.inf for is_N in are_N],
+            [params.bound_share if is_N else math.inf for is_N in are_N],
             site.cycle_s,
         )
         self._choosing: Choosing | None = None

@@ -75,6 +75,11 @@ class Window:
         """How long the stretch is."""
         return self._samples * self._cycle_s
 
+    @property
+    def turn_Hz(self) -> float:
+        """Frequency of what goes round once in the stretch."""
+        return 1.0 / self.seconds
+
     def weigh(self) -> Iterator[bool]:
         """Work out the spectra, a part each step; True once, at the end.
 

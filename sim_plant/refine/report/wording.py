@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from aff_runtime.base.channel_units import unit_of_name
+from aff_runtime.base.channel_units import unit_of_name, without_unit
 from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.effect_at import EffectAt
@@ -133,7 +133,7 @@ def _cell_rows(finding: EffectFinding) -> list[NumberRow]:
         cell = finding.cells[k] if k < len(finding.cells) else f"cell {k + 1}"
         ends = finding.interval95.get(pairs[0].amplitude) if k == 0 else None
         low, high = (f"{end:.4g}" for end in ends) if ends else ("", "")
-        name = f"at {cell.removesuffix('_' + unit)}"
+        name = f"at {without_unit(cell)}"
         rows.append(
             NumberRow(key=cell, name=name, value=f"{size:.4g}", unit=unit, low=low, high=high)
         )

@@ -49,7 +49,7 @@ def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> 
     client.close()
     service.close()
 
-    rows = list(table(told, "N/(m/s)"))
+    rows = list(table(told, "N/(m/s)", "m/s"))
     assert rows[0] == "unwind: sign +1, delay 50 ms"
     assert [row.split()[:3] for row in rows[2:4]] == [
         ["0.500", "250", "0.0"],
@@ -100,6 +100,6 @@ def test_a_second_probe_says_how_far_it_is_from_the_first(tmp_path: Path) -> Non
     about = replace(first.provenance, amplitude=0.004, repeat_sigmas=1.25)
     again = Response(points=first.points, delay_s=0.0, provenance=about)
     result = ProbeResult(actuator="unwind", sign=1, remarks=(), delay_s=0.0, text=again.to_json())
-    rows = list(table(KeptResponse(result=result, file=tmp_path), "N/(m/s)"))
+    rows = list(table(KeptResponse(result=result, file=tmp_path), "N/(m/s)", "m/s"))
     assert rows[1] == "  sent: 0.004 m/s at most"
     assert rows[2].startswith("  against the probe before: 1.25 of the stated errors apart")

@@ -14,6 +14,7 @@ import numpy as np
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import Figure, Finding, Sample, at_most, mean_and_half
 from aff_runtime.app.card.typed_values import NotTypedError
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.errors import RefusedError
 
@@ -31,7 +32,7 @@ TYPED = ("load", "signal")
 def measure(evidence: Evidence) -> Finding:
     """Return errors of zero and span in percent of the span, and the noise, of every cell."""
     signals = dict.fromkeys(one.error.signal for one in evidence.site.actuators.values())
-    wanted = [name for name in signals if name.endswith("_N")]
+    wanted = [name for name in signals if unit_of_channel(name) == "N"]
     fresh = _sample(evidence, wanted)
     samples = [one for one in evidence.former if one.kind == KIND] + [fresh]
     figures: list[Figure] = []

@@ -28,6 +28,7 @@ from aff_runtime.app.report.comparison.window import (
     orders_of,
     roll_angle,
 )
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_window import RunWindow
@@ -189,7 +190,8 @@ def tensions(window: Window) -> Iterator[tuple[str, Any]]:
         for actuator in window.section("actuators").sections()
     }
     for name, _ in window.section("gateway").section("read").section("channels").items():
-        if str(name).endswith("_N") and str(name) not in references and "_ref_" not in str(name):
+        is_tension = unit_of_channel(str(name)) == "N"
+        if is_tension and str(name) not in references and "_ref_" not in str(name):
             values = window.readings(str(name))
             if values is not None:
                 yield str(name), values

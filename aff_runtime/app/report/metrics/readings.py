@@ -16,6 +16,7 @@ from aff_runtime.app.report.block_status import SHAPE, at_encoder_zero_deg
 from aff_runtime.app.report.line_facts import VELOCITY, LineFacts, OutputFacts
 from aff_runtime.app.report.status_answer import NOT_SAID, Live, StatusAnswer
 from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.signals import State, Status
 from aff_runtime.config.revision import SHORT
 from aff_runtime.core.monitor import Trend
@@ -211,9 +212,7 @@ def _order(
 
 def _unit_of(signal: str) -> str:
     """Return the unit of a channel as names of metrics have it; empty for any other."""
-    if signal.endswith("_N"):
-        return "newtons"
-    return "meters_per_second" if signal.endswith("_m_s") else ""
+    return {"N": "newtons", "m/s": "meters_per_second"}.get(unit_of_channel(signal) or "", "")
 
 
 def _said(count: int) -> float:

@@ -312,13 +312,11 @@ def windowed(path, from_s, to_s):
 
 
 def test_windows_of_one_run_that_overlap_are_named_and_others_are_not():
-    fitted = windowed("RUN@10..40", 10.0, 40.0)
-    assert shared([fitted], [windowed("RUN@30..70", 30.0, 70.0)]) == [
-        "RUN@10..40 and RUN@30..70 share 10 s of one run: the error is judged on what was fitted; "
-        "give windows that do not overlap"
-    ]
-    (twice,) = shared([fitted, windowed("RUN@30..70", 30.0, 70.0)], [])
-    assert "share 10 s of one run: it counts twice;" in twice
+    fitted, other = windowed("RUN@10..40", 10.0, 40.0), windowed("RUN@30..70", 30.0, 70.0)
+    both, advice = "RUN@10..40 and RUN@30..70 share 10 s", "give windows that do not overlap"
+    judged, twice = "the error is judged on what was fitted", "it counts twice"
+    assert shared([fitted], [other]) == [f"{both} of one run: {judged}; {advice}"]
+    assert shared([fitted, other], []) == [f"{both} of one run: {twice}; {advice}"]
     apart = [windowed("RUN@40..70", 40.0, 70.0), windowed("LATER@30..70", 30.0, 70.0)]
     assert shared([fitted], apart) == []
     assert shared([fitted], [replace(fitted, run=None)]) == []
