@@ -190,7 +190,7 @@ def _page(options: argparse.Namespace) -> int:
         complain(line)
     out = options.out or options.card / PAGE
     try:
-        replace_text(out, page.page(card.card(now), options.paper))
+        replace_text(out, page.page(card.card(now), options.paper, said))
     except OSError as error:
         raise ConfigError(f"--out {out}: {error.strerror}") from None
     say(out)

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.check.limits import PATIENCE_S
+from aff_runtime.app.check.limits import ANSWER_S, PATIENCE_S
 from aff_runtime.app.commission.saving import await_saved, raw, save
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
@@ -19,11 +19,13 @@ from aff_runtime.cli.service import connect
 from aff_runtime.cli.terminal import say
 
 WHY = "reason, for the history; 8 characters at least"
+UNDO_N = "a version of the history; without it the try that runs, else the last one before this"
+TEXT_N = "print the text of this version; without it the list of all"
 _PLACE = re.compile(r":\d+:\d+  ")  # line and column of a finding
 
 
 def add(commands: Any, service: argparse.ArgumentParser) -> None:
-    """Add the command to the parser."""
+    """Add the command to the parser; ``service`` has the options by which a service is found."""
     parser = commands.add_parser(
         "settings", help="compare, try, keep, undo settings of the running service"
     )
@@ -46,11 +48,11 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     act.set_defaults(command=partial(settings, "keep"))
     act = acts.add_parser("undo", parents=[service], help="end a try, or go back to a version")
     act.add_argument("site", type=Path, metavar="SITE.yaml", help="of the service")
-    act.add_argument("version", type=int, nargs="?", default=0, metavar="N", help="of the history")
+    act.add_argument("version", type=int, nargs="?", default=0, metavar="N", help=UNDO_N)
     act.add_argument("--why", required=True, metavar="TEXT", help=WHY)
     act.set_defaults(command=partial(settings, "undo"))
     act = acts.add_parser("history", parents=[service], help="what ran: who, when, why")
-    act.add_argument("version", type=int, nargs="?", default=0, metavar="N", help="print its text")
+    act.add_argument("version", type=int, nargs="?", default=0, metavar="N", help=TEXT_N)
     act.set_defaults(command=partial(settings, "history"))
 
 
@@ -75,7 +77,7 @@ def settings(word: str, options: argparse.Namespace) -> int:
 
 def _ask(client: ServiceClient, options: argparse.Namespace, **arguments: Any) -> SettingsAnswer:
     try:
-        answer = client.ask("settings", timeout_s=PATIENCE_S + 5.0, **arguments)
+        answer = client.ask("settings", timeout_s=PATIENCE_S + ANSWER_S, **arguments)
     except RefusedError as error:
         if "text" in arguments and _PLACE.search(str(error)):
             refused = RefusedError(f"{error}\nlines and columns are those of {options.file}")

@@ -3,7 +3,7 @@
 The hash of an entry is the SHA-256 of its canonical JSON without the member ``sha256``. A line
 that is not the canonical form of what it says is refused: so no byte can differ unseen. Who may
 write the file can forge the whole of it, and can take the newest entries away: the newest hash
-stands on the printed page, and `verify` compares it.
+stands on the printed page, and `verify` compares it when it is given (``--newest HASH``).
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from typing import Any
 from aff_runtime.base.printable import printable
 
 START = "0" * 64
-MAX_BYTES = 16 << 20
-LONGEST_LINE = 1 << 20
+MAX_BYTES = 16 << 20  # of a file
+LONGEST_LINE = 1 << 20  # bytes
 MOST_ENTRIES = 5_000
 MEMBERS = frozenset({"n", "utc", "kind", "body", "prev", "sha256"})
 
@@ -111,7 +111,7 @@ def _link(line: bytes, at: int, prev: str) -> Link:
     number, digest = said["n"], said.pop("sha256")
     texts = (said["utc"], said["kind"], said["prev"], digest)
     if isinstance(number, bool) or not isinstance(number, int):
-        raise _RefusedError("its number is none")
+        raise _RefusedError("its number is not a whole one")
     if not all(isinstance(text, str) for text in texts):
         raise _RefusedError("time, kind or a hash of it is no text")
     if _as_written({**said, "sha256": digest}) != line:

@@ -35,12 +35,12 @@ SYMBOLS = {
 }
 
 
-def page(card: Card, size: str = "a4") -> str:
+def page(card: Card, size: str = "a4", remarks: Sequence[str] = ()) -> str:
     """Return the page.
 
     Parameters
     ----------
-    size : of the paper, one of `SIZES`.
+    size : of the paper, one of `SIZES`. ``remarks`` : on the comparison with what holds now.
     """
     title = f"{card.begun.line}: commissioning card"
     body = "\n".join(
@@ -48,6 +48,7 @@ def page(card: Card, size: str = "a4") -> str:
         for part in (
             f"<h1>{_shown(title)}</h1>",
             _about(card),
+            *(f'<p class="undone">{_shown(one)}</p>' for one in remarks),
             _overview(card),
             _not_done(card),
             *(_step(one) for one in card.steps if one.measured is not None),

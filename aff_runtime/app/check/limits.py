@@ -18,6 +18,8 @@ PROCESSOR_S = 20
 # A name that no server answers for takes its time without taking the processor.
 PATIENCE_S = 30.0
 """The longest that a check of a site file may take, by the clock."""
+ANSWER_S = 5.0
+"""For the answer of who has checked, beside the check that it waits for."""
 ONE_THREAD = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",

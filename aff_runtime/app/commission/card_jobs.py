@@ -1,4 +1,4 @@
-"""What is done with the card for a screen: the acts of the console, with plain answers."""
+"""What `aff-runtime card` does at a terminal, done for a screen; each act returns an `Answer`."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from aff_runtime.app.commission.messages import Refusal, Request, Why
 from aff_runtime.app.commission.sources import (
     Paths,
     after_search,
+    inputs_now,
     inputs_of,
     parameters_of,
     said_of,
@@ -20,8 +21,8 @@ from aff_runtime.app.commission.talk import Talk
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
 
-LONGEST_S = 600.0  # of one measurement of a step
-MEMORY_BYTES = 4 << 30
+LONGEST_S = 600.0  # reading and computing one step, on the clock; a search before it apart
+MEMORY_BYTES = 4 << 30  # beyond what the process has; as `aff-runtime card step`
 
 
 def card(where: Paths, asked: Request, talk: Talk) -> Answer:
@@ -40,11 +41,8 @@ def card(where: Paths, asked: Request, talk: Talk) -> Answer:
 def printed(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return the page that prints."""
     card_file = work.CardFile.of(where.card)
-    try:
-        now = inputs_of(sources(where, card_file))
-    except AffError:
-        now = None
-    return Printed(html=page.page(card_file.card(now), asked.paper))
+    now, said = inputs_now(where, card_file)
+    return Printed(html=page.page(card_file.card(now), asked.paper, said))
 
 
 def begin(where: Paths, asked: Request, talk: Talk) -> Answer:
@@ -57,6 +55,7 @@ def step(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Measure a step, or put on the card that it does not apply."""
     card_file, number, by = work.CardFile.of(where.card), asked.step, asked.by
     found = sources(where, card_file, plc=asked.plc.strip())
+    work.keep_site(where.card, found.parameters)
     if asked.leave_out.strip():
         kept = work.leave_out(card_file, number, asked.leave_out, inputs_of(found), by)
     else:
@@ -65,7 +64,6 @@ def step(where: Paths, asked: Request, talk: Talk) -> Answer:
             found = after_search(where, found, values, talk.say)
         with bounded_effort("card", ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
             kept = work.measure(card_file, number, found, values, by)
-    work.keep_site(where.card, found.parameters)
     return Done(text=f"step {number}: {kept.verdict}")
 
 
@@ -81,7 +79,11 @@ def sign(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 
 def verified(where: Paths, asked: Request, talk: Talk) -> Answer:
-    """Return whether card and records are what was written."""
+    """Return whether the chain holds and the records are as measured.
+
+    The newest hash is for a person to compare with a printed page: entries that were taken off
+    the end leave a chain that holds.
+    """
     result = verify(where.card, records=True)
     if result.wrong:
         return Done(text=f"does not hold: {'; '.join(result.wrong[:5])}")

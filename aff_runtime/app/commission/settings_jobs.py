@@ -9,7 +9,7 @@ from typing import Any
 
 from aff_runtime.app.card.measure.search import text_with
 from aff_runtime.app.card.work import CardFile
-from aff_runtime.app.check.limits import PATIENCE_S
+from aff_runtime.app.check.limits import ANSWER_S, PATIENCE_S
 from aff_runtime.app.commission.answers import Answer, Done
 from aff_runtime.app.commission.messages import Refusal, Request, Why
 from aff_runtime.app.commission.saving import await_saved, save
@@ -21,8 +21,6 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError, WireError
 from aff_runtime.config.findings import KeyPath
 
-ANSWER_S = 5.0
-"""For the answer itself, beside the check of the site file that it waits for."""
 # KEY.KEY: NUMBER  # remark
 _PROPOSED = re.compile(r"([A-Za-z_][\w.]*): ([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)(?:\s+#.*)?")
 

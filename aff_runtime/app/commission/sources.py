@@ -12,7 +12,7 @@ from aff_runtime.app.card.evidence import CheckedSite
 from aff_runtime.app.card.gather import Sources, inputs_of
 from aff_runtime.app.card.typed_values import TypedValues
 from aff_runtime.app.card.work import CardFile
-from aff_runtime.app.check.limits import PATIENCE_S
+from aff_runtime.app.check.limits import ANSWER_S, PATIENCE_S
 from aff_runtime.app.commission.search import search
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import own_process, user_name
@@ -117,7 +117,7 @@ def after_search(
     client = ServiceClient(where.socket)
 
     def ask(do: str, **arguments: Any) -> Any:
-        return client.ask(do, timeout_s=PATIENCE_S + 5.0, **arguments)
+        return client.ask(do, timeout_s=PATIENCE_S + ANSWER_S, **arguments)
 
     try:
         tried = search(named, found.parameters, found.checked, ask, MonotonicClock(), say)

@@ -55,7 +55,7 @@ def empty(columns: Sequence[Field]) -> Columns:
 
 
 def fields_of(row: type) -> tuple[Field, ...]:
-    """Return the columns of a table whose rows are such records; units are in their metadata."""
+    """Return the columns of a table whose rows are of this dataclass, with the fields' units."""
     kinds = get_type_hints(row)
     return tuple(
         Field(name=one.name, kind=_KINDS[kinds[one.name]], unit=one.metadata.get(UNIT, ""))
@@ -64,7 +64,7 @@ def fields_of(row: type) -> tuple[Field, ...]:
 
 
 def table(columns: Sequence[Field], rows: Sequence[object]) -> Columns:
-    """Return records as columns; every record has an attribute per column."""
+    """Return rows as columns; every row has an attribute per column."""
     return {
         c.name: np.array([getattr(row, c.name) for row in rows], dtype=_DTYPES[c.kind])
         for c in columns
@@ -120,6 +120,8 @@ def read_parquet(path: Path, layout: Sequence[Field]) -> tuple[Columns, dict[str
         table = parquet.read_table(path)
         about = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
         columns = {c.name: _column(table.column(c.name), c) for c in layout}
+    except PermissionError:
+        raise ConfigError(f"{path}: you may not read it; nothing is wrong with it") from None
     except (OSError, KeyError, ValueError, TypeError, pyarrow.lib.ArrowException) as error:
         raise ConfigError(
             f"{path}: cannot be read ({printable(str(error), 200)}); expected a table of "
@@ -128,11 +130,11 @@ def read_parquet(path: Path, layout: Sequence[Field]) -> tuple[Columns, dict[str
     return columns, about
 
 
-def _column(column: Any, layout: Field) -> NDArray[Any]:
-    if layout.kind == "moment":
+def _column(column: Any, field: Field) -> NDArray[Any]:
+    if field.kind == "moment":
         column = column.cast("timestamp[us]")
     found: NDArray[Any] = column.to_numpy()
-    return found.astype(_DTYPES[layout.kind])
+    return found.astype(_DTYPES[field.kind])
 
 
 def _library() -> tuple[Any, Any]:

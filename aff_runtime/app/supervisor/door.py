@@ -1,4 +1,4 @@
-"""The second socket: who looks on gets the ring and the facts, and is never listened to.
+"""The door, a socket beside that of requests: who looks on gets ring and facts, and no hearing.
 
 It parses nothing. A visitor that sends anything gets ``SentAway`` and is dropped; one that does
 not take its packets misses them, and goes when it has taken none for a while. Packets are whole
@@ -28,7 +28,7 @@ from aff_runtime.app.supervisor.packet_listener import SCREEN_USER, PacketSocket
 from aff_runtime.base.ports import Clock
 from aff_runtime.telemetry.ring import RingReader
 
-MAX_VISITORS = 8
+MAX_VISITORS = 8  # one more, and the one who came first goes
 FACTS_NS = 500_000_000  # between two packets of facts
 HURRY_NS = 50_000_000  # the same when something has changed
 PATIENCE_NS = 10_000_000_000  # with a visitor that takes no packet
@@ -40,7 +40,8 @@ class Onlooker(Visitor):
 
     Attributes
     ----------
-    ring : the ring whose descriptor it has. ``took_ns`` : when it last took a packet.
+    ring : the ring whose descriptor it has.
+    took_ns : when it last took the facts; at first, when it came.
     """
 
     def __init__(self, connection: socket.socket, peer: Peer, now_ns: int) -> None:
@@ -75,7 +76,8 @@ class Door(PacketSocket[Onlooker]):
     def hurry(self) -> None:
         """Send the facts soon: something has changed that a screen shows, or somebody came.
 
-        In this round, or ``HURRY_NS`` after the last ones: a flood of changes costs no more.
+        In this round, or ``HURRY_NS`` after the last ones: a flood of changes costs one packet in
+        that time.
         """
         self._facts_due_ns = self._sent_ns + HURRY_NS
 
@@ -105,7 +107,7 @@ class Door(PacketSocket[Onlooker]):
 
     def _greet(self, visitor: Onlooker) -> None:
         visitor.tell(Hello(version=__version__))
-        visitor.tell(RingGone())
+        visitor.tell(RingGone())  # until ``step`` passes it one
         self.hurry()
 
     def _attend(self, visitor: Onlooker) -> None:

@@ -1,4 +1,4 @@
-"""Criteria of named profiles: when other names, ages and details of them are tried."""
+"""Criteria of named profiles: when other names and radii of formation are tried."""
 
 from __future__ import annotations
 
@@ -9,25 +9,30 @@ from sim_plant.refine.criteria.criterion import criterion
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProfileCriteria:
-    """Under which names, with which age and details a profile is fitted."""
+    """Under which names, and as formed at which radius, a profile is fitted.
+
+    A profile's age is by how much the radius has fallen since it was formed, m.
+    """
 
     strong: float = criterion(
         1e5,
         "chi2",
-        "cost explained from which a profile is also fitted as formed at another radius",
+        "cost that all effects explain together, from which a profile is also fitted as formed at "
+        "another radius, and under other names",
         "ADR 0015, on the pairs of data/lines",
     )
     weak: float = criterion(
         1e4,
         "chi2",
-        "cost explained up to which responses to declared numbers are not taken anew",
-        "the second order of effects and tolerances is less than noise",
+        "cost that all effects, each locked to an order, explain together, below which responses "
+        "to declared numbers are not simulated anew with them",
+        "what an effect and a shift within tolerance do only together is less than noise",
     )
     most_names: int = criterion(
         2,
         "1",
-        "other names, of the most similar profiles, under which a strong one is fitted",
-        "an outline has flanks or a flat; an ellipse or a flat spot near by is behind both",
+        "most similar names, its own among them, under which an outline is fitted",
+        "names are alike in their low orders at one radius: pair 22 of data/cases/train",
     )
     age_room: float = criterion(
         3.0,

@@ -1,4 +1,4 @@
-"""The line simulated at one point, and what declared numbers and free shapes change there."""
+"""The line simulated at one `Case`, and what declared numbers and free shapes change there."""
 
 from __future__ import annotations
 
@@ -15,24 +15,27 @@ from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
 
 RIPPLE_M = 2e-5
-"""Size of order 1 of the ripple that a free shape's response is taken from, m; order n has 1/n."""
+"""Size of order 1 of the ripple by which a free shape's change is taken, m; order n has 1/n.
+
+The orders are free in size: this one decides only how far the line is from straight in it.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Linearisation:
-    """Simulations at a linearisation point and the responses taken there.
+    """Simulations at a linearisation point, and what single numbers change of them.
 
     Attributes
     ----------
     point : the simulation from which differences are taken, at the quick drive tick.
     quick_tick, declared_tick : its runs at the quick and at the declared drive tick, per record.
-    nuisance_changes : per declared number, the change of the channels per unit of it.
+    nuisance_changes : per declared number, the change of the channels per unit of its shift.
     free_bodies : bodies whose shape is free in its low orders.
     shape_changes : per free body, order and component (cos, sin), the change by a typical ripple.
     wander_changes : slow changes of effects whose size is not quite constant.
-    wander_sd : standard deviation of the size of each of them; none where the sizes are free.
-    start_changes : per start offset (`start_offsets`), the change by the largest that may be; none
-        where the line rested before every record.
+    wander_sd : standard deviation of each in multiples of its change; none where sizes are free.
+    start_changes : per start offset (`start_offsets`), the change by the largest that may be
+        (``start_tension_share``); none where the line rested before every record.
     """
 
     point: Case
@@ -57,7 +60,7 @@ def linearised_at(
 ) -> Linearisation:
     """Simulate the line at ``case``, and what declared numbers, shapes and starts change there.
 
-    ``nuisance_changes`` and ``start_changes`` are taken over from elsewhere when given.
+    ``nuisance_changes`` and ``start_changes`` are taken over as they are when given.
 
     Raises
     ------
@@ -114,6 +117,8 @@ def changes_by_nuisances(
     runs = pool.run(cases)
     for n, run in zip(nuisances, runs, strict=True):
         if not all(np.isfinite(y).all() for y in run):
+            if not all(np.isfinite(y).all() for y in quick_tick):
+                raise PlantError("the line does not run with the numbers that the fit came to")
             raise PlantError(
                 f"tolerances: {n.name} may be {n.tolerance:g} off, and there the line does "
                 "not run; a tolerance is two standard deviations, mostly a share of the "

@@ -215,6 +215,7 @@ class SettingsDesk:
             if not reply.ok:
                 self._tried = None
                 asked.answer(Done(ok=False, message=reply.message, exit_code=4))
+                self._tell_undone()
                 return
             self._record.say("tried", parameters, plan.who, f"{plan.seconds:g} s: {plan.why}")
             for change in changes:
@@ -236,6 +237,8 @@ class SettingsDesk:
     def _undo(self, asked: Asked, request: SettingsRequest) -> None:
         tried = self._tried
         if tried is not None:
+            if request.version:
+                raise RefusedError("a try runs: end it first, by `undo` without a version")
             self._record.announced = None
             self._undo_asked.append(asked)
             tried.end(f"undone by {asked.who}: {request.why}")
@@ -284,6 +287,10 @@ class SettingsDesk:
         """Put on record that the former settings run again; tell those who wanted that."""
         self._record.announced = None
         self._record.say(RETURNED, self._processes.parameters, "the service", why)
+        self._tell_undone()
+
+    def _tell_undone(self) -> None:
+        """Tell those who asked for the former settings that they run."""
         asked, self._undo_asked = self._undo_asked, []
         for one in asked:
             one.answer(self._answer())

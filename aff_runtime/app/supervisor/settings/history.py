@@ -17,9 +17,11 @@ from aff_runtime.base.printable import printable
 from aff_runtime.config.plain_file import read_plain
 
 MOST = 300  # versions
-LONGEST_BYTES = 1 << 20  # of a file that is read
+LONGEST_BYTES = 1 << 20  # of a file that is read: `plain_file.MAX_BYTES`
 ROWS = "versions.jsonl"
 LOG = logging.getLogger("aff_runtime")
+# 1e999 as a number is read as infinite, and a row may be nested too deep
+_UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, ArithmeticError, RecursionError)
 
 
 def digest(text: str) -> str:
@@ -45,8 +47,9 @@ def kept_folder(site: Path, state: Path, purpose: str) -> Path:
 class SiteHistory:
     """Versions of one site file: a row each in ``versions.jsonl``, a text each beside it.
 
-    What cannot be read or written is logged and disturbs nothing else. The oldest rows
-    go, and with them the texts that no row names any more.
+    Rows that cannot be read, and what cannot be written, are logged and disturb nothing
+    else; a text that cannot be read is empty. The oldest rows go, and with them the texts
+    that no row names any more.
 
     Parameters
     ----------
@@ -77,7 +80,7 @@ class SiteHistory:
         rows = [*self._rows, row]
         gone, self._rows = rows[:-MOST], rows[-MOST:]
         try:
-            self._write(row.sha256, text)
+            self._write(row, text)
             for old in {one.sha256 for one in gone} - {one.sha256 for one in self._rows}:
                 self._text_file(old).unlink(missing_ok=True)
         except OSError as error:
@@ -92,10 +95,10 @@ class SiteHistory:
             return ""
         return content if digest(content) == version.sha256 else ""
 
-    def _write(self, sha256: str, text: str) -> None:
+    def _write(self, version: Version, text: str) -> None:
         self._folder.mkdir(parents=True, exist_ok=True, mode=0o750)
-        if not self._text_file(sha256).exists():
-            replace_text(self._text_file(sha256), text)
+        if self.text(version) != text:  # not there, or damaged
+            replace_text(self._text_file(version.sha256), text)
         rows = "".join(f"{json.dumps(asdict(row))}\n" for row in self._rows)
         replace_text(self._folder / ROWS, rows)
 
@@ -115,6 +118,13 @@ class SiteHistory:
         for line in text.splitlines()[-MOST:]:
             try:
                 versions.append(Version.from_json(json.loads(line)))
-            except (ValueError, KeyError, TypeError, AttributeError):
+            except (
+                ValueError,
+                KeyError,
+                TypeError,
+                AttributeError,
+                ArithmeticError,
+                RecursionError,
+            ):
                 LOG.warning("%s: a row cannot be read and is left out", self._folder / ROWS)
         return sorted(versions, key=lambda row: row.number)

@@ -16,7 +16,10 @@ from sim_plant.refine.without_line.general.effect import (
 )
 
 SHARES = (-0.3, -0.1, 0.1, 0.3)
-"""Of the input, by which it changes at its rms in the curves that a fit starts from."""
+"""By which share the input changes at its rms in the curves that a fit starts from.
+
+A weak and a strong bend of either sign.
+"""
 
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:
@@ -26,7 +29,7 @@ def change(_view: View, chosen: Chosen, values: Array) -> Array:
 
 
 def starts(views: Sequence[View]) -> list[Chosen]:
-    """Return a square or a cube alone, by how much either changes the input at its rms."""
+    """Return, per input and share, a curve with the square alone and one with the cube alone."""
     choices = []
     for name in views[0].inputs:
         size = float(np.sqrt(np.mean(pooled(views, name) ** 2)))

@@ -43,6 +43,14 @@ def test_what_was_measured_is_signed_by_the_name_that_is_given(done):
     assert done("sign", step=4, measured=seen, **SIGNS)["text"] == "step 4 signed as carl"
 
 
+def test_a_page_whose_card_cannot_be_compared_with_what_holds_now_says_so(done):
+    assert "not compared" not in done("printed", paper="a4")["html"].replace(
+        "roll not compared", ""
+    )
+    done.where.site.write_text("no site file")
+    assert "not compared with what holds now: " in done("printed", paper="a4")["html"]
+
+
 def test_what_somebody_has_measured_anew_is_not_signed_unseen(done):
     done("step", step=4, typed=TYPED, by="carl")
     entries = len(CardFile.of(done.where.card).entries)

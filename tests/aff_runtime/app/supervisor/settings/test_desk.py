@@ -224,6 +224,25 @@ def test_undo_ends_a_try_and_without_one_goes_back_to_what_stood_before(rig):
     assert rig.rows[-1] == ("undone", "noise grew at night (version 1)")
 
 
+def test_a_version_is_not_gone_back_to_while_a_try_runs(rig):
+    rig.begin()
+    said = rig.ask(act="undo", version=1, why="web flutters")
+    assert said.json["message"] == "a try runs: end it first, by `undo` without a version"
+    assert not rig.runs_the_former
+    rig.ask(act="undo", why="web flutters")
+    rig.run(0.3)
+    assert rig.runs_the_former
+
+
+def test_who_asked_for_undo_is_answered_where_the_hand_over_itself_fails(rig):
+    rig.running.control.deaf = True
+    rig.ask(act="try", text=rig.other(), seconds=60.0, why="hunting at 1x")
+    rig.run(0.2)
+    undone = rig.ask(act="undo", why="wrong file")
+    rig.pending.refuse_all("the control process died; see the log")
+    assert undone.json["ok"] is True
+
+
 def test_a_control_process_that_dies_starts_on_the_former_settings(rig):
     rig.begin()
     rig.running.control = None

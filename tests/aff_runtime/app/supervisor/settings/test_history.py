@@ -31,6 +31,14 @@ def test_a_text_that_was_changed_is_not_handed_out(tmp_path):
     assert history.text(row) == ""
 
 
+def test_a_damaged_text_is_whole_again_when_it_runs_again(tmp_path):
+    history = made(tmp_path)
+    history.add("kept", "a: 1\n", who="x", why="y")
+    (text,) = tmp_path.glob("*.yaml")
+    text.write_text("a: ")
+    assert history.text(history.add("undone", "a: 1\n", who="x", why="y")) == "a: 1\n"
+
+
 def test_the_oldest_go_with_their_texts(tmp_path, monkeypatch):
     monkeypatch.setattr(module, "MOST", 3)
     history = made(tmp_path)
@@ -47,7 +55,8 @@ def test_a_row_that_cannot_be_read_is_left_out_and_names_are_made_printable(tmp_
     assert "\n" not in row.who
     assert "\x1b" not in row.why
     rows = tmp_path / ROWS
-    rows.write_text('{"number": "x"}\nnonsense\n' + rows.read_text())
+    odd = ['{"number": "x"}', "nonsense", '{"number": 1e999}', "[" * 100_000]
+    rows.write_text("\n".join([*odd, rows.read_text()]))
     assert [row.number for row in made(tmp_path).versions] == [1]
     assert json.loads(rows.read_text().splitlines()[-1])["verb"] == "kept"
 
