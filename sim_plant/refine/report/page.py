@@ -22,6 +22,7 @@ from sim_plant.refine.report.figures import (
     worst_of,
 )
 from sim_plant.refine.report.next_step import PERIODIC, next_step
+from sim_plant.refine.report.sketch import sketch
 from sim_plant.refine.report.tables import ShiftRow, above_noise, best_each, error_rows, shift_rows
 from sim_plant.refine.report.wording import (
     claim_words,
@@ -217,6 +218,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         block=block.read_text(encoding="utf-8") if block else "",
         unsure=open_blocks(outcome),
         amended=amended.name if amended else "",
+        sketch=sketch(outcome.declared, verdict),
         overlays=overlays(outcome),
         order_map=wavenumber_map(judged, step_s, amended=is_amended),
         spectra=spectrum(

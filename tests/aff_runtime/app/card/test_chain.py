@@ -105,7 +105,7 @@ def with_hash(text):
         (b"[" * 200_000 + b"\n", "nested too deep"),
         (b'{"n":' + b"9" * 10_000 + b"}\n", "no JSON"),
         (b'"' + b"x" * LONGEST_LINE + b'"\n', "longer than"),
-        (with_hash(THREE.split(b"\n")[0].replace(b'"n":1', b'"n":true')), "its number is not a whole one"),
+        (with_hash(THREE.split(b"\n")[0].replace(b'"n":1', b'"n":true')), "not a whole one"),
         (with_hash(THREE.split(b"\n")[0].replace(b'"kind":"measured"', b'"kind":3')), "no text"),
         (THREE.split(b"\n")[0].replace(b'"n":1', b'"n": 1') + b"\n", "canonical"),
         (THREE.split(b"\n")[0].replace(b"1.5", b"1.6") + b"\n", "it was changed"),

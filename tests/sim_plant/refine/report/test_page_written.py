@@ -104,7 +104,8 @@ def test_a_page_says_which_records_it_rests_on_and_each_figure_its_own(tmp_path)
     assert (
         "Records: a.csv (fitted), b.csv (held out); line speed 0.5 to 1.4 m/s; tension 60 to 90 N."
     ) in page
-    captions = re.findall("<figcaption>(.*?)</figcaption>", page)
+    sketch, *captions = re.findall("<figcaption>(.*?)</figcaption>", page)
+    assert sketch.startswith("The line as declared")
     assert re.fullmatch(
         r"b\.csv, [\d.]+ to [\d.]+ s, where the declared line is worst", captions[0]
     )
@@ -137,7 +138,7 @@ def test_without_an_effect_a_page_has_one_curve_and_nothing_amended(tmp_path):
     assert "amended" not in page
     assert "<th>before</th>" not in page
     both = page_of(outcome(tmp_path, [found()]))
-    assert page.count("<svg") == both.count("<svg") - 1  # one map, not two
+    assert page.count("<svg") == both.count("<svg") - 2  # one map, not two; no sketch
     assert '<tr class="sum"><td>unwind_angle_rad</td>' in page
 
 
