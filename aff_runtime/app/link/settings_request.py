@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Any
 
 from aff_runtime.base.errors import RefusedError
 
 ACTS = ("state", "diff", "try", "keep", "undo", "history")
-KEYS = ("act", "text", "seconds", "why", "version")
+KEYS = ("act", "text", "seconds", "why", "version", "base")
 START = b'{"do": "settings"'
 """How a line begins that may hold a whole site file."""
 MAX_BYTES = 1 << 19
@@ -28,6 +29,7 @@ class SettingsRequest:
     seconds : of a try, until the former settings return.
     why : the caller's reason, for ``try``, ``keep`` and ``undo``.
     version : of the history, for ``undo`` and ``history``; 0: the one before, or all.
+    base : sha256 of the running text that ``try`` or ``undo`` was decided on; empty: whatever runs.
     """
 
     act: str
@@ -35,6 +37,7 @@ class SettingsRequest:
     seconds: float = 0.0
     why: str = ""
     version: int = 0
+    base: str = ""
 
 
 def settings_request(said: Any) -> SettingsRequest:
@@ -55,6 +58,7 @@ def settings_request(said: Any) -> SettingsRequest:
         seconds=_seconds(said.get("seconds")) if act == "try" else 0.0,
         why=_why(said.get("why")) if needs_why else "",
         version=_version(said.get("version", 0)),
+        base=_base(said.get("base", "")),
     )
 
 
@@ -78,6 +82,12 @@ def _why(given: object) -> str:
             f"why: read {said}, a reason of {LEAST_WHY} to {MOST_WHY} characters is needed"
         )
     return given.strip()
+
+
+def _base(given: object) -> str:
+    if not isinstance(given, str) or re.fullmatch("([0-9a-f]{64})?", given) is None:
+        raise RefusedError("base: the sha256 of a site file is needed")
+    return given
 
 
 def _version(given: object) -> int:

@@ -33,7 +33,7 @@ class EditSession:
     Attributes
     ----------
     differs : why the file is not the running configuration; empty when it is.
-    findings : warnings about the file that the service began with.
+    findings : warnings about the file whose settings run, as its check said them.
     held : saved files are not checked, as other settings are being tried.
     saved_meanwhile : something was saved while held.
     accepted : called with every record that has become the running one.
@@ -115,30 +115,37 @@ class EditSession:
         waits = [f"{what}: may not change while armed" for what in fixed]
         waits += [exchange.objection for exchange in exchanged if not exchange.is_ours]
         if self._processes.control is None:
-            self._accept(parameters)  # the next start takes it
+            self._accept(parameters, result.findings)  # the next start takes it
         elif waits and self._processes.is_live():
             self._waiting = result
             self._refuse(f"{what}; waits for bypass" for what in waits)
         elif may_apply_while_active(changes) and not wire:
             if changes or exchanged:
-                self.hand_over(self._processes.revised(parameters))
+                revised = self._processes.revised(parameters)
+                self.hand_over(revised, findings=result.findings)
             else:
-                self.differs = ()
+                self.differs, self.findings = (), result.findings
         else:
             for finding in result.findings:
                 self._processes.note("CONFIG_WARNING", finding)
-            self.restart_on(parameters)
+            self.restart_on(parameters, result.findings)
 
     def hand_over(
-        self, parameters: ParameterRecord, then: Callable[[Reply], None] | None = None
+        self,
+        parameters: ParameterRecord,
+        then: Callable[[Reply], None] | None = None,
+        findings: tuple[str, ...] | None = None,
     ) -> None:
         """Send the record to the control process, which takes it between two ticks.
 
-        ``then`` gets the reply; without it a refusal is reported as an edit that was not taken.
+        Parameters
+        ----------
+        then : gets the reply; without it a refusal is reported as an edit that was not taken.
+        findings : warnings about the site file, once it says this; None: it does not.
         """
         self._handing_over = True
         ident = self._pending.expect(
-            None, lambda reply: self._adopted(parameters, reply, then), ADOPT_PATIENCE_S
+            None, lambda reply: self._adopted(parameters, findings, reply, then), ADOPT_PATIENCE_S
         )
         control = self._processes.control
         message = Parameters(id=ident, record=parameters.for_control())
@@ -147,12 +154,16 @@ class EditSession:
             self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
     def _adopted(
-        self, parameters: ParameterRecord, reply: Reply, then: Callable[[Reply], None] | None
+        self,
+        parameters: ParameterRecord,
+        findings: tuple[str, ...] | None,
+        reply: Reply,
+        then: Callable[[Reply], None] | None,
     ) -> Done:
         """Take the control process's reply to a new parameter record."""
         self._handing_over = False
         if reply.ok:
-            self._accept(parameters)
+            self._accept(parameters, findings)
             self._processes.note("CONFIG_APPLIED", self._processes.revision_words())
         elif then is None:
             self._refuse([reply.message or "refused"])
@@ -160,15 +171,19 @@ class EditSession:
             then(reply)
         return as_answer(reply)
 
-    def restart_on(self, parameters: ParameterRecord) -> None:
+    def restart_on(
+        self, parameters: ParameterRecord, findings: tuple[str, ...] | None = None
+    ) -> None:
         """Fade to zero and go on with a record in a control process that starts idle."""
         self._processes.stop()
-        self._accept(parameters)
+        self._accept(parameters, findings)
         self._processes.start()
 
-    def _accept(self, parameters: ParameterRecord) -> None:
+    def _accept(self, parameters: ParameterRecord, findings: tuple[str, ...] | None) -> None:
         """Take the record as the running one."""
         self.differs = ()
+        if findings is not None:
+            self.findings = findings
         self._processes.parameters = parameters
         self._watch.watch(_watched(self._site, parameters))
         self.accepted(parameters)

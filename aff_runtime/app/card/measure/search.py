@@ -6,7 +6,6 @@ Halves as long as ripple falls by more than its error, then takes the double of 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -17,19 +16,17 @@ from aff_runtime.app.card.figures import NAN, Figure, Finding, Sample
 from aff_runtime.app.card.measure.proof import root_sum
 from aff_runtime.app.report.comparison.comparing import estimates
 from aff_runtime.app.report.comparison.window import Window, roll_angle
-from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.units import plain
+from aff_runtime.config.edited_text import EditedText
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Actuator, Site
-from aff_runtime.config.yaml_marks import parse_marked
 
 MOST_TRIES = 6  # of one search, the setting of the site file among them
 LEAST = 1.0
 """Shortest settle_s, s, and memory_turns, turns, that a site file takes."""
 KIND = "candidate"
 NAMES = ("value", "ripple", "half", "noise", "peak")
-_LINE_END = re.compile("(\r\n|[\n\r\x85\u2028\u2029])")  # what ends a line in YAML
-_BYTE_ORDER = "\ufeff"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,22 +79,8 @@ def text_with(text: str, values: Mapping[KeyPath, float]) -> str:
     ConfigError
         A key does not stand in the file itself.
     """
-    order_mark = _BYTE_ORDER if text.startswith(_BYTE_ORDER) else ""
-    text = text.removeprefix(order_mark)
-    tree = parse_marked(text.encode("utf-8"), "site.yaml")
-    lines = _LINE_END.split(text)  # each line, then what ends it
-    places = []
-    for path, value in values.items():
-        mark = tree.marks.get(path)
-        if mark is None:
-            raise ConfigError(f"{'.'.join(map(str, path))}: write it into the site file first")
-        new = plain(float(f"{value:.6g}"))
-        places.append((2 * (mark.line - 1), mark.column - 1, mark.written, new))
-    for line, column, written, new in sorted(places, reverse=True):
-        if not lines[line].startswith(written, column):
-            raise ConfigError(f"line {line // 2 + 1}: read {written}, which is left as it is")
-        lines[line] = lines[line][:column] + new + lines[line][column + len(written) :]
-    return order_mark + "".join(lines)
+    numbers = {path: plain(float(f"{value:.6g}")) for path, value in values.items()}
+    return EditedText(text).with_values(numbers)
 
 
 def next_factor(table: Sequence[Candidate]) -> float | None:

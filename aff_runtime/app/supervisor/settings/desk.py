@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.hand.may import (
@@ -41,6 +42,7 @@ from aff_runtime.config.diff import Change, diff_sites
 from aff_runtime.config.plain_file import read_plain
 
 Checked = Callable[[Asked, CheckResult], None]
+SAVED_MEANWHILE = "somebody has saved other settings since you looked; look again"
 
 
 class SettingsDesk:
@@ -103,7 +105,8 @@ class SettingsDesk:
                 self._begin_check(asked, request.text, self._tell_diff)
             case "try":
                 self._check_file()
-                self._begin_check(asked, request.text, self._try)
+                base = self._check_base(request)
+                self._begin_check(asked, request.text, partial(self._try, base))
             case "keep":
                 self._keep(asked, request)
             case "undo":
@@ -187,9 +190,12 @@ class SettingsDesk:
 
     # --- try, keep, undo ----------------------------------------------------------------------
 
-    def _try(self, asked: Asked, result: CheckResult) -> None:
+    def _try(self, base: str, asked: Asked, result: CheckResult) -> None:
+        """Begin a try; ``base`` : digest of what ran when its check began."""
         parameters, request = result.checked(), asked.request.settings
         assert request is not None
+        if digest(self._processes.parameters.site_text) != base:
+            raise RefusedError(SAVED_MEANWHILE)
         changes = self._changes(parameters)
         if not changes:
             raise RefusedError("nothing differs from what runs")
@@ -204,7 +210,13 @@ class SettingsDesk:
             )
         if self._processes.control is None or self._edits.is_busy:
             raise RefusedError("the service is not ready for other settings; try again")
-        plan = Plan(parameters=parameters, seconds=request.seconds, who=asked.who, why=request.why)
+        plan = Plan(
+            parameters=parameters,
+            seconds=request.seconds,
+            who=asked.who,
+            why=request.why,
+            findings=result.findings,
+        )
         tried = SettingsTry(
             plan, self._processes, self._edits, self._clock, self._ripple, ended=self._ended
         )
@@ -245,6 +257,7 @@ class SettingsDesk:
             return
         self.refuse_while_trying()
         self._check_file()
+        self._check_base(request)
         running = self._processes.parameters.site_text
         version = self._record.before(digest(running), request.version)
         text = self._record.text(version)
@@ -259,6 +272,13 @@ class SettingsDesk:
             raise RefusedError(
                 f"{self._site} is not what runs: somebody has saved it; see `aff-runtime status`"
             )
+
+    def _check_base(self, request: SettingsRequest) -> str:
+        """Refuse what was decided on other settings than those that run; return their digest."""
+        running = digest(self._processes.parameters.site_text)
+        if request.base not in ("", running):
+            raise RefusedError(SAVED_MEANWHILE)
+        return running
 
     def _file_text(self) -> str:
         try:

@@ -30,6 +30,7 @@ class Plan:
     Attributes
     ----------
     parameters : the settings. ``who``, ``why`` : the caller, and the reason.
+    findings : warnings of the check of their text.
     seconds : until the former ones return.
     """
 
@@ -37,6 +38,7 @@ class Plan:
     seconds: float
     who: str
     why: str
+    findings: tuple[str, ...] = ()
 
 
 class SettingsTry:
@@ -143,6 +145,7 @@ class SettingsTry:
         """Go on with these settings: the site file says the same now."""
         self.is_over = True
         self.runs = False
+        self._edits.findings = self.plan.findings
         self._let_go()
 
     def _returned(self, reply: Reply) -> None:

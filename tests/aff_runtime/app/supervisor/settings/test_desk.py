@@ -9,6 +9,7 @@ import pytest
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.settings import desk as desk_module
 from aff_runtime.app.supervisor.settings import history
+from aff_runtime.app.supervisor.settings.history import digest
 from tests.aff_runtime.app.supervisor.settings.rig import WHO, AtOnce, Rig
 
 LINE = "actuators.unwind.blocks[0].settle_s: 6 s -> 12 s (applies at once)"
@@ -314,3 +315,77 @@ def test_a_service_that_stops_in_a_try_says_that_the_former_return(rig):
     rig.desk.close()
     assert rig.rows[-1] == ("returned", "the service stops")
     assert rig.site.read_text() == rig.former
+
+
+def test_a_warning_is_new_until_it_is_kept_and_old_from_then_on(rig):
+    text = rig.other(*ROLL)
+    rig.begin(text)
+    said = rig.ask(act="keep", why="the idler comes next")
+    rig.site.write_text(said.text)
+    rig.run(0.5)
+    assert rig.running.parameters.site_text == text
+    same = rig.ask(act="diff", text=text + "# a comment\n")
+    rig.run(0.2)
+    assert (same.json["changes"], same.json["remarks"]) == ((), ())
+
+
+def test_a_warning_of_a_file_that_was_saved_by_hand_is_not_new_either(rig):
+    text = rig.other(*ROLL)
+    rig.site.write_text(text)
+    rig.run(0.5)
+    assert rig.running.parameters.site_text == text
+    same = rig.ask(act="diff", text=text)
+    rig.run(0.2)
+    assert same.json["remarks"] == ()
+    rig.site.write_text(rig.former)
+    rig.run(0.5)
+    again = rig.ask(act="diff", text=text)
+    rig.run(0.2)
+    assert "rolls.r5: no block uses this roll" in again.json["remarks"][0]
+
+
+def test_a_warning_of_what_was_only_tried_stays_new(rig):
+    rig.begin(rig.other(*ROLL), seconds=5.0)
+    rig.run(6.0)
+    assert rig.runs_the_former
+    again = rig.ask(act="diff", text=rig.other(*ROLL))
+    rig.run(0.2)
+    assert len(again.json["remarks"]) == 1
+
+
+def test_what_was_decided_on_other_settings_than_those_that_run_is_refused(rig):
+    base = digest(rig.former)
+    edited = rig.other("settle_s: 6,", "settle_s: 9,")
+    rig.site.write_text(edited)
+    rig.run(0.5)
+    assert rig.running.parameters.site_text == edited
+    late = rig.ask(act="try", text=rig.other(), seconds=60.0, why="hunting at 1x", base=base)
+    back = rig.ask(act="undo", version=1, why="hunting at 1x", base=base)
+    for said in (late, back):
+        assert "somebody has saved other settings" in said.json["message"]
+    assert rig.running.parameters.site_text == edited
+    wrong = rig.ask(act="diff", text=rig.other())
+    rig.run(0.2)
+    assert wrong.json["ok"]
+    now = digest(edited)
+    assert rig.ask(act="undo", version=1, why="as it was", base=now).text == rig.former
+
+
+def test_what_somebody_saves_while_a_try_is_checked_is_not_lost_by_it(rig):
+    said = rig.ask(act="try", text=rig.other(), seconds=60.0, why="hunting at 1x")
+    edited = rig.other("settle_s: 6,", "settle_s: 9,")
+    rig.site.write_text(edited)
+    for _ in range(5):
+        rig.edits.step()
+    assert rig.running.parameters.site_text == edited
+    rig.run(0.5)
+    assert "somebody has saved other settings" in said.json["message"]
+    assert rig.running.parameters.site_text == edited
+
+
+def test_going_back_to_a_version_does_not_end_a_try_instead(rig):
+    rig.begin()
+    running = digest(rig.other())
+    said = rig.ask(act="undo", version=1, why="as it was", base=running)
+    assert "a try runs: end it first" in said.json["message"]
+    assert rig.running.parameters.site_text == rig.other()
