@@ -88,6 +88,14 @@ TABLE = {
     "/card/sign": Entry(
         role=Role.COMMISSION, keys={"step": int, "measured": str, "reason": str, "password": str}
     ),
+    "/settings/diff": Entry(role=Role.COMMISSION, keys={"base": str, "edits": str}),
+    "/settings/try": Entry(
+        role=Role.COMMISSION,
+        keys={"base": str, "edits": str, "measured": str, "seconds": int, "reason": str},
+    ),
+    "/settings/back": Entry(
+        role=Role.COMMISSION, keys={"number": int, "base": str, "measured": str, "reason": str}
+    ),
     "/refine/lacks": Entry(role=Role.COMMISSION, keys=WINDOWS),
     "/refine/start": Entry(role=Role.COMMISSION, keys=WINDOWS),
     "/refine/try": Entry(

@@ -18,7 +18,15 @@ VENDORED = {
     "uPlot.iife.min.js": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.iife.min.js",
     "uPlot.min.css": FOLDER / "vendored" / "uplot-1.6.32" / "uPlot.min.css",
 }
-STYLES = ("overview.css", "hand.css", "see.css", "card.css", "refine.css", "uPlot.min.css")
+STYLES = (
+    "overview.css",
+    "hand.css",
+    "see.css",
+    "card.css",
+    "refine.css",
+    "settings.css",
+    "uPlot.min.css",
+)
 STYLE = "screen.css"
 # name of a page: its own modules, in this order; what they import comes before them
 PAGES = {
@@ -31,6 +39,7 @@ PAGES = {
     "timing": ("overview.js", "timing.js"),
     "card": ("overview.js", "card.js"),
     "commission": ("overview.js", "commission.js"),
+    "settings": ("overview.js", "settings.js"),
     "refine": ("overview.js", "refine.js"),
     "maintenance": ("overview.js", "maintenance.js"),
 }

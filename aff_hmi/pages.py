@@ -13,6 +13,7 @@ from aff_hmi.bundles import FOLDER, served
 from aff_hmi.commission.looks import Looks
 from aff_hmi.commission.routes import CommissionData
 from aff_hmi.commission.run_routes import RunData
+from aff_hmi.commission.settings_routes import SettingsData
 from aff_hmi.hand_routes import HandRoutes, place_of
 from aff_hmi.hub import Hub
 from aff_hmi.see.alarm_desk import AlarmDesk
@@ -25,6 +26,7 @@ from aff_runtime.base.ports import Clock
 COMMISSIONED = {
     "/commission": "commission.html",
     "/card": "card.html",
+    "/settings": "settings.html",
     "/refine": "refine.html",
     "/maintenance": "maintenance.html",
 }
@@ -79,7 +81,8 @@ class Pages:
         if self.presses is not None and self._hub.commission is not None:
             routes += [Route(path, self.commissioned) for path in COMMISSIONED]
             looks = Looks(self._hub.commission, self.presses.session_of, self._say_of)
-            routes += [*CommissionData(looks).routes(), *RunData(looks).routes()]
+            for of_page in (CommissionData, RunData, SettingsData):
+                routes += of_page(looks).routes()
         app = Starlette(routes=routes)
         app.router.redirect_slashes = False  # a path that is in no table is 404, and no other path
         return app

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 from aff_hmi.commission.choices import called, with_buttons
@@ -30,6 +31,7 @@ from aff_runtime.app.commission.views import (
     StepView,
 )
 
+_LEFT = re.compile(r": (\d+) s left, ")
 STANDS = {
     "not done": ("—", N_("not done")),
     "open": ("…", N_("open")),
@@ -52,6 +54,8 @@ JOBS = {
     "try_refined": N_("try what refine proposes"),
     "add_runs": N_("read new runs"),
     "exchange": N_("note an exchange"),
+    "try_settings": N_("try other settings"),
+    "go_back": N_("go back to a version"),
 }
 # what a probe identifies of a drive: its words, its unit
 DRIVE_NUMBERS = {
@@ -148,7 +152,14 @@ def state_in(state: State, say: Say, *, sees_all: bool, is_open: bool) -> ShownS
         else None,
         is_open=is_open,
         may=sees_all,
+        left_s=left_s(state.service.trying) if state.service.answers else None,
     )
+
+
+def left_s(trying: str) -> int | None:
+    """Return the seconds of a try that are left; None while none are counted."""
+    found = _LEFT.search(trying)
+    return int(found[1]) if found is not None else None
 
 
 def _job(job: JobView, say: Say, *, sees_all: bool) -> ShownJob | JobInShort:

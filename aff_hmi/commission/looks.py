@@ -17,6 +17,7 @@ from aff_runtime.app.commission.messages import Refusal
 from aff_runtime.app.commission.messages import Request as Asked
 from aff_runtime.app.hand.may import WORDS, Code
 
+MOST_DIGITS = 9
 Shown = TypeVar("Shown", bound=Good)
 
 
@@ -54,6 +55,13 @@ class Looks:
 def stranger(say: Say) -> Response:
     """Return the answer to who has not logged in."""
     return JSONResponse({"ok": False, "text": say(WORDS[Code.LOGGED_OUT])}, 401)
+
+
+def number_in(request: Request) -> int:
+    """Return the number that is asked for; 0, which nothing has, for no number."""
+    said = request.query_params.get("number", "")
+    is_one = said.isascii() and said.isdecimal() and len(said) <= MOST_DIGITS
+    return int(said) if is_one else 0
 
 
 def saved(html: str, name: str) -> Response:

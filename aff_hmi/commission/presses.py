@@ -15,6 +15,7 @@ from aff_hmi.asked import DONE, Answering, Asked, because, done, refusal
 from aff_hmi.commission.in_language import refusal_in
 from aff_hmi.commission.link import Commission
 from aff_hmi.commission.sentences import sentence
+from aff_hmi.commission.settings_routes import difference
 from aff_hmi.hand import Hand
 from aff_hmi.sessions import Session
 from aff_runtime.app.commission.answers import Answer, Done
@@ -50,6 +51,9 @@ class CommissionPresses:
             "/card/settings": partial(self._answer, self._settings),
             "/card/step": partial(self._answer, self._step),
             "/card/sign": partial(self._answer, _sign),
+            "/settings/diff": self._difference,
+            "/settings/try": partial(self._answer, self._try_settings),
+            "/settings/back": partial(self._answer, self._go_back),
             "/refine/lacks": partial(self._answer, partial(_of_windows, "lacks")),
             "/refine/start": partial(self._answer, partial(_of_windows, "refine")),
             "/refine/try": partial(self._answer, self._try_refined),
@@ -59,20 +63,33 @@ class CommissionPresses:
         }
 
     async def _answer(self, press: Press, asked: Asked) -> Response:
-        session = asked.session
+        session, commission = asked.session, self._commission
         assert session is not None
-        if self._sessions.is_idle(session):
-            return because(403, Reason(code=Code.IDLE), asked.say)
-        self._sessions.press(session)
-        if self._commission is None:
-            return refusal(409, asked.say(WORDS[Why.SILENT]), Why.SILENT)
-        told = await press(self._commission, session, asked)
+        against = self._pressed(asked)
+        if against is not None or commission is None:
+            return against or refusal(409, asked.say(WORDS[Why.SILENT]), Why.SILENT)
+        told = await press(commission, session, asked)
         if isinstance(told, Reason):
             return because(409, told, asked.say)
         if isinstance(told, Refusal):
             return refusal(409, refusal_in(told, asked.say), str(told.why))
         said = told.text if isinstance(told, Done) else ""
         return done(sentence(said, asked.say) if said else asked.say(DONE))
+
+    async def _difference(self, asked: Asked) -> Response:
+        """Answer what an edit would do."""
+        against = self._pressed(asked)
+        if against is not None or self._commission is None:
+            return against or refusal(409, asked.say(WORDS[Why.SILENT]), Why.SILENT)
+        return await difference(self._commission, asked)
+
+    def _pressed(self, asked: Asked) -> Response | None:
+        """Take note of a press; return why it is none of somebody who is still there."""
+        assert asked.session is not None
+        if self._sessions.is_idle(asked.session):
+            return because(403, Reason(code=Code.IDLE), asked.say)
+        self._sessions.press(asked.session)
+        return None
 
     async def _step(
         self, commission: Commission, session: Session, asked: Asked
@@ -124,6 +141,39 @@ class CommissionPresses:
             reason=str(said["reason"]),
         )
         return await commission.press(session, tried)
+
+    async def _try_settings(
+        self, commission: Commission, session: Session, asked: Asked
+    ) -> Answer | Reason:
+        """Try settings that were edited here: it changes what goes out."""
+        if reasons := self._against(Action.TRY, asked):
+            return reasons[0]
+        said = asked.said
+        tried = Request(
+            do="try_settings",
+            base=str(said["base"]),
+            edits=str(said["edits"]),
+            measured=str(said["measured"]),
+            seconds=int(said["seconds"]),
+            reason=str(said["reason"]),
+        )
+        return await commission.press(session, tried)
+
+    async def _go_back(
+        self, commission: Commission, session: Session, asked: Asked
+    ) -> Answer | Reason:
+        """Go back to an earlier version: it changes what goes out, and the site file."""
+        if reasons := self._against(Action.UNDO, asked):
+            return reasons[0]
+        said = asked.said
+        back = Request(
+            do="go_back",
+            number=int(said["number"]),
+            base=str(said["base"]),
+            measured=str(said["measured"]),
+            reason=str(said["reason"]),
+        )
+        return await commission.press(session, back)
 
     def _against(self, action: Action, asked: Asked) -> tuple[Reason, ...]:
         return self._hand.reasons(action, asked.session, asked.place)

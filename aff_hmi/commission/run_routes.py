@@ -8,7 +8,7 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route
 
-from aff_hmi.commission.looks import Looks, saved
+from aff_hmi.commission.looks import Looks, number_in, saved
 from aff_hmi.commission.of_runs import maintenance_in, refined_in, refining_in
 from aff_runtime.app.commission.answers import (
     MaintenanceShown,
@@ -19,7 +19,6 @@ from aff_runtime.app.commission.answers import (
 from aff_runtime.app.commission.messages import Request as Asked
 
 FILE = "aff-refine.html"
-MOST_DIGITS = 9
 
 
 class RunData:
@@ -47,7 +46,7 @@ class RunData:
 
     async def refined(self, request: Request) -> Response:
         """Return one refinement."""
-        asked = Asked(do="refined", number=_number(request))
+        asked = Asked(do="refined", number=number_in(request))
         found = await self._looks.looked(request, asked, RefinedShown)
         if isinstance(found, Response):
             return found
@@ -56,7 +55,7 @@ class RunData:
 
     async def page(self, request: Request) -> Response:
         """Return refine's own page as a file."""
-        asked = Asked(do="refined_page", number=_number(request))
+        asked = Asked(do="refined_page", number=number_in(request))
         found = await self._looks.looked(request, asked, Printed, status=404)
         return found if isinstance(found, Response) else saved(found.html, FILE)
 
@@ -67,10 +66,3 @@ class RunData:
             return found
         said = asdict(maintenance_in(found.maintenance, self._looks.say_of(request)))
         return JSONResponse({"ok": True, "maintenance": said})
-
-
-def _number(request: Request) -> int:
-    """Return the number of a refinement that is asked for; 0, which none has, for no number."""
-    said = request.query_params.get("number", "")
-    is_one = said.isascii() and said.isdecimal() and len(said) <= MOST_DIGITS
-    return int(said) if is_one else 0

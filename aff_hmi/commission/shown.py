@@ -96,6 +96,7 @@ class ShownState:
     Attributes
     ----------
     is_open : whether his session commissions. ``may`` : whether he may.
+    left_s : seconds until tried settings return; None where none are tried.
     """
 
     ok: Literal[True] = True
@@ -110,3 +111,4 @@ class ShownState:
     long_last: ShownLast | None
     is_open: bool
     may: bool
+    left_s: int | None = None

@@ -1,11 +1,10 @@
-// What takes minutes to hours beside the other jobs; and how old what is shown is.
-import { at, byId, put } from "/static/see.js";
+// What takes minutes to hours beside the other jobs.
+import { byId, put } from "/static/see.js";
 import { lines, post } from "/static/work.js";
 
 const words = byId("long-words").dataset;
 let wasBusy = false;
 let lastSaid = "";
-let seen_s = null;
 
 /** Show what runs; whether something has ended since the last time. */
 export function showLong(state) {
@@ -30,14 +29,6 @@ export function showLong(state) {
   wasBusy = job !== null;
   if (isThere) lastSaid = said;
   return hasEnded;
-}
-
-/** Say of when it is what is shown; without an answer, since when there is none. */
-export function stamp(hasAnswer) {
-  if (hasAnswer) seen_s = Date.now() / 1000;
-  const text = seen_s === null ? "" : (hasAnswer ? words.seen : words.old).replace("{time}", at(seen_s));
-  put(byId("seen-at"), text);
-  byId("seen-at").classList.toggle("bad", !hasAnswer && seen_s !== null);
 }
 
 byId("long-stop").onclick = () => post("/refine/stop", {});

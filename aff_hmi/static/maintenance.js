@@ -1,7 +1,8 @@
 // A line over weeks: what grows, the lives of its rollers, exchanges, rolls of web by rank.
 import { row } from "/static/curves.js";
 import { drawTrend } from "/static/weeks.js";
-import { showLong, stamp } from "/static/long.js";
+import { showLong } from "/static/long.js";
+import { stamp } from "/static/stamp.js";
 import { ask, byId, number, part, put, words } from "/static/see.js";
 import { LONG_MS, button, lookAfter, post } from "/static/work.js";
 

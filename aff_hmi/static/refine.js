@@ -1,6 +1,7 @@
 // Choose windows of recorded runs, see what they lack, refine, read what was found, try it.
 import { row } from "/static/curves.js";
-import { showLong, stamp } from "/static/long.js";
+import { showLong } from "/static/long.js";
+import { stamp } from "/static/stamp.js";
 import { showVerdict } from "/static/verdict.js";
 import { ask, byId, number, part, put, words } from "/static/see.js";
 import { showTried } from "/static/trying.js";

@@ -2,11 +2,30 @@
 import { byId, put } from "/static/see.js";
 import { post } from "/static/work.js";
 
+const FRESH_MS = 3000;
+let heard_ms = -Infinity;
+
+/** A count that nobody renews is none. */
+function count() {
+  const box = byId("tried-left");
+  const isFresh = performance.now() - heard_ms < FRESH_MS;
+  const { left, unknown } = box.dataset;
+  put(box, isFresh ? (box.dataset.seconds ? left.replace("{seconds}", box.dataset.seconds) : "") : unknown);
+  box.classList.toggle("bad", !isFresh);
+}
+
 /** Show what is tried, as the commissioner says it stands; returns it, empty where nothing is. */
 export function showTried(state) {
-  const tried = state?.ok === true ? (state.service.trying ?? "") : "";
+  if (state?.ok !== true) {
+    count();
+    return byId("tried").textContent; // nobody says that it has ended
+  }
+  const tried = state.service.trying ?? "";
   byId("trying").hidden = !(tried && state.is_open);
   put(byId("tried"), tried);
+  byId("tried-left").dataset.seconds = state.left_s ?? "";
+  heard_ms = performance.now();
+  count();
   return tried;
 }
 
@@ -15,3 +34,4 @@ byId("trying").onsubmit = (event) => {
   const said = { do: event.submitter.value, step: 0, measured: "", seconds: 0 };
   post("/card/settings", { ...said, reason: byId("tried-why").value });
 };
+setInterval(count, 500);

@@ -94,7 +94,7 @@ class EditedText:
 def _refuse_more_than_a_value(path: KeyPath, new: str, *, is_list: bool) -> None:
     wanted = _LIST if is_list else _PLAIN
     if len(new) > LONGEST or wanted.fullmatch(new) is None:
-        example = "a list such as [1, 2, 3]" if is_list else "one value, such as 0.5 or 10 ms"
+        example = "a list such as [1, 2, 3]" if is_list else "one value, such as 5 or 10 ms"
         comma = "; a point, not a comma" if "," in new and not is_list else ""
         raise RefusedError(f"{dotted(path)}: {example} is needed{comma}")
 

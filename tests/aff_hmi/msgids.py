@@ -13,6 +13,8 @@ from aff_runtime.app.report.block_status import SHAPE_WHY, WHY
 from aff_runtime.app.report.block_status import WORDS as ORDER_WORDS
 from aff_runtime.app.report.status import PERMISSIVES
 from aff_runtime.base.events import TABLE
+from aff_runtime.config.declared import walk
+from aff_runtime.config.models import Site
 
 FOLDER = Path(__file__).parents[2] / "aff_hmi"
 _IN_PAGE = re.compile(r"\b_\('([^']*)'\)")
@@ -39,6 +41,7 @@ def of_service() -> set[str]:
     of_hand = set(WORDS.values()) | set(ORDER_WORDS.values())
     events = {text for event in TABLE for text in (event.text, event.action)}
     of_card = {text for step in STEPS for text in (step.title, step.measured, step.limit)}
+    of_hand |= {declared.description for _, declared in walk(Site) if declared.live}
     of_hand |= of_card | set(COMMISSION_WORDS.values()) - {"{name}"}
     return (
         of_hand | events | set(PERMISSIVES.values()) | set(WHY.values()) | set(SHAPE_WHY.values())

@@ -70,6 +70,21 @@ PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
         {"step": 4, "measured": "0" * 64, "reason": "seen there", "password": PASSWORD},
         (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
     ),
+    "/settings/diff": ({"base": "0" * 64, "edits": "a: 1"}, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
+    "/settings/try": (
+        {
+            "base": "0" * 64,
+            "edits": "a: 1",
+            "measured": "0" * 64,
+            "seconds": 60,
+            "reason": "it is better",
+        },
+        (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
+    ),
+    "/settings/back": (
+        {"number": 1, "base": "0" * 64, "measured": "0" * 64, "reason": "it was better"},
+        (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
+    ),
     "/refine/lacks": (WINDOWS, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
     "/refine/start": (WINDOWS, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
     "/refine/try": (

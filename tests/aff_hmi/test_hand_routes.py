@@ -42,6 +42,20 @@ GOOD: dict[str, dict[str, Any]] = {
     "/card/settings": {"do": "keep", "step": 9, "measured": "", "seconds": 0, "reason": "good"},
     "/card/step": {"step": 4, "typed": "", "plc": "", "leave_out": ""},
     "/card/sign": {"step": 4, "measured": "0" * 64, "reason": "seen", "password": PASSWORD},
+    "/settings/diff": {"base": "0" * 64, "edits": "a: 1"},
+    "/settings/try": {
+        "base": "0" * 64,
+        "edits": "a: 1",
+        "measured": "0" * 64,
+        "seconds": 60,
+        "reason": "it is better",
+    },
+    "/settings/back": {
+        "number": 1,
+        "base": "0" * 64,
+        "measured": "0" * 64,
+        "reason": "as in spring",
+    },
     "/refine/lacks": {"windows": "run", "holdout": "", "without": ""},
     "/refine/start": {"windows": "run", "holdout": "", "without": ""},
     "/refine/try": {"number": 1, "measured": "0" * 64, "seconds": 60, "reason": "it is better"},
@@ -67,7 +81,7 @@ MATRIX = {
     **{
         path: {None: 401, Role.VIEW: 403, Role.OPERATE: 403, Role.COMMISSION: 409}
         for path in TABLE
-        if path.startswith(("/commission/", "/card/", "/refine/", "/maintenance/"))
+        if path.startswith(("/commission/", "/card/", "/refine/", "/maintenance/", "/settings/"))
     },
 }
 CELLS = [(path, role) for path in MATRIX for role in BY_ROLE]

@@ -10,6 +10,7 @@ __all__ = [
     "messages",
     "refine_views",
     "saving",
+    "settings_views",
     "sources",
     "views",
 ]

@@ -12,6 +12,7 @@ from pydantic import TypeAdapter
 from aff_runtime.app.commission.maintenance_views import MaintenanceView
 from aff_runtime.app.commission.messages import PROTOCOL, Refusal
 from aff_runtime.app.commission.refine_views import RefinedView, RefiningView
+from aff_runtime.app.commission.settings_views import DifferenceView, SettingsView, VersionView
 from aff_runtime.app.commission.views import (
     CardView,
     JobView,
@@ -106,6 +107,27 @@ class MaintenanceShown:
     maintenance: MaintenanceView
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettingsShown:
+    """The site file as a form, and its versions."""
+
+    settings: SettingsView
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DifferenceShown:
+    """What an edit would do."""
+
+    difference: DifferenceView
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VersionShown:
+    """One version of the settings."""
+
+    version: VersionView
+
+
 Good: TypeAlias = (
     Done
     | Opened
@@ -116,6 +138,9 @@ Good: TypeAlias = (
     | RefiningShown
     | RefinedShown
     | MaintenanceShown
+    | SettingsShown
+    | DifferenceShown
+    | VersionShown
 )
 Answer: TypeAlias = Good | Refusal
 # what a request is answered with where it is not refused; the others with `Done`
@@ -129,6 +154,9 @@ _ANSWER_TYPES: Mapping[str, TypeAdapter[Any]] = {
     "refined": TypeAdapter(RefinedShown),
     "refined_page": TypeAdapter(Printed),
     "maintenance": TypeAdapter(MaintenanceShown),
+    "settings": TypeAdapter(SettingsShown),
+    "settings_diff": TypeAdapter(DifferenceShown),
+    "settings_version": TypeAdapter(VersionShown),
 }
 _DONE, _REFUSED = TypeAdapter(Done), TypeAdapter(Refusal)
 

@@ -16,6 +16,7 @@ from aff_runtime.app.commission import (
     line_view,
     maintenance_jobs,
     refine_jobs,
+    settings_form_jobs,
     settings_jobs,
     setup_jobs,
 )
@@ -49,6 +50,11 @@ JOBS: dict[str, Job] = {
     "maintenance": maintenance_jobs.maintenance,
     "add_runs": maintenance_jobs.add_runs,
     "exchange": maintenance_jobs.exchange,
+    "settings": settings_form_jobs.form,
+    "settings_version": settings_form_jobs.version,
+    "settings_diff": settings_form_jobs.difference,
+    "try_settings": settings_form_jobs.try_edited,
+    "go_back": settings_form_jobs.go_back,
 }
 NICE = 10
 """Of a job of seconds, for which somebody waits: behind the service, before jobs of hours."""

@@ -97,7 +97,7 @@ class Looking:
             return Refusal(why=Why.REFUSED, name=NO_SITE)
         if asked.do in VIEWS_OF_CARD and not (self._where.card / CARD).exists():
             return Refusal(why=Why.REFUSED, name=NO_CARD)
-        key = f"{asked.do} {asked.paper} {asked.number}"
+        key = " ".join((asked.do, asked.paper, str(asked.number), asked.base, asked.edits))
         longest_ns = MOST_AGE_OF_RUNS_NS if asked.do in VIEWS_OF_RUNS else math.inf
         async with self._one_at_a_time:
             fingerprint, now_ns = self._fingerprint(), self._clock.now_ns()
@@ -120,7 +120,8 @@ class Looking:
         if now is not None:
             roll = now.live.tick.number("roll_id") if now.live is not None else -1.0
             goes_out = now.state in (State.ARMED.name, State.ACTIVE.name)
-            service = (now.site_hash, now.config_hash, f"{roll:.0f}", now.trying, goes_out)
+            trying = now.trying.rpartition(":")[0]  # without the seconds that are left
+            service = (now.site_hash, now.config_hash, f"{roll:.0f}", trying, goes_out)
         card, site = _of_file(self._where.card / CARD), _of_file(self._where.site)
         return (card, site, service, self._jobs_ended)
 

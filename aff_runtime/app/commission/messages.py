@@ -77,6 +77,8 @@ class Request:
     paper : of a page that prints.
     windows, holdout : parts of runs to fit and to judge on, one a line: ``NAME[@FROM..TO]``.
     without : effects that are left out of refine's library, a word each.
+    base, edits : hash of the settings that were seen, and what is to be changed of them, a line
+        ``PATH: VALUE`` each.
     roll, on : a roller that was exchanged, and when.
     by : who has a job done, in words; said by the commissioner alone.
     """
@@ -103,6 +105,8 @@ class Request:
     without: str = ""
     roll: str = ""
     on: str = ""
+    base: str = ""
+    edits: str = ""
     by: str = ""
 
     @property
@@ -165,6 +169,7 @@ def _paper(value: Any) -> bool:
 
 _PERSON = {"key": _key, "place": _place}
 _WINDOWS = {**_PERSON, "windows": _text, "holdout": _text, "without": _text}
+_EDITS = {"base": _digest, "edits": _text}
 # what may be asked: its keys, each with what its value must be
 TABLE: Mapping[str, Keys] = {
     "state": {},
@@ -205,8 +210,22 @@ TABLE: Mapping[str, Keys] = {
     "add_runs": _PERSON,
     "exchange": {**_PERSON, "roll": _text, "on": _text, "reason": _text},
     "stop_long": _PERSON,
+    "settings": {},
+    "settings_version": {"number": _whole},
+    "settings_diff": _EDITS,
+    "try_settings": {**_PERSON, **_EDITS, "measured": _digest, "seconds": _whole, "reason": _text},
+    "go_back": {
+        **_PERSON,
+        "number": _whole,
+        "base": _digest,
+        "measured": _digest,
+        "reason": _text,
+    },
 }
-LOOKS = ("state", "card", "page", "line", "refining", "refined", "refined_page", "maintenance")
+LOOKS = (
+    *("state", "card", "page", "line", "refining", "refined", "refined_page", "maintenance"),
+    *("settings", "settings_version", "settings_diff"),
+)
 """What changes nothing and needs no key."""
 LONG = ("lacks", "refine", "add_runs")
 """Jobs that take minutes to hours: one at a time, beside the others."""

@@ -57,7 +57,7 @@ def try_proposed(where: Paths, asked: Request, talk: Talk) -> Answer:
     now = parameters_of(where.site, where.state)
     text = text_with(now.site_text, proposed(standing.measured.finding.proposals))
     seconds = float(asked.seconds)
-    answer = ask_settings(where, act="try", text=text, seconds=seconds, why=_why(asked))
+    answer = ask_settings(where, act="try", text=text, seconds=seconds, why=by_screen(asked))
     for change in (*answer.remarks, *answer.changes):
         talk.say(str(change))
     return Done(text=f"tried for {asked.seconds} s: {'; '.join(map(str, answer.changes))}")
@@ -74,15 +74,27 @@ def undo(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 
 def _end(where: Paths, asked: Request, act: str) -> Answer:
-    answer = ask_settings(where, act=act, why=_why(asked))
+    answer = ask_settings(where, act=act, why=by_screen(asked))
     if not answer.text:
         return Done(text="undone; the former settings run")
-    save(where.site, answer)
-    await_saved(partial(ask_settings, where, act="state"), answer.text, MonotonicClock())
+    save_handed_out(where, answer)
     return Done(text="kept; saved as the site file" if act == "keep" else "undone; saved")
 
 
-def _why(asked: Request) -> str:
+def save_handed_out(where: Paths, answer: SettingsAnswer) -> None:
+    """Save what the service hands out as its site file; return when it runs.
+
+    Raises
+    ------
+    AffError
+        It cannot be saved, or does not run yet.
+    """
+    save(where.site, answer)
+    await_saved(partial(ask_settings, where, act="state"), answer.text, MonotonicClock())
+
+
+def by_screen(asked: Request) -> str:
+    """Return the reason as the history has it: with who is at the screen."""
     return f"{asked.reason} ({asked.account} at the screen)"
 
 

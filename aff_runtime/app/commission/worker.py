@@ -21,7 +21,19 @@ KEPT_LINES = 40  # newest lines of a job, for a screen
 DIED = "its process ended without an answer; see the log of the commissioner"
 STOPPED = "stopped"
 CUT = "stopped; look at the card and the site file"  # of a job that may have changed something
-KEEPS = ("begin", "step", "sign", "words", "try", "keep", "undo", "try_refined", "exchange")
+KEEPS = (
+    "begin",
+    "step",
+    "sign",
+    "words",
+    "try",
+    "keep",
+    "undo",
+    "try_refined",
+    "exchange",
+    "try_settings",
+    "go_back",
+)
 """Jobs that may have changed what lasts before they said so: a file, the settings that run."""
 
 

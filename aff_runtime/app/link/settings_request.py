@@ -29,7 +29,7 @@ class SettingsRequest:
     seconds : of a try, until the former settings return.
     why : the caller's reason, for ``try``, ``keep`` and ``undo``.
     version : of the history, for ``undo`` and ``history``; 0: the one before, or all.
-    base : sha256 of the running text that ``try`` or ``undo`` was decided on; empty: whatever runs.
+    base : sha256 of the running text that ``try`` or ``undo`` was decided on; empty: any.
     """
 
     act: str

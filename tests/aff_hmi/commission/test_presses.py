@@ -104,9 +104,10 @@ def at(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, heard: Heard) -> Pressed
 
 OF_CARD = ("/data/card", "/data/card.html", "/data/commissioning", "/data/line")
 OF_RUNS = ("/data/refining", "/data/refined", "/data/refined.html", "/data/maintenance")
+OF_SETTINGS_PAGE = ("/data/settings", "/data/settings/version")
 
 
-@pytest.mark.parametrize("path", [*OF_CARD, *OF_RUNS])
+@pytest.mark.parametrize("path", [*OF_CARD, *OF_RUNS, *OF_SETTINGS_PAGE])
 def test_who_has_not_logged_in_sees_nothing_of_it(at: Pressed, heard: Heard, path: str) -> None:
     assert at.browser().get(path).status == 401
     assert heard.said == []
@@ -254,12 +255,12 @@ def test_a_refusal_is_said_in_the_readers_language(at: Pressed, heard: Heard) ->
 def test_pages_of_card_and_commissioning_are_there_where_there_is_a_commissioner(
     at: Pressed, keeping: Pressed
 ) -> None:
-    for path in ("/card", "/commission", "/refine", "/maintenance"):
+    for path in ("/card", "/commission", "/refine", "/maintenance", "/settings"):
         assert at.browser().get(path).status == 200
         assert keeping.browser().get(path).status == 404
         assert f"{path}?" not in keeping.browser().get("/").said["text"]
     carl = keeping.browser("carl")
-    assert {carl.get(path).status for path in (*OF_CARD, *OF_RUNS)} == {404}
+    assert {carl.get(path).status for path in (*OF_CARD, *OF_RUNS, *OF_SETTINGS_PAGE)} == {404}
 
 
 def test_nothing_of_it_is_done_by_a_session_that_went_idle(at: Pressed, heard: Heard) -> None:

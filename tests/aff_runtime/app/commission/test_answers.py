@@ -7,9 +7,11 @@ import pytest
 
 from aff_runtime.app.commission import job_lines, views
 from aff_runtime.app.commission import maintenance_views as of_weeks
+from aff_runtime.app.commission import settings_views as of_settings
 from aff_runtime.app.commission.answers import (
     AnswerError,
     CardShown,
+    DifferenceShown,
     Done,
     Good,
     LineShown,
@@ -18,7 +20,9 @@ from aff_runtime.app.commission.answers import (
     Printed,
     RefinedShown,
     RefiningShown,
+    SettingsShown,
     State,
+    VersionShown,
     decode,
     encode,
 )
@@ -42,6 +46,7 @@ from aff_runtime.app.commission.refine_views import (
     RunRow,
 )
 from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.link.settings_answer import Version
 from aff_runtime.base import refinement
 
 SEGMENT = views.SegmentView(name="0.csv", size=7, sha256="0" * 64)
@@ -240,12 +245,49 @@ MAINTENANCE = of_weeks.MaintenanceView(
         ),
     ),
 )
+ROW = Version(number=3, when="u", who="w", verb="kept", why="a", sha256="2" * 64, run="r")
+ONE = of_settings.SettingView(
+    path="a.b[0]",
+    name="b",
+    kind="number",
+    unit="s",
+    allowed="1 to 2 s",
+    choices=(),
+    default="none",
+    shown="1 s",
+    written="1",
+    live=True,
+    can_edit=True,
+    help="h",
+)
+SAID_OF = of_settings.SaidOfSetting(path="a.b[0]", text="t")
+SETTINGS = of_settings.SettingsView(
+    site="/site.yaml",
+    sha256="3" * 64,
+    running="",
+    against="no service answers",
+    said=(SAID_OF,),
+    sections=(of_settings.SettingsSection(path="a", settings=(ONE,)),),
+    versions=(ROW,),
+)
+DIFFERENCE = of_settings.DifferenceView(
+    sha256="4" * 64,
+    changes=("a: 1 s -> 2 s (applies at once)",),
+    said=(),
+    refused=False,
+    waits=True,
+    lines=("@@", "-a", "+b"),
+)
+VERSION = of_settings.VersionView(version=ROW, lines=("+b",), back=DIFFERENCE, against="")
 ANSWERS = [
     ("state", STATE),
     ("refining", RefiningShown(refining=REFINING)),
     ("refined", RefinedShown(refined=REFINED)),
     ("refined_page", Printed(html="<!doctype html>")),
     ("maintenance", MaintenanceShown(maintenance=MAINTENANCE)),
+    ("settings", SettingsShown(settings=SETTINGS)),
+    ("settings_diff", DifferenceShown(difference=DIFFERENCE)),
+    ("settings_version", VersionShown(version=VERSION)),
     ("card", CardShown(card=CARD)),
     ("line", LineShown(line=LINE)),
     ("page", Printed(html="<!doctype html>")),

@@ -42,14 +42,16 @@ def test_an_answer_that_was_given_counts_though_a_stop_came_later(where, monkeyp
 
 
 LASTING = ["begin", "step", "sign", "words", "try", "keep", "undo", "try_refined", "exchange"]
+LASTING += ["try_settings", "go_back"]
 """Jobs that write the card, the site file, answers of the setup or a life, or change what runs."""
 OF_RUNS = {"refining", "refined", "refined_page", "lacks", "refine", "maintenance", "add_runs"}
+OF_SETTINGS = {"settings", "settings_diff", "settings_version"}
 """Jobs that look, or whose results are there as a whole or not at all."""
 
 
 def test_every_job_either_only_looks_or_may_have_changed_what_lasts():
     assert set(KEEPS) == set(LASTING)
-    assert set(JOBS) - set(LASTING) == {"card", "page", "line", "verify", *OF_RUNS}
+    assert set(JOBS) - set(LASTING) == {"card", "page", "line", "verify", *OF_RUNS, *OF_SETTINGS}
 
 
 @pytest.mark.parametrize("do", LASTING)

@@ -1,0 +1,134 @@
+"""The site file as a form: from the models what may be set, from the text what is written."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import groupby
+
+from aff_runtime.app.commission.settings_views import SaidOfSetting, SettingsSection, SettingView
+from aff_runtime.base.errors import RefusedError
+from aff_runtime.config.declared import Declared
+from aff_runtime.config.edited_text import EditedText
+from aff_runtime.config.findings import KeyPath, dotted
+from aff_runtime.config.leaves import Leaf, leaves
+from aff_runtime.config.models import Site
+from aff_runtime.config.reference import allowed_cell, default_cell
+
+MOST_DIFF_LINES = 400
+# FILE:LINE:COLUMN  PATH: TEXT
+_FINDING = re.compile(
+    r".*?:\d+:\d+  (?:(?P<path>[A-Za-z_][\w.]*(?:\[\d+\][\w.]*)*): )?(?P<text>.*)", re.DOTALL
+)
+WAITS = "(waits for bypass)"
+
+
+def sections(site: Site, text: str) -> tuple[SettingsSection, ...]:
+    """Return every setting of a site, in the order of the models.
+
+    Parameters
+    ----------
+    text : of the site file that says this site.
+    """
+    edited = EditedText(text)
+    found = []
+    for path, group in groupby(leaves(site), key=lambda leaf: leaf.path[:-1]):
+        settings = tuple(_setting(leaf, edited) for leaf in group)
+        found.append(SettingsSection(path=dotted(path), settings=settings))
+    return tuple(found)
+
+
+def _setting(leaf: Leaf, edited: EditedText) -> SettingView:
+    declared, written = leaf.declared, edited.written(leaf.path)
+    return SettingView(
+        path=dotted(leaf.path),
+        name=str(leaf.path[-1]),
+        kind=_kind(declared),
+        unit=declared.unit or "",
+        allowed=allowed_cell(declared),
+        choices=("true", "false") if declared.leaf is bool else declared.choices,
+        default=default_cell(declared),
+        shown=leaf.shown,
+        written=written or "",
+        live=declared.live,
+        can_edit=declared.live and written is not None,
+        help=declared.description,
+    )
+
+
+def _kind(declared: Declared) -> str:
+    if declared.item is not None:
+        return "list"
+    if declared.choices:
+        return "choice"
+    if declared.leaf is bool:
+        return "flag"
+    return "number" if declared.unit is not None else "text"
+
+
+def edits_in(lines: str) -> Mapping[str, str]:
+    """Return what is to be changed, a line ``PATH: VALUE`` each.
+
+    Raises
+    ------
+    RefusedError
+        A line is none of this kind, or a path stands twice.
+    """
+    found: dict[str, str] = {}
+    for line in lines.splitlines():
+        path, mark, value = line.partition(": ")
+        if not mark or path in found:
+            raise RefusedError(f"{line[:80]}: a line PATH: VALUE for each setting is needed")
+        found[path] = value.strip()
+    if not found:
+        raise RefusedError("nothing is to be changed")
+    return found
+
+
+def text_with_edits(site: Site, text: str, lines: str) -> str:
+    """Return a site file's text with settings changed; every other byte stays.
+
+    Raises
+    ------
+    AffError
+        One is no setting that may change while a correction goes out, does not stand in the file,
+        or what is to be written is no single value.
+    """
+    declared: dict[str, tuple[KeyPath, bool]] = {
+        dotted(leaf.path): (leaf.path, leaf.declared.live) for leaf in leaves(site)
+    }
+    values: dict[KeyPath, str] = {}
+    for path, value in edits_in(lines).items():
+        if path not in declared:
+            raise RefusedError(f"{path}: this site file has no such setting")
+        where, live = declared[path]
+        if not live:
+            raise RefusedError(f"{path}: waits for bypass, so it is edited in the site file")
+        values[where] = value
+    return EditedText(text).with_values(values)
+
+
+def said_in(findings: Iterable[str]) -> tuple[SaidOfSetting, ...]:
+    """Return what a check says, by the settings that it is about."""
+    return tuple(_said(findings))
+
+
+def _said(findings: Iterable[str]) -> Iterator[SaidOfSetting]:
+    for finding in findings:
+        match = _FINDING.fullmatch(finding)
+        if match is None:
+            yield SaidOfSetting(path="", text=finding)
+        else:
+            yield SaidOfSetting(path=match["path"] or "", text=match["text"])
+
+
+def is_finding(line: str) -> bool:
+    """Return whether a line is one of a check, with its place in a file."""
+    return _FINDING.fullmatch(line) is not None
+
+
+def lines_between(before: str, after: str) -> tuple[str, ...]:
+    """Return the lines that differ, marked, with two of what is around them."""
+    lines = difflib.unified_diff(before.splitlines(), after.splitlines(), lineterm="", n=2)
+    return tuple(line for line in lines if not line.startswith(("---", "+++")))[:MOST_DIFF_LINES]

@@ -1,0 +1,165 @@
+"""Settings on a screen: the form, what an edit would do, its try, versions and the way back."""
+
+from __future__ import annotations
+
+from aff_runtime.app.commission.answers import (
+    Answer,
+    DifferenceShown,
+    Done,
+    SettingsShown,
+    VersionShown,
+)
+from aff_runtime.app.commission.messages import Refusal, Request, Why
+from aff_runtime.app.commission.settings_form import (
+    WAITS,
+    is_finding,
+    lines_between,
+    said_in,
+    sections,
+    text_with_edits,
+)
+from aff_runtime.app.commission.settings_jobs import ask_settings, by_screen, save_handed_out
+from aff_runtime.app.commission.settings_views import DifferenceView, SettingsView, VersionView
+from aff_runtime.app.commission.sources import Paths, parameters_of
+from aff_runtime.app.commission.talk import Talk
+from aff_runtime.app.hand.may import WORDS, Code
+from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
+from aff_runtime.app.supervisor.settings.history import digest
+from aff_runtime.app.supervisor.validation import load_parameters
+from aff_runtime.base.errors import AffError, ConfigError, RefusedError
+
+MOST_VERSIONS = 100  # newest of the history
+NOT_WHAT_RUNS = "the site file is not what runs: look at the alarms, or wait"
+RUNS = "this is what runs"
+
+
+def form(where: Paths, asked: Request, talk: Talk) -> Answer:
+    """Return the site file as a form, with its versions."""
+    against, answer = "", SettingsAnswer()
+    try:
+        answer = ask_settings(where, act="history")
+    except AffError as error:
+        against = str(error)
+    record: ParameterRecord | None = None
+    try:
+        result = load_parameters(where.site, where.state)
+        record, said = result.checked(), said_in(result.findings)
+    except ConfigError as error:
+        said = said_in(str(error).splitlines())
+    sha256 = digest(record.site_text) if record is not None else ""
+    if not against and sha256 != answer.running and not answer.trying:
+        against = NOT_WHAT_RUNS
+    view = SettingsView(
+        site=str(where.site),
+        sha256=sha256,
+        running=answer.running,
+        against=against,
+        said=said,
+        sections=sections(record.site, record.site_text) if record is not None else (),
+        versions=tuple(reversed(answer.versions[-MOST_VERSIONS:])),
+    )
+    return SettingsShown(settings=view)
+
+
+def difference(where: Paths, asked: Request, talk: Talk) -> Answer:
+    """Return what an edit would do; nothing goes out."""
+    record = parameters_of(where.site, where.state)
+    if digest(record.site_text) != asked.base:
+        return Refusal(why=Why.CHANGED)
+    text = text_with_edits(record.site, record.site_text, asked.edits)
+    return DifferenceShown(difference=_difference(where, record.site_text, text))
+
+
+def try_edited(where: Paths, asked: Request, talk: Talk) -> Answer:
+    """Have the service run an edit for a while; it takes it back by itself."""
+    record = parameters_of(where.site, where.state)
+    if digest(record.site_text) != asked.base:
+        return Refusal(why=Why.CHANGED)
+    text = text_with_edits(record.site, record.site_text, asked.edits)
+    if digest(text) != asked.measured:
+        return Refusal(why=Why.CHANGED)  # it is another text than the person has seen
+    answer = ask_settings(
+        where,
+        act="try",
+        text=text,
+        seconds=float(asked.seconds),
+        why=by_screen(asked),
+        base=asked.base,
+    )
+    for change in (*answer.remarks, *answer.changes):
+        talk.say(str(change))
+    return Done(text=f"tried for {asked.seconds} s: {'; '.join(map(str, answer.changes))}")
+
+
+def version(where: Paths, asked: Request, talk: Talk) -> Answer:
+    """Return one version: its difference to the one before, and to what runs."""
+    history = ask_settings(where, act="history")
+    found = next((one for one in history.versions if one.number == asked.number), None)
+    if found is None:
+        raise RefusedError(f"there is no version {asked.number}")
+    text, against, back = _text(where, found), "", None
+    before = _before(history, found)
+    former = _text(where, before) if before is not None else ""
+    if not text:
+        against = f"the text of version {found.number} is not there any more"
+    elif history.trying:
+        against = WORDS[Code.TRYING]
+    elif found.sha256 == history.running:
+        against = RUNS
+    else:
+        running = next(one for one in reversed(history.versions) if one.sha256 == history.running)
+        back = _difference(where, _text(where, running), text)
+    lines = lines_between(former, text) if text and former else ()
+    view = VersionView(version=found, lines=lines, back=back, against=against)
+    return VersionShown(version=view)
+
+
+def go_back(where: Paths, asked: Request, talk: Talk) -> Answer:
+    """Save the text of a version as the site file; the service applies it as any edit."""
+    now = ask_settings(where, act="state")
+    if now.trying:
+        raise RefusedError(WORDS[Code.TRYING])
+    if now.running != asked.base:
+        return Refusal(why=Why.CHANGED)
+    why = by_screen(asked)
+    answer = ask_settings(where, act="undo", version=asked.number, why=why, base=asked.base)
+    if digest(answer.text) != asked.measured:
+        return Refusal(why=Why.CHANGED)
+    save_handed_out(where, answer)
+    return Done(text=f"version {asked.number} is saved as the site file, and runs")
+
+
+def _difference(where: Paths, former: str, text: str) -> DifferenceView:
+    changes: tuple[str, ...] = ()
+    refused = False
+    try:
+        answer = ask_settings(where, act="diff", text=text)
+        changes, said = answer.changes, said_in(answer.remarks)
+    except AffError as error:
+        lines = str(error).splitlines()
+        if not any(map(is_finding, lines)):
+            raise
+        refused, said = True, said_in(lines)
+    return DifferenceView(
+        sha256=digest(text),
+        changes=changes,
+        said=said,
+        refused=refused,
+        waits=any(change.endswith(WAITS) for change in changes),
+        lines=lines_between(former, text),
+    )
+
+
+def _text(where: Paths, one: Version) -> str:
+    """Return the text of a version; empty when it is not there any more."""
+    try:
+        return ask_settings(where, act="history", version=one.number).text
+    except RefusedError:
+        return ""
+
+
+def _before(history: SettingsAnswer, one: Version) -> Version | None:
+    """Return the version that ran before one, with another text."""
+    earlier = [v for v in history.versions if v.number < one.number and v.sha256 != one.sha256]
+    return earlier[-1] if earlier else None

@@ -1,0 +1,111 @@
+"""What a screen is shown of settings, as frozen records: the form, a difference, a version."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from aff_runtime.app.link.settings_answer import Version
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SaidOfSetting:
+    """What the check says; ``path`` : of the setting, empty where it is of none."""
+
+    path: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettingView:
+    """One setting.
+
+    Attributes
+    ----------
+    path : of keys in the site file. ``name`` : the last of them.
+    kind : ``number``, ``list``, ``flag``, ``choice`` or ``text``.
+    unit : of a bare number. ``allowed`` : its bounds in words. ``choices`` : what may be written.
+    default : in words. ``shown`` : present value with its unit. ``written`` : as it stands in the
+        file; empty where it is left to its default.
+    live : may change while a correction goes out. ``can_edit`` : a form may change it and have it
+        tried: it is live, and stands in the file as one value.
+    help : what it does and when to change it.
+    """
+
+    path: str
+    name: str
+    kind: str
+    unit: str
+    allowed: str
+    choices: tuple[str, ...]
+    default: str
+    shown: str
+    written: str
+    live: bool
+    can_edit: bool
+    help: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettingsSection:
+    """Settings below one path of keys."""
+
+    path: str
+    settings: tuple[SettingView, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SettingsView:
+    """The site file as a form.
+
+    Attributes
+    ----------
+    sha256 : of the text of which this is, empty where it is not good. ``running`` : of what runs.
+    against : why nothing can be tried, or empty.
+    said : what the check says of the file.
+    versions : the history, newest first.
+    """
+
+    site: str
+    sha256: str
+    running: str
+    against: str
+    said: tuple[SaidOfSetting, ...]
+    sections: tuple[SettingsSection, ...]
+    versions: tuple[Version, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DifferenceView:
+    """What would become of a text.
+
+    Attributes
+    ----------
+    sha256 : of the text. ``changes`` : with units, and when each applies.
+    said : new warnings; of a text that is refused, why. ``refused`` : it cannot run.
+    waits : it cannot be tried, as something in it waits for bypass.
+    lines : of the text, with what is around them.
+    """
+
+    sha256: str
+    changes: tuple[str, ...]
+    said: tuple[SaidOfSetting, ...]
+    refused: bool
+    waits: bool
+    lines: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class VersionView:
+    """One version.
+
+    Attributes
+    ----------
+    lines : of its text, against the text that ran before it.
+    back : what going back to it would change now; None where it cannot be said.
+    against : why one cannot go back to it, or empty.
+    """
+
+    version: Version
+    lines: tuple[str, ...]
+    back: DifferenceView | None
+    against: str

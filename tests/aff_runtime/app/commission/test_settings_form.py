@@ -1,0 +1,108 @@
+"""The site file as a form: every setting that there is, what is written, what may be edited."""
+
+from __future__ import annotations
+
+import pytest
+
+from aff_runtime.app.commission.settings_form import edits_in, said_in, sections, text_with_edits
+from aff_runtime.app.commission.settings_views import SaidOfSetting
+from aff_runtime.base.errors import AffError, RefusedError
+from aff_runtime.config.loader import load_site
+from tests.parameter_records import CONFIG
+
+FILE = CONFIG / "euclid_blocks.yaml"
+TEXT = FILE.read_text(encoding="utf-8")
+SETTLE = "actuators.unwind.blocks[0].settle_s"
+
+
+@pytest.fixture(scope="module")
+def site():
+    return load_site(FILE)
+
+
+@pytest.fixture(scope="module")
+def settings(site):
+    return {one.path: one for section in sections(site, TEXT) for one in section.settings}
+
+
+def test_a_setting_has_unit_bounds_default_and_what_is_written(settings) -> None:
+    one = settings[SETTLE]
+    assert (one.kind, one.unit, one.written, one.shown) == ("number", "s", "6", "6 s")
+    assert (one.allowed, one.live, one.can_edit) == ("1 to 300 s", True, True)
+    assert "Time in which the ripple settles" in one.help
+    cycle = settings["line.cycle_ms"]
+    assert (cycle.live, cycle.can_edit, cycle.unit) == (False, False, "ms")
+    word = settings["gateway.word_order"]
+    assert (word.kind, word.choices) == ("choice", ("high_first", "low_first"))
+    orders = settings["actuators.unwind.blocks[0].orders"]
+    assert orders.kind == "list"
+    assert orders.written.startswith("[1")
+    assert orders.can_edit
+
+
+def test_what_is_left_to_its_default_is_shown_and_not_edited(settings) -> None:
+    one = settings["actuators.unwind.blocks[0].enabled"]
+    assert (one.kind, one.written, one.shown, one.default) == ("flag", "", "true", "true")
+    assert (one.choices, one.live, one.can_edit) == (("true", "false"), True, False)
+
+
+def test_no_two_settings_have_one_path_and_a_section_is_of_one_path(site) -> None:
+    found = sections(site, TEXT)
+    paths = [one.path for section in found for one in section.settings]
+    assert len(set(paths)) == len(paths) > 150
+    assert len({section.path for section in found}) > 10
+    for section in found:
+        for one in section.settings:
+            assert one.path == (f"{section.path}.{one.name}" if section.path else one.name)
+
+
+def test_every_setting_that_can_be_edited_can_be_written_anew_as_it_stands(site, settings) -> None:
+    editable = [one for one in settings.values() if one.can_edit]
+    assert len(editable) > 10
+    for one in editable:
+        assert text_with_edits(site, TEXT, f"{one.path}: {one.written}") == TEXT
+
+
+def test_an_edit_changes_its_value_alone(site) -> None:
+    text = text_with_edits(site, TEXT, f"{SETTLE}: 12\nactuators.unwind.soft_start_s: 5 s")
+    changed = [(a, b) for a, b in zip(TEXT.split("\n"), text.split("\n"), strict=True) if a != b]
+    assert len(changed) == 2
+    assert all(a.partition("#")[2] == b.partition("#")[2] for a, b in changed)
+
+
+@pytest.mark.parametrize(
+    ("lines", "why"),
+    [
+        ("", "nothing is to be changed"),
+        ("settle_s", "a line PATH: VALUE"),
+        (f"{SETTLE}: 1\n{SETTLE}: 2", "a line PATH: VALUE"),
+        ("actuators.unwind.no_such: 1", "no such setting"),
+        ("line.cycle_ms: 10", "waits for bypass"),
+        ("actuators.unwind.blocks[0].enabled: false", "write it into the site file first"),
+        (f"{SETTLE}: 1, amp_limit_m_s: 9", "one value"),
+    ],
+)
+def test_what_cannot_be_edited_says_why(site, lines, why) -> None:
+    with pytest.raises(AffError, match=why):
+        text_with_edits(site, TEXT, lines)
+
+
+def test_lines_are_edits() -> None:
+    assert edits_in("a.b[0]: 1\nc: x y ") == {"a.b[0]": "1", "c": "x y"}
+    with pytest.raises(RefusedError):
+        edits_in("a.b[0]:1")
+
+
+def test_findings_are_told_by_their_setting() -> None:
+    found = said_in(
+        [
+            f"/etc/a site.yaml:12:3  {SETTLE}: read 0.5 s, 1 to 300 s is allowed",
+            "/etc/site.yaml:1:1  the check was ended by SIGKILL. Somebody did that",
+            "nothing of a file",
+        ]
+    )
+    assert found == (
+        SaidOfSetting(path=SETTLE, text="read 0.5 s, 1 to 300 s is allowed"),
+        SaidOfSetting(path="", text="the check was ended by SIGKILL. Somebody did that"),
+        SaidOfSetting(path="", text="nothing of a file"),
+    )

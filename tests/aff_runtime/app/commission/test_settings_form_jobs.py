@@ -1,0 +1,209 @@
+"""Edits of the form as jobs: what reaches the service, and what is refused before."""
+
+from __future__ import annotations
+
+import shutil
+from dataclasses import replace
+
+import pytest
+
+from aff_runtime.app.commission import settings_form_jobs, settings_jobs, sources
+from aff_runtime.app.commission.messages import Request
+from aff_runtime.app.commission.settings_form_jobs import (
+    difference,
+    form,
+    go_back,
+    try_edited,
+    version,
+)
+from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
+from aff_runtime.app.supervisor.settings.history import digest
+from aff_runtime.base.errors import ConfigError, RefusedError, WireError
+from tests.aff_runtime.app.commission.said import plain
+from tests.aff_runtime.app.judged_here import judged_here
+from tests.parameter_records import CONFIG
+
+SETTLE = "actuators.unwind.blocks[0].settle_s"
+CHANGED = {"ok": False, "why": "changed", "name": ""}
+
+
+class Talk:
+    def say(self, text):
+        pass
+
+
+class Service:
+    """In place of the service: a history of texts, the last of which runs."""
+
+    def __init__(self, *texts):
+        self.texts = texts
+        self.trying = ""
+        self.asked = []
+        self.refuses = None
+
+    def __call__(self, where, **asked):
+        if self.refuses is not None:
+            raise self.refuses
+        if asked["act"] not in ("history", "state"):
+            self.asked.append(asked)
+        state = SettingsAnswer(
+            running=digest(self.texts[-1]), trying=self.trying, versions=self.versions
+        )
+        match asked["act"]:
+            case "diff":
+                return replace(state, changes=(f"{SETTLE}: 6 s -> 12 s (applies at once)",))
+            case "history" if asked.get("version"):
+                return replace(state, text=self.texts[asked["version"] - 1])
+            case "undo":
+                return replace(state, text=self.texts[asked["version"] - 1], replaces="r")
+            case _:
+                return state
+
+    @property
+    def versions(self):
+        return tuple(
+            Version(number=n, when="u", who="w", verb="edited", why="", sha256=digest(text))
+            for n, text in enumerate(self.texts, start=1)
+        )
+
+
+@pytest.fixture
+def where(tmp_path, monkeypatch):
+    for module in (sources, settings_form_jobs):
+        monkeypatch.setattr(module, "load_parameters", judged_here)
+    site = tmp_path / "site.yaml"
+    shutil.copyfile(CONFIG / "euclid_blocks.yaml", site)
+    return Paths(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path / "card")
+
+
+@pytest.fixture
+def text(where):
+    return where.site.read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def service(where, text, monkeypatch):
+    found = Service(text.replace("settle_s: 6,", "settle_s: 20,", 1), text)
+    for module in (settings_form_jobs, settings_jobs):
+        monkeypatch.setattr(module, "ask_settings", found)
+    return found
+
+
+def asked(do, text, **more):
+    wanted = text.replace("settle_s: 6,", "settle_s: 12,", 1)
+    said = {"base": digest(text), "edits": f"{SETTLE}: 12", "measured": digest(wanted), **more}
+    return Request(do=do, seconds=60, reason="hunting at 1x", account="carl", **said)
+
+
+def test_the_form_is_of_the_file_and_names_its_digest_and_the_newest_version_first(
+    where, text, service
+):
+    view = form(where, Request(do="settings"), Talk()).settings
+    assert (view.sha256, view.running, view.against) == (digest(text), digest(text), "")
+    assert [one.number for one in view.versions] == [2, 1]
+    (settle,) = [one for s in view.sections for one in s.settings if one.path == SETTLE]
+    assert settle.written == "6"
+    warned = judged_here(where.site, where.state).findings
+    assert len(view.said) == len(warned) > 0
+    assert all(one.path and one.text in w for one, w in zip(view.said, warned, strict=True))
+
+
+def test_a_file_that_is_not_good_is_told_by_its_findings_and_can_be_edited_by_nobody(
+    where, text, service
+):
+    where.site.write_text(text.replace("settle_s: 6,", "settle_s: 0.5,", 1))
+    view = form(where, Request(do="settings"), Talk()).settings
+    assert (view.sha256, view.sections) == ("", ())
+    assert [one.path for one in view.said] == [SETTLE]
+    assert "not what runs" in view.against
+
+
+def test_without_a_service_the_file_is_shown_and_why_nothing_can_be_tried(where, text, service):
+    service.refuses = WireError("no service answers")
+    view = form(where, Request(do="settings"), Talk()).settings
+    assert (view.against, view.versions) == ("no service answers", ())
+    assert view.sections
+
+
+def test_a_difference_is_of_the_whole_text_and_changes_nothing(where, text, service):
+    found = difference(where, asked("settings_diff", text), Talk()).difference
+    wanted = text.replace("settle_s: 6,", "settle_s: 12,", 1)
+    assert service.asked == [{"act": "diff", "text": wanted}]
+    assert (found.sha256, found.refused, found.waits) == (digest(wanted), False, False)
+    assert sorted(line[0] for line in found.lines if line[0] in "+-") == ["+", "-"]
+    assert where.site.read_text(encoding="utf-8") == text
+
+
+def test_findings_of_the_check_stand_at_their_settings(where, text, service):
+    service.refuses = ConfigError(f"{where.site}:60:40  {SETTLE}: 1 to 300 s is allowed")
+    found = difference(where, asked("settings_diff", text), Talk()).difference
+    assert (found.refused, found.changes) == (True, ())
+    assert [(one.path, one.text) for one in found.said] == [(SETTLE, "1 to 300 s is allowed")]
+    service.refuses = RefusedError("other settings are being checked; try again")
+    with pytest.raises(RefusedError, match="try again"):
+        difference(where, asked("settings_diff", text), Talk())
+
+
+def test_a_try_says_on_what_it_was_decided_and_by_whom(where, text, service):
+    try_edited(where, asked("try_settings", text), Talk())
+    (sent,) = service.asked
+    assert sent == {
+        "act": "try",
+        "text": text.replace("settle_s: 6,", "settle_s: 12,", 1),
+        "seconds": 60.0,
+        "why": "hunting at 1x (carl at the screen)",
+        "base": digest(text),
+    }
+
+
+@pytest.mark.parametrize("job", [difference, try_edited])
+def test_what_somebody_saved_since_the_form_was_seen_stands_against_it(where, text, service, job):
+    said = asked("", text)
+    where.site.write_text(text.replace("settle_s: 10,", "settle_s: 11,", 1))
+    assert plain(job(where, said, Talk())) == CHANGED
+    assert service.asked == []
+
+
+def test_another_text_than_was_shown_is_not_tried(where, text, service):
+    said = asked("try_settings", text, edits=f"{SETTLE}: 13")
+    assert plain(try_edited(where, said, Talk())) == CHANGED
+    assert service.asked == []
+
+
+def test_a_version_says_what_it_changed_and_what_going_back_would(where, text, service):
+    found = version(where, Request(do="settings_version", number=1), Talk()).version
+    assert found.lines == ()  # none ran before it
+    assert found.back is not None
+    assert found.back.sha256 == digest(service.texts[0])
+    assert found.against == ""
+    newest = version(where, Request(do="settings_version", number=2), Talk()).version
+    assert [line for line in newest.lines if "settle_s: 20" in line and line[0] == "-"]
+    assert (newest.back, newest.against) == (None, "this is what runs")
+    service.trying = "settings 01 by carl: 9 s left, then the former return"
+    during = version(where, Request(do="settings_version", number=1), Talk()).version
+    assert (during.back, during.against[:27]) == (None, "settings are being tried; k")
+    with pytest.raises(RefusedError, match="no version 9"):
+        version(where, Request(do="settings_version", number=9), Talk())
+
+
+def test_going_back_saves_what_was_shown_and_nothing_else(where, text, service, monkeypatch):
+    saved = []
+    monkeypatch.setattr(settings_form_jobs, "save_handed_out", lambda w, a: saved.append(a.text))
+    old = service.texts[0]
+    said = Request(
+        do="go_back",
+        number=1,
+        base=digest(text),
+        measured=digest(old),
+        reason="as in spring",
+        account="carl",
+    )
+    assert plain(go_back(where, replace(said, measured="0" * 64), Talk())) == CHANGED
+    assert plain(go_back(where, replace(said, base="0" * 64), Talk())) == CHANGED
+    assert saved == []
+    assert "version 1 is saved" in go_back(where, said, Talk()).text
+    assert saved == [old]
+    service.trying = "settings 01 by carl: 9 s left, then the former return"
+    with pytest.raises(RefusedError, match="being tried"):
+        go_back(where, said, Talk())
