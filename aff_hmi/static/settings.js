@@ -42,6 +42,7 @@ function input(one) {
 function setting(one) {
   const box = part("div", "setting");
   Object.assign(box.dataset, { path: one.path, can: one.can_edit ? "yes" : "no" });
+  box.dataset.kind = one.kind;
   box.dataset.words = `${one.path} ${one.help}`.toLowerCase();
   if (one.can_edit) {
     const label = part("label", "name", `${one.name}${one.unit ? `, ${one.unit}` : ""} `);
@@ -57,7 +58,7 @@ function setting(one) {
   const help = part("p", "", one.help);
   if (one.is_english) help.lang = "en";
   box.append(help, part("p", "note", facts.filter(Boolean).join("; ")), part("p", "note does", one.does));
-  box.append(part("p", "note was"), part("ul", "said of"));
+  box.append(part("p", "note earlier"), part("ul", "said of"));
   return box;
 }
 
@@ -86,7 +87,7 @@ function mark() {
     const isEdited = edits.has(one.path);
     box.dataset.edited = isEdited ? "yes" : "no";
     const theirs = one.theirs === undefined ? "" : filled(words.theirs, "value", one.theirs);
-    put(box.querySelector(".was"), [isEdited ? filled(words.before, "value", one.shown) : "", theirs].filter(Boolean).join("; "));
+    put(box.querySelector(".earlier"), [isEdited ? filled(words.before, "value", one.shown) : "", theirs].filter(Boolean).join("; "));
     said(box.querySelector(".of"), warnings.filter((w) => w.path === one.path));
     const field = box.querySelector("input, select");
     const isWrong = looked?.refused === true && looked.said.some((w) => w.path === one.path);

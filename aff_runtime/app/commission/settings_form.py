@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import groupby
 
 from aff_runtime.app.commission.settings_views import SaidOfSetting, SettingsSection, SettingView
 from aff_runtime.base.errors import RefusedError
@@ -32,11 +31,12 @@ def sections(site: Site, text: str) -> tuple[SettingsSection, ...]:
     text : of the site file that says this site.
     """
     edited = EditedText(text)
-    found = []
-    for path, group in groupby(leaves(site), key=lambda leaf: leaf.path[:-1]):
-        settings = tuple(_setting(leaf, edited) for leaf in group)
-        found.append(SettingsSection(path=dotted(path), settings=settings))
-    return tuple(found)
+    found: dict[str, list[SettingView]] = {}
+    for leaf in leaves(site):
+        found.setdefault(dotted(leaf.path[:-1]), []).append(_setting(leaf, edited))
+    return tuple(
+        SettingsSection(path=path, settings=tuple(settings)) for path, settings in found.items()
+    )
 
 
 def _setting(leaf: Leaf, edited: EditedText) -> SettingView:
