@@ -38,14 +38,13 @@ class Frequency:
     ----------
     at : (parameters) -> frequency before sampling, Hz.
     parameter : the one that says it.
-    harmonics_of_Hz : it is found within ``width`` of whole multiples of these, up to the
-        parameter's bound; empty: anywhere.
+    near_Hz : it is found within ``width`` of one of these; empty: anywhere.
     width : relative.
     """
 
     at: Callable[[Values], float]
     parameter: str = "frequency_Hz"
-    harmonics_of_Hz: tuple[float, ...] = ()
+    near_Hz: tuple[float, ...] = ()
     width: float = 0.01
 
 

@@ -12,6 +12,9 @@ from sim_plant.effects.experiments import of_the_cell
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
 PAIR = Quadrature(cos="cos_N", sin="sin_N", amplitude="amplitude_N", angle="phase_rad")
+MAINS_HZ = (50.0, 60.0, 100.0, 120.0)
+"""Mains, and what a rectifier makes of them. At 1 % higher harmonics fold onto every slow line of
+a record at 10 ms: 400 Hz alone onto all from 0 to 4 Hz, where dancers and loops swing."""
 STEP_HZ = 1e-4
 """Of a finite difference: a twentieth of a turn after five minutes, a slope and no chord."""
 MOST_CELLS = 8
@@ -62,7 +65,7 @@ EFFECT = Effect(
     pairs="cells",
     apply=apply,
     text="mains pick-up in a reading: a line in time, often an alias, that no roller explains",
-    shows=Frequency(at=lambda values: float(values["frequency_Hz"]), harmonics_of_Hz=(50.0, 60.0)),
+    shows=Frequency(at=lambda values: float(values["frequency_Hz"]), near_Hz=MAINS_HZ),
     remedy="look at shield and earth of the cable of {place}",
     experiment=of_the_cell,
     sensor_only=True,

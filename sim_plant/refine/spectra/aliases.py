@@ -22,7 +22,7 @@ def with_aliases(
     """Return the library with mains effects at the frequencies that the strongest lines may be of.
 
     A spectral line at f in a record of sample rate f_s may come from k f_s +- f; kept is what is
-    near whole multiples of the frequencies that the effect names.
+    near one of the frequencies that the effect names.
     """
     rest = [h for h in library if not _named(h)]
     return [
@@ -109,12 +109,11 @@ def whole_orders(
 
 
 def _near(frequency_Hz: float, shows: Frequency) -> bool:
-    """Return whether a frequency is near a whole multiple of one that the effect names."""
-    multiples = [(max(1, round(frequency_Hz / f)) * f) for f in shows.harmonics_of_Hz]
-    return any(abs(frequency_Hz / at - 1.0) < shows.width for at in multiples)
+    """Return whether a frequency is near one that the effect names."""
+    return any(abs(frequency_Hz / at - 1.0) < shows.width for at in shows.near_Hz)
 
 
 def _named(h: Hypothesis) -> Frequency | None:
-    """Return where an effect shows that names the frequencies it is a harmonic of, else None."""
+    """Return where an effect shows that names the frequencies it is near, else None."""
     shows = h.effect.shows
-    return shows if isinstance(shows, Frequency) and shows.harmonics_of_Hz else None
+    return shows if isinstance(shows, Frequency) and shows.near_Hz else None

@@ -57,10 +57,14 @@ def test_a_slow_change_is_no_alias_of_the_mains_and_hides_none():
     )
 
 
+@pytest.mark.parametrize("swing_Hz", [1.5, 3.889, 7.0, 12.0, 33.0])
+def test_what_swings_slowly_is_no_alias_of_the_mains(swing_Hz):
+    """Mains are within 1 %; at 100 Hz, 400 Hz less 1 % would fold to 4 Hz, twice 50 to 1 Hz."""
+    assert hum_origins(swing_Hz * 5999 * LINE.sample_time_s) == []
+
+
 @pytest.mark.parametrize(("frequency_Hz", "seen_Hz"), [(49.7, 49.7), (99.7, 0.3)])
-def test_mains_at_half_the_sample_rate_or_folded_are_named_by_their_lowest_harmonic(
-    frequency_Hz, seen_Hz
-):
+def test_mains_at_half_the_sample_rate_or_folded_are_named(frequency_Hz, seen_Hz):
     """At 100 Hz, 50.3, 149.7 and 350.3 fold to 49.7 Hz as well; 200.3 and 299.7 to 0.3 Hz."""
     assert LINE.sample_time_s == 0.01
     cycles = seen_Hz * 5999 * LINE.sample_time_s
