@@ -50,3 +50,9 @@ def tangent(
     residual = s * dx_m - c * dy_m + sigma_b * p_b - sigma_a * p_a
     length = c * dx_m + s * dy_m + dh_b - dh_a
     return residual, length
+
+
+@compiled
+def turned_on(p_m: float, dh_m: float, rho_m: float, turn_rad: float) -> tuple[float, float]:
+    """Return p and h' at a body angle ``turn_rad`` further, m: to first order, h'' = rho - p."""
+    return p_m + turn_rad * dh_m, dh_m + turn_rad * (rho_m - p_m)

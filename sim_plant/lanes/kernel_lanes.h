@@ -1,6 +1,6 @@
 /* Made from the compiled functions of sim_plant by sim_plant.codegen; not by hand. */
 
-#define SOURCE "aa90070d01328e8b" /* of the files it was made from */
+#define SOURCE "475e8cede9fef19f" /* of the files it was made from */
 
 /* LANES lines side by side: one vector of doubles, or of integers, for each number of a line.
    Built several times, with other LANES and other instructions; see setup.py. */
@@ -571,10 +571,10 @@ static inline void k_keep_changes(const LineArrays * p, double time_s) {
     floats now = {0};
     floats more = {0};
     const int64_t t1_ = p->changes.n;
-    integers broken91_ = each_bool(false);
+    integers broken104_ = each_bool(false);
     for (int64_t e = 0; e < t1_; e++) {
-        integers skipped91_ = each_bool(false);
-        const integers on2_ = ~broken91_ & ~skipped91_;
+        integers skipped104_ = each_bool(false);
+        const integers on2_ = ~broken104_ & ~skipped104_;
         if (!any(on2_)) break;
         change = (&p->changes.at[e]);
         now = choose_floats(on2_, (change->amount * k_level(time_s, change->from_s, change->rise_s, change->until_s)), now);
@@ -582,9 +582,9 @@ static inline void k_keep_changes(const LineArrays * p, double time_s) {
         const integers t3_ = ((integers)(more == each_float(0.0)));
         const integers on4_ = on2_ & t3_;
         if (any(on4_)) {
-            skipped91_ |= on4_;
+            skipped104_ |= on4_;
         }
-        const integers on5_ = on2_ & ~broken91_ & ~skipped91_;
+        const integers on5_ = on2_ & ~broken104_ & ~skipped104_;
         if (any(on5_)) {
             change->put = choose_floats(on5_, now, change->put);
             const integers t6_ = ((integers)(change->target == each_int(INT64_C(0))));
@@ -1013,6 +1013,11 @@ static inline group_FF k_tangent(floats dx_m, floats dy_m, floats sigma_a, float
     return t3_;
 }
 
+static inline group_FF k_turned_on(floats p_m, floats dh_m, floats rho_m, floats turn_rad) {
+    const group_FF t1_ = (group_FF){(p_m + (turn_rad * dh_m)), (dh_m + (turn_rad * (rho_m - p_m)))};
+    return t1_;
+}
+
 static inline floats k_radius_rate(floats thickness_m, floats omega_rad_s, double direction) {
     return (((direction * thickness_m) * omega_rad_s) * (1.0 / (2.0 * 3.141592653589793)));
 }
@@ -1077,8 +1082,11 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
     floats dh_a = {0};
     floats dh_b = {0};
     floats rho_a = {0};
+    floats rho_b = {0};
     floats length = {0};
     floats residual = {0};
+    floats bend = {0};
+    floats turn = {0};
     floats omega_a = {0};
     floats omega_b = {0};
     floats thickness = {0};
@@ -1113,12 +1121,13 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
     dh_a = choose_floats(lanes_, each_float(t10_), dh_a);
     dh_b = choose_floats(lanes_, each_float(t10_), dh_b);
     rho_a = choose_floats(lanes_, each_float(t10_), rho_a);
+    rho_b = choose_floats(lanes_, each_float(t10_), rho_b);
     length = choose_floats(lanes_, each_float(t10_), length);
     const int64_t t11_ = INT64_C(8);
-    integers broken67_ = each_bool(false);
+    integers broken72_ = each_bool(false);
     for (int64_t n12_ = 0; n12_ < t11_; n12_++) {
-        integers skipped67_ = each_bool(false);
-        const integers on13_ = lanes_ & ~broken67_ & ~skipped67_;
+        integers skipped72_ = each_bool(false);
+        const integers on13_ = lanes_ & ~broken72_ & ~skipped72_;
         if (!any(on13_)) break;
         const group_FFF t14_ = k_body_at(radius_a, a->sigma, a->shape_row, p->shape_h_m, p->shape_dh_m, p->shape_rho_m, theta_a, angle);
         p_a = choose_floats(on13_, t14_.part0, p_a);
@@ -1127,32 +1136,51 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
         const group_FFF t15_ = k_body_at(radius_b, b->sigma, b->shape_row, p->shape_h_m, p->shape_dh_m, p->shape_rho_m, theta_b, angle);
         p_b = choose_floats(on13_, t15_.part0, p_b);
         dh_b = choose_floats(on13_, t15_.part1, dh_b);
+        rho_b = choose_floats(on13_, t15_.part2, rho_b);
         const group_FF t16_ = k_tangent(dx, dy, a->sigma, p_a, dh_a, b->sigma, p_b, dh_b, angle);
         residual = choose_floats(on13_, t16_.part0, residual);
         length = choose_floats(on13_, t16_.part1, length);
         const integers t17_ = ((integers)(absolutes(residual) < each_float(1e-13)));
         const integers on18_ = on13_ & t17_;
         if (any(on18_)) {
-            broken67_ |= on18_;
+            broken72_ |= on18_;
         }
-        const integers on19_ = on13_ & ~broken67_ & ~skipped67_;
+        const integers on19_ = on13_ & ~broken72_ & ~skipped72_;
         if (any(on19_)) {
-            angle = choose_floats(on19_, (angle - (residual / length)), angle);
+            bend = choose_floats(on19_, (((b->sigma * rho_b) - (a->sigma * rho_a)) - residual), bend);
+            turn = choose_floats(on19_, ((-residual) / length), turn);
+            const integers t20_ = ((integers)(absolutes(turn) < each_float(1e-05)));
+            const integers on21_ = on19_ & t20_;
+            if (any(on21_)) {
+                angle = choose_floats(on21_, (angle + turn), angle);
+                length = choose_floats(on21_, (length + (bend * turn)), length);
+                const group_FF t22_ = k_turned_on(p_a, dh_a, rho_a, (a->sigma * turn));
+                p_a = choose_floats(on21_, t22_.part0, p_a);
+                dh_a = choose_floats(on21_, t22_.part1, dh_a);
+                const group_FF t23_ = k_turned_on(p_b, dh_b, rho_b, (b->sigma * turn));
+                p_b = choose_floats(on21_, t23_.part0, p_b);
+                dh_b = choose_floats(on21_, t23_.part1, dh_b);
+                broken72_ |= on21_;
+            }
+            const integers on24_ = on19_ & ~broken72_ & ~skipped72_;
+            if (any(on24_)) {
+                angle = choose_floats(on24_, (angle + turn), angle);
+            }
         }
     }
     phi.at[i] = choose_floats(lanes_, angle, phi.at[i]);
-    const floats t20_ = y.at[(lay->omega + i)];
-    const floats t21_ = y.at[((lay->omega + i) + INT64_C(1))];
-    omega_a = t20_;
-    omega_b = t21_;
+    const floats t25_ = y.at[(lay->omega + i)];
+    const floats t26_ = y.at[((lay->omega + i) + INT64_C(1))];
+    omega_a = t25_;
+    omega_b = t26_;
     thickness = (&p->web.at[INT64_C(0)])->thickness_m;
     turning = choose_floats(lanes_, (b->sigma * ((dh_b * omega_b) - k_growth(b->kind[0], thickness, omega_b))), turning);
     turning = choose_floats(lanes_, (turning - (a->sigma * ((dh_a * omega_a) - k_growth(a->kind[0], thickness, omega_a)))), turning);
-    const integers t22_ = carried;
-    const integers on23_ = lanes_ & t22_;
-    if (any(on23_)) {
-        const floats t24_ = k_turn_by_travel(p, lay, y, i, angle, out, on23_);
-        turning = choose_floats(on23_, (turning - t24_), turning);
+    const integers t27_ = carried;
+    const integers on28_ = lanes_ & t27_;
+    if (any(on28_)) {
+        const floats t29_ = k_turn_by_travel(p, lay, y, i, angle, out, on28_);
+        turning = choose_floats(on28_, (turning - t29_), turning);
     }
     phidot = (turning / length);
     out.at[i * out.cols + INT64_C(0)] = choose_floats(lanes_, length, out.at[i * out.cols + INT64_C(0)]);
@@ -1658,10 +1686,10 @@ static inline void k_shafts(const LineArrays * p, const Layout * lay, float_lane
     floats motor_inertia = {0};
     floats full = {0};
     const int64_t t1_ = p->drives.n;
-    integers broken285_ = each_bool(false);
+    integers broken298_ = each_bool(false);
     for (int64_t d = 0; d < t1_; d++) {
-        integers skipped285_ = each_bool(false);
-        const integers on2_ = ~broken285_ & ~skipped285_;
+        integers skipped298_ = each_bool(false);
+        const integers on2_ = ~broken298_ & ~skipped298_;
         if (!any(on2_)) break;
         drive = (&p->drives.at[d]);
         k = choose_integers(on2_, each_int(drive->body[0]), k);
@@ -1670,9 +1698,9 @@ static inline void k_shafts(const LineArrays * p, const Layout * lay, float_lane
         const integers on4_ = on2_ & t3_;
         if (any(on4_)) {
             scatter_floats(on4_, dy.at, choose_integers(on4_, (lay->omega + k), each_int(INT64_C(0))), (gather_floats(dy.at, choose_integers(on4_, (lay->omega + k), each_int(INT64_C(0)))) + motor));
-            skipped285_ |= on4_;
+            skipped298_ |= on4_;
         }
-        const integers on5_ = on2_ & ~broken285_ & ~skipped285_;
+        const integers on5_ = on2_ & ~broken298_ & ~skipped298_;
         if (any(on5_)) {
             rate = choose_floats(on5_, (y.at[(lay->motor + d)] - gather_floats(y.at, choose_integers(on5_, (lay->omega + k), each_int(INT64_C(0))))), rate);
             through = choose_floats(on5_, k_shaft_torque(drive->shaft_stiffness_N_m, drive->shaft_damping_N_m_s, drive->shaft_backlash_rad, y.at[(lay->twist + d)], rate), through);
@@ -1934,6 +1962,17 @@ static inline void k_slope(const LineArrays * p, const Layout * lay, const LineS
     }
 }
 
+static inline void k_turn_spans(const LineState * s, const Work * w, double ahead_s) {
+    const int64_t t1_ = w->moving.n;
+    for (int64_t i = 0; i < t1_; i++) {
+        const integers t2_ = ((integers)(w->moving.at[i] != each_float(0.0)));
+        const integers on3_ = t2_;
+        if (any(on3_)) {
+            s->phi_rad.at[i] = choose_floats(on3_, (s->phi_rad.at[i] + (ahead_s * w->contacts.at[i * w->contacts.cols + INT64_C(4)])), s->phi_rad.at[i]);
+        }
+    }
+}
+
 static inline void k_rk4(const LineArrays * p, const Layout * lay, const LineState * s, const Work * w, double dt_s) {
     float_lanes_1 y = {0};
     float_lanes_1 trial = {0};
@@ -1958,6 +1997,7 @@ static inline void k_rk4(const LineArrays * p, const Layout * lay, const LineSta
     k3 = t6_;
     k4 = t7_;
     k_slope(p, lay, s, w, y, k1);
+    k_turn_spans(s, w, half);
     const int64_t t8_ = y.n;
     for (int64_t j = 0; j < t8_; j++) {
         trial.at[j] = (y.at[j] + (half * k1.at[j]));
@@ -1968,6 +2008,7 @@ static inline void k_rk4(const LineArrays * p, const Layout * lay, const LineSta
         trial.at[j] = (y.at[j] + (half * k2.at[j]));
     }
     k_slope(p, lay, s, w, trial, k3);
+    k_turn_spans(s, w, half);
     const int64_t t10_ = y.n;
     for (int64_t j = 0; j < t10_; j++) {
         trial.at[j] = (y.at[j] + (dt_s * k3.at[j]));

@@ -6,7 +6,7 @@ import math
 
 from sim_plant.base.arrays import REWIND, UNWIND, Array, LineArrays, LineState
 from sim_plant.base.jit import compiled, compiled_inside
-from sim_plant.elements.contact import body_at, tangent
+from sim_plant.elements.contact import body_at, tangent, turned_on
 from sim_plant.elements.load_cell import filter_rate, resonance_rates
 from sim_plant.elements.material_roll import radius_rate, wound_inertia
 from sim_plant.elements.roller import friction_torque, gravity_torque
@@ -16,6 +16,9 @@ from sim_plant.line.layout import Layout
 from sim_plant.line.moved_bodies import apart, carriage_rates, lengthening, turn_by_travel
 from sim_plant.line.spliced_spans import seam_lift, with_two_webs, wrapped
 from sim_plant.line.warm_spans import free_strains
+
+NEAR_RAD = 1e-5
+"""A Newton step of a tangent below this is not followed by another look at the bodies."""
 
 
 @compiled
@@ -51,8 +54,10 @@ def span_contacts(
 ) -> None:
     """Solve the common tangent of span ``i`` and write L, p_A, p_B, ldot_A, phidot to ``out``.
 
-    ``phi[i]`` is refined by Newton steps from its last value. ``out`` has shape (m, 8). Without
-    ``more`` no body is carried.
+    ``phi[i]`` is refined from where it is by Newton steps of F, with dF/dphi = L. Once a step is
+    below ``NEAR_RAD``, p, h' and L follow it by their derivatives here, with dL/dphi =
+    sigma_B rho_B - sigma_A rho_A - F: what is left of p is h'' step^2 / 2 [own derivation].
+    ``out`` has shape (m, 8). Without ``more`` no body is carried.
     """
     a, b = p.bodies[i], p.bodies[i + 1]
     dx, dy = b.centre_x_m - a.centre_x_m, b.centre_y_m - a.centre_y_m
@@ -63,7 +68,7 @@ def span_contacts(
     radius_b = mean_radius(lay, y, b.kind, b.radius_m)
     theta_a, theta_b = y[lay.theta + i], y[lay.theta + i + 1]
     angle = phi[i]
-    p_a = p_b = dh_a = dh_b = rho_a = length = 0.0
+    p_a = p_b = dh_a = dh_b = rho_a = rho_b = length = 0.0
     for _ in range(8):
         p_a, dh_a, rho_a = body_at(
             radius_a,
@@ -75,7 +80,7 @@ def span_contacts(
             theta_a,
             angle,
         )
-        p_b, dh_b, _rho = body_at(
+        p_b, dh_b, rho_b = body_at(
             radius_b,
             b.sigma,
             b.shape_row,
@@ -88,7 +93,15 @@ def span_contacts(
         residual, length = tangent(dx, dy, a.sigma, p_a, dh_a, b.sigma, p_b, dh_b, angle)
         if abs(residual) < 1e-13:
             break
-        angle -= residual / length
+        bend = b.sigma * rho_b - a.sigma * rho_a - residual
+        turn = -residual / length
+        if abs(turn) < NEAR_RAD:
+            angle += turn
+            length += bend * turn
+            p_a, dh_a = turned_on(p_a, dh_a, rho_a, a.sigma * turn)
+            p_b, dh_b = turned_on(p_b, dh_b, rho_b, b.sigma * turn)
+            break
+        angle += turn
     phi[i] = angle
     omega_a, omega_b = y[lay.omega + i], y[lay.omega + i + 1]
     thickness = p.web[0].thickness_m

@@ -43,18 +43,31 @@ def rk4(p: LineArrays, lay: Layout, s: LineState, w: Work, dt_s: float) -> None:
     y, trial, half = s.y, w.trial, 0.5 * dt_s
     k1, k2, k3, k4 = w.rates[0], w.rates[1], w.rates[2], w.rates[3]
     slope(p, lay, s, w, y, k1)
+    turn_spans(s, w, half)
     for j in range(y.size):
         trial[j] = y[j] + half * k1[j]
     slope(p, lay, s, w, trial, k2)
     for j in range(y.size):
         trial[j] = y[j] + half * k2[j]
     slope(p, lay, s, w, trial, k3)
+    turn_spans(s, w, half)
     for j in range(y.size):
         trial[j] = y[j] + dt_s * k3[j]
     slope(p, lay, s, w, trial, k4)
     sixth = dt_s / 6.0
     for j in range(y.size):
         y[j] += sixth * (k1[j] + 2.0 * (k2[j] + k3[j]) + k4[j])
+
+
+@compiled_inside
+def turn_spans(s: LineState, w: Work, ahead_s: float) -> None:
+    """Move the directions of spans to where their rates lead in ``ahead_s``.
+
+    The next slope starts from there: what is left for Newton's step is of second order in time.
+    """
+    for i in range(w.moving.size):
+        if w.moving[i] != 0.0:
+            s.phi_rad[i] += ahead_s * w.contacts[i, 4]
 
 
 @compiled_inside
