@@ -11,6 +11,7 @@ from benchmarks.runtime.latency import latency
 from benchmarks.runtime.law_time import law_time
 from benchmarks.runtime.page import markdown, text
 from benchmarks.runtime.parts import parts
+from benchmarks.runtime.shape_tick import shape_tick
 from benchmarks.runtime.shape_time import shape_time
 from benchmarks.runtime.whole_tick import whole_tick
 from sim_plant.cli.bench_kernel import bench_kernel, table
@@ -27,7 +28,7 @@ def main() -> None:
     share = 0.1 if options.quick else 1.0
     sections = [machine(), kernel(), latency(20.0 * share), law_time(8.0 * share)]
     sections += shape_time(6.0 * share)
-    sections += [parts(20.0 * share), *whole_tick(20.0 * share)]
+    sections += [parts(20.0 * share), shape_tick(20.0 * share), *whole_tick(20.0 * share)]
     print(text(sections))
     if not options.quick:
         options.page.write_text(markdown(sections, date=wall_time_iso()), encoding="utf-8")

@@ -39,9 +39,9 @@ COLUMNS = {"state": 3, "outcome": 6, "heartbeat": 9, "wake": -4, "io": -3, "tick
 class Listener:
     """The outside of the cycle: arms once the wire is up, keeps times, stops in the end."""
 
-    def __init__(self, seconds: float) -> None:
+    def __init__(self, seconds: float, period_ns: int = PERIOD_NS) -> None:
         self._clock = MonotonicClock()
-        self._last = CONNECT_TICKS + round(seconds * 1e9 / PERIOD_NS)
+        self._last = CONNECT_TICKS + round(seconds * 1e9 / period_ns)
         self.record: Sequence[float] = ()
         self.rows: list[tuple[int, Sequence[float]]] = []
 
@@ -116,7 +116,14 @@ def one_round(wire: str, seconds: float) -> dict[str, Any]:
 
 
 def beside_plant(
-    wire: str, folder: Path, ours: Sequence[str], seconds: float, **more: str
+    wire: str,
+    folder: Path,
+    ours: Sequence[str],
+    seconds: float,
+    *,
+    site: str | None = None,
+    line: str = "euclid_ripple",
+    **more: str,
 ) -> dict[str, Any]:
     """Run a runtime's end against the plant's server; return what it printed.
 
@@ -124,12 +131,13 @@ def beside_plant(
     ----------
     folder : gets the site file, and what the plant writes.
     ours : command of that end; gets the site file and ``seconds``.
+    site, line : names in ``config`` and ``config/lines``; the wire's shipped site without.
     more : in its environment.
     """
-    wired = wire_up(wire, CONFIG / SITES[wire], folder)
+    wired = wire_up(wire, CONFIG / (site or SITES[wire]), folder)
     command = [
         *(*module_command("benchmarks.runtime.stamped_plant"), str(folder / STAMPS)),
-        *(str(CONFIG / "lines" / "euclid_ripple.yaml"), *wired.plant_arguments),
+        *(str(CONFIG / "lines" / f"{line}.yaml"), *wired.plant_arguments),
     ]
     env = environment()
     with Child("plant", command, folder / "plant.log", ready="ready", environment=env):
