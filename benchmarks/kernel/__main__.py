@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from aff_runtime.base.clock import wall_time_iso
+from benchmarks.kernel.peers import peers
 from benchmarks.runtime.facts import Row, Section, machine
 from benchmarks.runtime.page import markdown, text
 from sim_plant.lanes import library
@@ -24,6 +25,7 @@ from sim_plant.refine.model.twin import Case, Twin
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "results" / "kernel.md"
 RECORD_S = 60.0
+TITLE = "The kernel side by side and beside its peers"
 NOTE = (
     "The line of `config/lines/euclid.yaml`, a record of 60 s, steps of 5 ms as a search takes "
     "them; processor time per line and step, the best of the turns. One by one is numba."
@@ -131,12 +133,13 @@ def main() -> None:
             whole(twin, alike),
             options.turns,
         ),
+        peers(),
     ]
     print(text(sections))
     if options.docs:
         command = "python -m benchmarks.kernel --docs"
         PAGE.write_text(
-            markdown(sections, date=wall_time_iso(), title="Lines side by side", command=command),
+            markdown(sections, date=wall_time_iso(), title=TITLE, command=command),
             encoding="utf-8",
         )
         print(f"written: {PAGE}")
