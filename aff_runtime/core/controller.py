@@ -19,7 +19,10 @@ from aff_runtime.core.shape.law import ShapeLaw
 
 
 class RollPhases:
-    """Angles of every roll of a site; a new roll id restarts those of rolls that it exchanges."""
+    """Angles of every roll of a site; a new roll id restarts those of rolls that it exchanges.
+
+    ``spliced`` : every roll that a splice exchanges (``resets_on_splice``).
+    """
 
     def __init__(self, site: SiteParams) -> None:
         """Resolve channel names; ConfigError names a roll whose channel does not exist."""

@@ -8,12 +8,17 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
-import numpy as np
-
+from aff_runtime.app.control.known_shape import (
+    KnownShape,
+    PerOrder,
+    at_origin,
+    imbalance_at,
+    trial_words,
+    with_imbalance,
+)
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.wiring.shape_file import (
     WAITS,
@@ -28,29 +33,17 @@ from aff_runtime.core.params import SiteParams
 from aff_runtime.core.phase import Quality
 from aff_runtime.core.shape.law import ShapeLaw
 from aff_runtime.core.shape.profile import ShapeProfile
-from aff_runtime.core.shape.trial import Fit, ShapeTrial
+from aff_runtime.core.shape.trial import TURNS, ShapeTrial
 
 KEPT_AFTER_TURNS = 3.0  # with a correction, of the slowest roll
 RADIUS_UP, RADIUS_DOWN = 1.01, 0.85  # of the saved radius: beyond, it is another roll
-PerOrder = Mapping[tuple[str, int], complex]
-
-
-@dataclass(slots=True, kw_only=True)
-class _Known:
-    """One shape from elsewhere: where from, the deviations, what was learned of P."""
-
-    source: str
-    weight_m: PerOrder
-    correction: PerOrder
-    imbalance_m: Mapping[str, complex] = field(default_factory=dict)
-    file: ShapeFile | None = None
 
 
 @dataclass(slots=True)
 class _Trial:
     """One law that could start from a known shape; ``fed_s`` : readings for its trial so far."""
 
-    known: list[_Known]
+    known: list[KnownShape]
     fed_s: float = 0.0
     trial: ShapeTrial | None = None
 
@@ -79,20 +72,25 @@ class ShapeKeeper:
         self._roll_id: int | None = None
         self._active_roll_id: int | None = None
         self._trials: dict[str, _Trial] = {}
-        self._used: set[str] = set()
+        self._tried: set[str] = set()  # actuators whose trial is over or was given up
+        self._forgotten: dict[str, PerOrder] = {}  # of the site file's start shapes, m
         self._announced: set[str] = set()
         self._refused: set[tuple[str, str]] = set()  # (actuator, response) already logged
         self.follow(parameters)
 
     def follow(self, parameters: ParameterRecord) -> None:
-        """Go on with another parameter record; a shape that was used is not tried again."""
+        """Go on with another parameter record; trials under way begin anew.
+
+        An actuator whose trial is over, or was given up, is not tried again.
+        """
         site = self._site = parameters.site
         self._config_hash = parameters.config_hash
         self._hash = {name: shape_basis_hash(site, name) for name in site.actuators}
         measured = parameters.responses
         self._response = {name: response_hash(measured.get(name)) for name in site.actuators}
+        self._trials.clear()
         for name in site.actuators:
-            if name in self._used:
+            if name in self._tried:
                 continue
             known = self._known(name, start_values(site, name))
             if known:
@@ -104,17 +102,18 @@ class ShapeKeeper:
         if name not in self._announced:
             self._announced.add(name)
             memory_s = self._site.actuators[name].response_memory_s
-            needs = f"it takes {memory_s:.0f} s and three turns with the line running"
+            turns = f"{TURNS:.0f} turns of every roll"
+            needs = f"it takes {memory_s:.0f} s and {turns} with the line running"
             self._tell(name, f"{source} {WAITS}: {needs}; arm after that")
 
-    def _known(self, actuator: str, given: PerOrder) -> list[_Known]:
+    def _known(self, actuator: str, given: PerOrder) -> list[KnownShape]:
         """Return shapes to try for one actuator, the best first."""
-        known: list[_Known] = []
+        known: list[KnownShape] = []
         if actuator in self._shapes:
             file = ShapeFile.from_json(self._shapes[actuator])
             if file.belongs_to == self._hash[actuator]:
                 known.append(
-                    _Known(
+                    KnownShape(
                         source=f"the shape saved {file.saved_at}",
                         weight_m=file.profile.weight_m,
                         correction=self._correction(actuator, file),
@@ -123,13 +122,15 @@ class ShapeKeeper:
                     )
                 )
             else:
-                text = "the saved shape is of another drive or encoder; the roll is learned anew"
+                other = "other rolls, or another encoder, drive or signal"
+                text = f"the saved shape was learned with {other}; the rolls are learned anew"
                 self._tell(actuator, text)
                 del self._shapes[actuator]
-        if given:
-            source = "the start shape of the site file"
-            known.append(_Known(source=source, weight_m=given, correction={}))
-        return known
+        forgotten = self._forgotten.get(actuator, {})
+        given = {key: w for key, w in given.items() if forgotten.get(key) != w}
+        source = "the start shape of the site file"
+        known.append(KnownShape(source=source, weight_m=given, correction={}))
+        return [shape for shape in known if shape.weight_m]
 
     def _correction(self, actuator: str, file: ShapeFile) -> PerOrder:
         """Return a file's correction of P; nothing when it was learned over another response.
@@ -153,7 +154,7 @@ class ShapeKeeper:
     ) -> None:
         """Take one tick while shapes wait for their trial; cheap when none does.
 
-        ``values`` are the snapshot's channels.
+        ``values`` are the snapshot's channels; ``quiet`` : every output is closed and zero.
         """
         if not self._trials:
             return
@@ -172,7 +173,7 @@ class ShapeKeeper:
 
     def _drop(self, name: str) -> None:
         """Give up a trial: the law has learned meanwhile, by an early ``arm``."""
-        self._used.add(name)
+        self._tried.add(name)
         waiting = self._trials.pop(name)
         for known in waiting.known:
             if known.weight_m:
@@ -209,7 +210,7 @@ class ShapeKeeper:
         start: dict[tuple[str, int], complex] = {}
         correction: dict[tuple[str, int], complex] = {}
         imbalance: dict[str, complex] = {}
-        self._used.add(name)
+        self._tried.add(name)
         for roll in dict.fromkeys(roll for roll, _ in law.keys):
             for known in waiting.known:
                 if not any(known_roll == roll for known_roll, _ in known.weight_m):
@@ -217,12 +218,12 @@ class ShapeKeeper:
                 if (text := self._misfit(roll, known, phases)) is not None:
                     self._tell(name, f"{roll}: {known.source} is not used: {text}")
                     continue
-                weight, learned = _at(law, roll, known, phases)
-                imbalance_m = _imbalance_at(roll, known, phases)
+                weight, learned = at_origin(law, roll, known, phases)
+                imbalance_m = imbalance_at(roll, known, phases)
                 fit = waiting.trial.fit(
-                    roll, _with_imbalance(law, roll, weight, imbalance_m), learned
+                    roll, with_imbalance(law, roll, weight, imbalance_m), learned
                 )
-                self._tell(name, f"{roll}: {_words(known.source, fit)}")
+                self._tell(name, f"{roll}: {trial_words(known.source, fit)}")
                 if not fit.fits:
                     continue
                 for i, key in enumerate(law.keys):
@@ -235,7 +236,7 @@ class ShapeKeeper:
                 break
         law.start_from(ShapeProfile(weight_m=start, correction=correction, imbalance_m=imbalance))
 
-    def _misfit(self, roll: str, known: _Known, phases: RollPhases) -> str | None:
+    def _misfit(self, roll: str, known: KnownShape, phases: RollPhases) -> str | None:
         """Return why the shape cannot be this roll's; None when it can."""
         file = known.file
         if file is None or self._site.rolls[roll].resets_on != "splice":
@@ -258,7 +259,14 @@ class ShapeKeeper:
         unbelieved: frozenset[str],
         elapsed_s: float,
     ) -> None:
-        """Count turns with a correction; hand the shapes on once it is zero again."""
+        """Count turns with a correction; hand the shapes on once it is zero again.
+
+        Parameters
+        ----------
+        active : a correction goes out. ``quiet`` : every output is closed and zero.
+        unbelieved : actuators that made ripple rise and whose weights are about to be dropped.
+        elapsed_s : since the last call.
+        """
         self._see_roll(controller)
         if active:
             self._active_roll_id = controller.phases.roll_id
@@ -282,7 +290,7 @@ class ShapeKeeper:
                 self._tell(name, f"{text}: the shape of {', '.join(removed)} is forgotten")
 
     def close(self, controller: Controller) -> None:
-        """Hand on what was learned; the cycle has ended."""
+        """Hand on what was learned; the control process ticks no more."""
         self.watch(controller, active=False, quiet=True, unbelieved=frozenset(), elapsed_s=0.0)
 
     def _save(self, controller: Controller, unbelieved: frozenset[str]) -> None:
@@ -325,14 +333,20 @@ class ShapeKeeper:
                 self._tell(name, "the learned shape is not finite and is not saved")
 
     def forget(self, controller: Controller) -> None:
-        """Drop the shapes of every roll that is exchanged; the rollers are kept."""
+        """Drop the shapes of every roll that a splice exchanges (``resets_on: splice``)."""
         exchanged = set(controller.phases.spliced)
-        for waiting in self._trials.values():
+        for name, text in self._shapes.items():
+            self._shapes[name] = ShapeFile.from_json(text).without(exchanged).to_json()
+        for name in self._site.actuators:
+            given = start_values(self._site, name)
+            self._forgotten[name] = {k: w for k, w in given.items() if k[0] in exchanged}
+        for name, waiting in list(self._trials.items()):
             for known in waiting.known:
-                kept = {k: w for k, w in known.weight_m.items() if k[0] not in exchanged}
-                known.weight_m = kept
+                known.forget(exchanged)
+            if not any(known.weight_m for known in waiting.known):
+                del self._trials[name]
         for law in controller.shape_laws().values():
-            for roll in controller.phases.spliced:
+            for roll in exchanged:
                 law.reset_roll(roll)
 
 
@@ -343,54 +357,3 @@ def _readings(params: SiteParams, name: str, values: Sequence[float]) -> tuple[f
     if actuator.reference is not None:
         return signal, values[params.channels.index(actuator.reference)]
     return signal, actuator.drive.tension_N if actuator.drive is not None else 0.0
-
-
-def _at(
-    law: ShapeLaw, roll: str, known: _Known, phases: RollPhases
-) -> tuple[np.ndarray[Any, np.dtype[np.complex128]], np.ndarray[Any, np.dtype[np.complex128]]]:
-    """Return deviations and corrections of one roll's orders at the law's angle origin."""
-    origin = phases.by_name[roll].origin_rad
-    origin = origin if math.isfinite(origin) else 0.0
-    weight = np.zeros(len(law.keys), dtype=np.complex128)
-    correction = np.zeros(len(law.keys), dtype=np.complex128)
-    for i, key in enumerate(law.keys):
-        if key[0] == roll:
-            weight[i] = known.weight_m.get(key, 0j) * cmath.exp(-1j * key[1] * origin)
-            correction[i] = known.correction.get(key, 0j)
-    return weight, correction
-
-
-def _imbalance_at(roll: str, known: _Known, phases: RollPhases) -> complex:
-    """Return the imbalance column's weight at the law's angle origin; 0 without one."""
-    origin = phases.by_name[roll].origin_rad
-    origin = origin if math.isfinite(origin) else 0.0
-    return known.imbalance_m.get(roll, 0j) * cmath.exp(-1j * origin)
-
-
-def _with_imbalance(
-    law: ShapeLaw,
-    roll: str,
-    weight: np.ndarray[Any, np.dtype[np.complex128]],
-    imbalance_m: complex,
-) -> np.ndarray[Any, np.dtype[np.complex128]]:
-    """Return deviations with order 1 as the signal sees it: shape and imbalance in one."""
-    seen = law.seen()
-    if not imbalance_m or (roll, 1) not in law.keys or seen.size == len(law.keys):
-        return weight
-    first = law.keys.index((roll, 1))
-    both = weight.copy()
-    if abs(seen[first]) > 0.0:
-        both[first] += imbalance_m * seen[-1] / seen[first]
-    return both
-
-
-def _words(source: str, fit: Fit) -> str:
-    """Return what became of a shape in a trial, as a sentence."""
-    if math.isnan(fit.agreement):
-        return f"starts from {source}; there is no ripple to try it on"
-    agreement = f"agreement {fit.agreement:.2f}, size {fit.ratio:.2f}"
-    if not fit.fits:
-        return f"{source} is not used: the ripple is another ({agreement}); learned anew"
-    turned = math.degrees(fit.turned_rad)
-    moved = f", turned by {turned:.0f} deg: the encoder's origin has moved" if turned else ""
-    return f"starts from {source} ({agreement}{moved})"

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 from aff_runtime.app.link.messages import Message, ShapeLearned, ShapeNews
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.wiring.shape_file import WAITS, ShapeFile, read_shapes
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.files import replace_text
-from aff_runtime.core.shape.profile import ShapeProfile
 
 KEPT_SENTENCES = 8  # that ``status`` shows
 
@@ -71,17 +69,12 @@ class ShapeShelf:
         }
         for actuator, text in self.load(parameters).items():
             file = ShapeFile.from_json(text)
-            left = {k: w for k, w in file.profile.weight_m.items() if k[0] not in exchanged}
-            forgotten = {roll for roll, _ in file.profile.weight_m.keys() - left.keys()}
+            forgotten = {roll for roll, _ in file.profile.weight_m if roll in exchanged}
             if not forgotten:
                 continue
-            imbalance_m = {r: w for r, w in file.profile.imbalance_m.items() if r not in exchanged}
-            kept = ShapeProfile(
-                weight_m=left, correction=file.profile.correction, imbalance_m=imbalance_m
-            )
             path = parameters.shape_files[actuator]
             try:
-                replace_text(path, replace(file, profile=kept).to_json() + "\n")
+                replace_text(path, file.without(exchanged).to_json() + "\n")
             except OSError as error:
                 raise ConfigError(
                     f"{path}: {error.strerror}; the shape in this file is not forgotten"

@@ -10,8 +10,8 @@ import cmath
 import hashlib
 import json
 import math
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from aff_runtime.base.errors import ConfigError
@@ -83,6 +83,16 @@ class ShapeFile:
         about = {"radius_m": dict(self.radius_m), "web": dict(self.web)}
         shapes = {"orders": rows, "imbalance": imbalance_rows}
         return json.dumps({"format": FORMAT, **head, **about, **shapes}, allow_nan=False)
+
+    def without(self, rolls: Collection[str]) -> ShapeFile:
+        """Return the file without the shapes of some rolls; what was learned of P stays."""
+        shape = self.profile
+        left = ShapeProfile(
+            weight_m={key: w for key, w in shape.weight_m.items() if key[0] not in rolls},
+            correction=shape.correction,
+            imbalance_m={roll: w for roll, w in shape.imbalance_m.items() if roll not in rolls},
+        )
+        return replace(self, profile=left)
 
     @classmethod
     def from_json(cls, text: str) -> ShapeFile:
