@@ -66,7 +66,7 @@ RUNS = (
     N_("the site file says so already"),
     # over weeks
     N_("{path}: holds no store; `aff-runtime watch add STORE RUN_DIR` begins one"),
-    N_("no roller has been read yet: runs at a steady speed are needed"),
+    N_("none of the rollers in place has been read yet: runs at a steady speed are needed"),
     N_("runs read: {count}, left out: {others}"),
     N_("{roll}: a new life from {when} UTC"),
 )

@@ -21,7 +21,7 @@ class MonotonicClock:
 
 
 def wall_time_iso() -> str:
-    """Return wall time, UTC, ISO 8601; for run headers and labels only."""
+    """Return wall time, UTC, ISO 8601; for run headers, labels, and days that people noted."""
     return datetime.now(UTC).isoformat(timespec="milliseconds")
 
 

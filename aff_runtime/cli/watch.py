@@ -8,6 +8,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.run_window import names_a_run
@@ -16,7 +17,10 @@ from aff_runtime.cli.terminal import complain, say
 
 
 def add(commands: Any, _service: argparse.ArgumentParser) -> None:
-    """Add the command to the parser."""
+    """Add the command to the parser.
+
+    ``_service`` : parent parser of the commands that talk to a service; these talk to none.
+    """
     parser = commands.add_parser(
         "watch", help="what recorded runs say of each roller over weeks: trends, lives, limits"
     )
@@ -60,11 +64,12 @@ def _add_limits(act: argparse.ArgumentParser) -> None:
 
 def add_runs(options: argparse.Namespace) -> int:
     """Take runs into the store; 1 where none could be read."""
-    from aff_runtime.app.report.watching import findings, sentences  # noqa: PLC0415
-    from aff_runtime.app.report.watching.taking import take_runs  # noqa: PLC0415 - numpy, pyarrow
+    from aff_runtime.app.report.watching import findings, sentences, taking  # noqa: PLC0415
 
-    taken = take_runs(options.store, list(_runs(options.runs)), say, complain)
-    for line in sentences.notes(findings.findings(taken.store, dict(options.limit))):
+    limits = _limits(options.limit)
+    taken = taking.take_runs(options.store, list(_runs(options.runs)), say, complain)
+    now = taking.moment(wall_time_iso())
+    for line in sentences.notes(findings.findings(taken.store, limits, now=now)):
         say(line)
     return 1 if taken.refused == taken.runs else 0
 
@@ -73,10 +78,11 @@ def trend(options: argparse.Namespace) -> int:
     """Print what the store says: what to know first, then everything."""
     from aff_runtime.app.report.watching import findings, sentences  # noqa: PLC0415
     from aff_runtime.app.report.watching.store import load_store  # noqa: PLC0415
+    from aff_runtime.app.report.watching.taking import moment  # noqa: PLC0415
     from aff_runtime.app.report.watching.wound_rolls import rankings  # noqa: PLC0415
 
     store = load_store(options.store)
-    found = findings.findings(store, dict(options.limit))
+    found = findings.findings(store, _limits(options.limit), now=moment(wall_time_iso()))
     if options.json:
         say(sentences.as_json(store.line, found))
         return 0
@@ -87,7 +93,10 @@ def trend(options: argparse.Namespace) -> int:
     for line in sentences.rolls(rankings(store)):
         say(line)
     if not found:
-        say("no roller has been read yet: give `aff-runtime watch add` runs at a steady speed")
+        say(
+            "none of the rollers in place has been read yet: give `aff-runtime watch add` runs at "
+            "a steady speed"
+        )
     return 0
 
 
@@ -98,6 +107,16 @@ def exchange(options: argparse.Namespace) -> int:
     taking.exchange(options.store, options.roll, options.on, options.why)
     say(f"{printable(options.roll)}: a new life from {options.on:%Y-%m-%d %H:%M} UTC")
     return 0
+
+
+def _limits(given: list[tuple[str, str, float]]) -> dict[tuple[str, str], float]:
+    """Return sizes by roller and SI unit; ConfigError where one is given twice."""
+    limits: dict[tuple[str, str], float] = {}
+    for roll, unit, size in given:
+        if (roll, unit) in limits:
+            raise ConfigError(f"--limit: two limits of {printable(roll)} are in {unit}; give one")
+        limits[roll, unit] = size
+    return limits
 
 
 def _runs(given: list[Path]) -> Iterator[Path]:
@@ -116,8 +135,8 @@ def _runs(given: list[Path]) -> Iterator[Path]:
         yield from inside if inside and not names_a_run(path) else [path]
 
 
-def _limit(text: str) -> tuple[str, tuple[float, str]]:
-    """Return roller, size and SI unit of ``ROLLER=SIZE``.
+def _limit(text: str) -> tuple[str, str, float]:
+    """Return roller, SI unit and size of ``ROLLER=SIZE``.
 
     Raises
     ------
@@ -130,7 +149,7 @@ def _limit(text: str) -> tuple[str, tuple[float, str]]:
     said = ""
     for unit in ("m", "N"):
         try:
-            return roll, (read_number(size, unit), unit)
+            return roll, unit, read_number(size, unit)
         except UnitError as error:
             said = said or str(error)
     raise argparse.ArgumentTypeError(f"read {text!r}: {said}")

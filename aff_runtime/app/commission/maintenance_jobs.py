@@ -31,6 +31,7 @@ from aff_runtime.app.report.watching.store import Store, load_store
 from aff_runtime.app.report.watching.trend import Slope
 from aff_runtime.app.report.watching.wound_rolls import Ranking, Worst, WoundRoll, rankings
 from aff_runtime.app.supervisor.settings.history import kept_folder
+from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.run_window import names_a_run
 
@@ -85,11 +86,12 @@ def exchange(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 def maintenance_view(folder: Path, store: Store) -> MaintenanceView:
     """Return what a screen is shown of a store."""
-    found = findings(store)
+    found = findings(store, now=taking.moment(wall_time_iso()))
     times = store.hours["time_utc"]
+    nothing = "none of the rollers in place has been read yet: runs at a steady speed are needed"
     return MaintenanceView(
         store=str(folder),
-        nothing="" if found else "no roller has been read yet: runs at a steady speed are needed",
+        nothing="" if found else nothing,
         line=store.line,
         hours=int(times.size),
         from_s=_unix_s(times.min()) if times.size else None,

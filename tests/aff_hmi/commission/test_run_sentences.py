@@ -130,4 +130,4 @@ def test_a_limit_of_one_record_keeps_its_name_before_it() -> None:
 def test_what_a_store_without_readings_says_is_translated() -> None:
     said = [text for text in sentences_of(maintenance_jobs.maintenance_view) if "roller" in text]
     assert len(said) == 1
-    assert sentence(said[0], GERMAN).startswith("noch keine Walze")
+    assert sentence(said[0], GERMAN).startswith("noch keine der eingebauten Walzen")

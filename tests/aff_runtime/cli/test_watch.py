@@ -67,6 +67,29 @@ def test_every_trend_is_listed_and_told_to_programs(store, capsys):
     assert r6["per_km"]["low"] <= 2e-8 <= r6["per_km"]["high"]
 
 
+def test_a_roller_has_a_limit_of_each_unit(store, capsys):
+    words = ["watch", "trend", str(store), "--json", "--limit", "r6=0.2 mm", "--limit", "r6=2 N"]
+    assert main(words) == 0
+    found = json.loads(capsys.readouterr().out)["findings"]
+    assert {f["limit"] for f in found if (f["roll"], f["quantity"]) == ("r6", "stroke_m")} == {
+        2e-4
+    }
+
+
+@pytest.mark.parametrize(
+    ("limits", "said"),
+    [
+        (["r6=0.2 mm", "r6=300 um"], "two limits of r6 are in m; give one"),
+        (["r66=0.2 mm"], "r66: the store knows no such roller; it knows healthy, r6"),
+    ],
+)
+def test_a_limit_that_would_be_lost_is_refused(limits, said, store, capsys):
+    assert (
+        main(["watch", "trend", str(store), *(w for one in limits for w in ("--limit", one))]) == 2
+    )
+    assert said in capsys.readouterr().err
+
+
 def test_an_exchange_begins_a_new_life(store, tmp_path, capsys):
     own = shutil.copytree(store, tmp_path / "store")
     words = ["watch", "exchange", str(own), "r6", "--on", "2026-01-15", "--why", "serial 4711"]

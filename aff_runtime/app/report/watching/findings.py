@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from datetime import datetime
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,11 +16,13 @@ from aff_runtime.app.report.watching.store import Store
 from aff_runtime.app.report.watching.trend import Array, Jump, Slope, at_least_small, jump, slope
 
 DAY = np.timedelta64(86_400_000_000, "us")
+Limits = Mapping[tuple[str, str], float]
+"""Largest size of a roller's orders by (roller, SI unit)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Quantity:
-    """A column of ``ORDERS`` that is followed over weeks.
+    """A column of the store's table ``orders`` (``OrderRow``) that is followed over weeks.
 
     Attributes
     ----------
@@ -57,7 +60,8 @@ class Readings:
 
     Attributes
     ----------
-    limit : in the quantity's unit, NaN without one. ``at_m_s`` : line speed of the readings.
+    life : the present one. ``at_m_s`` : line speed of the readings.
+    limit : in the quantity's unit, NaN without one.
     times, days, travelled_km, size, error : (readings,): UTC, days since the first, web that had
         run, the quantity and its standard error in its unit.
     left_out : hours at another speed.
@@ -103,14 +107,26 @@ class Finding:
         return self.jump is None and all(line is not None and line.stands_out for line in lines)
 
 
-def findings(store: Store, limits: Mapping[str, tuple[float, str]] | None = None) -> list[Finding]:
+def findings(
+    store: Store, limits: Limits | None = None, *, now: datetime | None = None
+) -> list[Finding]:
     """Return what the store says of every roller; rolls of web have no life and are left out.
 
     Parameters
     ----------
-    limits : by roller, a size and its SI unit; else what the site file lets the law use.
+    limits : sizes by roller and SI unit; else what the site file lets the law use.
+    now : UTC; an exchange of a later day has not been. None: every exchange was.
+
+    Raises
+    ------
+    ConfigError
+        A limit is of a roller that the store, which knows some, does not follow.
     """
-    return [_finding(one) for one in _all_readings(store.orders, limits or {})]
+    limits = limits or {}
+    if store.orders["roll"].size:
+        for roll, _ in limits:
+            store.check_roller(roll)
+    return [_finding(one) for one in _all_readings(store, limits, now)]
 
 
 def _finding(readings: Readings) -> Finding:
@@ -142,7 +158,8 @@ def _weeks(line: Slope, limit: float, today: float) -> tuple[float, float, float
     return (value - today) / 7.0, max(0.0, (low - today) / 7.0), (high - today) / 7.0
 
 
-def _all_readings(orders: Columns, limits: Mapping[str, tuple[float, str]]) -> Iterator[Readings]:
+def _all_readings(store: Store, limits: Limits, now: datetime | None) -> Iterator[Readings]:
+    orders = store.orders
     rollers = ~orders["is_roll"]
     keys = sorted(
         set(
@@ -157,20 +174,18 @@ def _all_readings(orders: Columns, limits: Mapping[str, tuple[float, str]]) -> I
     for roll, order, signal in keys:
         mine = (orders["roll"] == roll) & (orders["order"] == order)
         mine &= orders["signal"] == signal
-        life = int(orders["life"][orders["roll"] == roll].max())
+        life = store.present_life(roll, now)
         mine &= orders["life"] == life
         part = {name: values[mine] for name, values in orders.items()}
         for quantity in QUANTITIES:
-            found = _readings(part, quantity, (signal, roll, order, life), limits.get(roll))
+            at, limit = (signal, roll, order, life), limits.get((roll, quantity.unit))
+            found = _readings(part, quantity, at, limit)
             if found is not None:
                 yield found
 
 
 def _readings(
-    part: Columns,
-    quantity: Quantity,
-    at: tuple[str, str, int, int],
-    limit: tuple[float, str] | None,
+    part: Columns, quantity: Quantity, at: tuple[str, str, int, int], limit: float | None
 ) -> Readings | None:
     """Return one quantity of one order at like speed, None where it never was read."""
     needed = (quantity.name, quantity.error, "speed_m_s", "travelled_km")
@@ -192,9 +207,8 @@ def _readings(
             "size": chosen[quantity.name],
         }.items()
     }
-    largest = chosen["limit_m"][-1] if quantity.unit == "m" else math.nan
-    if limit is not None:
-        largest = limit[0] if limit[1] == quantity.unit else math.nan
+    if limit is None:
+        limit = chosen["limit_m"][-1] if quantity.unit == "m" else math.nan
     return Readings(
         signal=at[0],
         roll=at[1],
@@ -202,7 +216,7 @@ def _readings(
         life=at[3],
         quantity=quantity,
         at_m_s=float(np.median(speed[like])),
-        limit=float(largest),
+        limit=float(limit),
         times=np.array([chosen["time_utc"][g[-1]] for g in groups]),
         days=means["days"],
         travelled_km=means["km"],

@@ -117,14 +117,7 @@ class Store:
         ConfigError
             The store knows no such roller, or it is a roll of web.
         """
-        names = sorted(set(self.orders["roll"]))
-        if roll not in names:
-            known = ", ".join(names) or "none yet"
-            raise ConfigError(f"{roll}: the store knows no such roller; it knows {known}")
-        if bool(np.any(self.orders["is_roll"][self.orders["roll"] == roll])):
-            raise ConfigError(
-                f"{roll}: is a roll of web; each has its own shape, and no life here"
-            )
+        self.check_roller(roll)
         at = np.datetime64(on.replace(tzinfo=None), "us")
         old = self.exchanges
         if np.any((old["roll"] == roll) & (old["on_utc"] == at)):
@@ -134,6 +127,34 @@ class Store:
         row = ExchangeRow(roll=roll, on_utc=at, why=why)
         self.exchanges = _joined(old, table(EXCHANGES, [row]), EXCHANGES)
         self._number()
+
+    def check_roller(self, roll: str) -> None:
+        """Do nothing where the store follows a roller of this name.
+
+        Raises
+        ------
+        ConfigError
+            The store knows no such roller, or it is a roll of web.
+        """
+        names = sorted(set(self.orders["roll"]))
+        if roll not in names:
+            known = ", ".join(names) or "none yet"
+            raise ConfigError(f"{roll}: the store knows no such roller; it knows {known}")
+        if bool(np.any(self.orders["is_roll"][self.orders["roll"] == roll])):
+            raise ConfigError(
+                f"{roll}: is a roll of web; each has its own shape, and no life here"
+            )
+
+    def present_life(self, roll: str, now: datetime | None = None) -> int:
+        """Return the number of a roller's life at ``now`` (UTC); None: after every exchange.
+
+        A clock that is behind the newest hour is not believed.
+        """
+        began = self.exchanges["on_utc"][self.exchanges["roll"] == roll]
+        if now is not None:
+            moment = np.datetime64(now.replace(tzinfo=None), "us")
+            began = began[began <= max(moment, *self.hours["time_utc"][-1:])]
+        return 1 + int(began.size)
 
     def _replace(self, run_id: str, hours: list[HourRow], orders: list[OrderRow]) -> None:
         """Put rows in the place of those of the same hours."""

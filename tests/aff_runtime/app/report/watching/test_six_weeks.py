@@ -40,7 +40,7 @@ def evenings(folder, weeks):
     store, found, said = Store(), [], []
     for run in write_weeks(weeks, folder, range(LAST)):
         store.add(run_hours(run))
-        found.append(findings(store, {"r6": (6e-5, "m")}))
+        found.append(findings(store, {("r6", "m"): 6e-5}))
         said.append(list(notes(found[-1])))
     return store, found, said
 
@@ -132,7 +132,7 @@ def test_with_aff_off_the_ripple_of_the_reading_tells_the_same(tmp_path):
     store = Store()
     for run in write_weeks(weeks, tmp_path, range(LAST)):
         store.add(run_hours(run))
-    found = findings(store, {"r6": (6e-5, "m")})
+    found = findings(store, {("r6", "m"): 6e-5})
     said = list(notes(found))
     line = of(found, quantity="ripple_N").per_km
     assert line.low <= GROWS * N_PER_M <= line.high

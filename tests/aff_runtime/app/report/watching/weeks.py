@@ -106,7 +106,7 @@ def evenings(folder):
         store.add(run_hours(write_day(folder, day, size_m)))
         now = findings(store, limit)
         if not limit:
-            limit = {"r6": (LIMIT_SHARE * float(stroke_of(now).readings.size[0]), "m")}
+            limit = {("r6", "m"): LIMIT_SHARE * float(stroke_of(now).readings.size[0])}
             now = findings(store, limit)
         found.append(Evening(day, now, list(notes(now))))
         print(
@@ -141,7 +141,7 @@ def report(folder):
     own = GROWS_M_KM * gain  # what the plant's growth is as a stroke
     told = next((e.day for e in all_ if any("r6 1x stroke grows" in s for s in e.said)), None)
     asked = next((e.day for e in all_ if any("jumped" in s for s in e.said)), None)
-    true_weeks = (limit["r6"][0] / gain - mean_m[EXCHANGED - 1]) / (GROWS_M_KM * KM_A_DAY) / 7.0
+    true_weeks = (limit["r6", "m"] / gain - mean_m[EXCHANGED - 1]) / (GROWS_M_KM * KM_A_DAY) / 7.0
     weeks = last.weeks or (math.nan,) * 3
     others = sorted({s for e in all_ for s in e.said if not s.startswith("r6 ")})
     store.exchange("r6", BEGAN.replace(hour=0) + timedelta(days=EXCHANGED), "worn")
@@ -161,7 +161,7 @@ def report(folder):
             told is not None and abs(told - by_4_sigma) <= 6,
         ),
         (
-            f"weeks from there to {1e6 * limit['r6'][0]:.0f} um of stroke",
+            f"weeks from there to {1e6 * limit['r6', 'm']:.0f} um of stroke",
             f"{true_weeks:.1f}",
             f"{weeks[0]:.1f} ({weeks[1]:.1f} to {weeks[2]:.1f})",
             weeks[1] <= true_weeks <= weeks[2],
