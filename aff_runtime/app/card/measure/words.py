@@ -94,11 +94,13 @@ def longest_rest(time_s: Array, heartbeat: Array, wake_us: Array) -> Rest:
     if time_s.size < 2:
         return Rest(longest_s=NAN, seen_s=NAN)
     cycle_s = float(np.median(np.diff(time_s)))
-    late = wake_us * 1e-6 > LATE_SHARE * cycle_s
-    late[1:] |= np.diff(time_s) > 1.5 * cycle_s
+    late = np.cumsum(wake_us * 1e-6 > LATE_SHARE * cycle_s)
+    missed = np.cumsum(np.diff(time_s, prepend=time_s[0]) > 1.5 * cycle_s)
     ends = np.concatenate([[0], 1 + np.flatnonzero(np.diff(heartbeat)), [time_s.size - 1]])
     rests_s = np.diff(time_s[ends])
-    ours = np.add.reduceat(late[1:], np.minimum(ends[:-1], late.size - 2)) > 0
+    # late from the first tick on, which then sees its beat early; missed after it
+    before = np.where(ends[:-1] > 0, late[ends[:-1] - 1], 0)
+    ours = (late[ends[1:]] > before) | (np.diff(missed[ends]) > 0)
     return Rest(longest_s=float(rests_s.max()), seen_s=float(rests_s[~ours].max(initial=0.0)))
 
 

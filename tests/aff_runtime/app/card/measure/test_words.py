@@ -128,3 +128,34 @@ def test_a_rest_in_which_our_own_tick_woke_late_is_not_the_plcs(tmp_path):
 def test_a_rest_of_the_plc_fails_though_ticks_of_ours_are_missing_elsewhere(tmp_path):
     assert rests(tmp_path / "a", ours=4, plc=4).verdict is Verdict.FAIL
     assert rests(tmp_path / "b", ours=1).verdict is Verdict.PASS
+
+
+BEAT_S = 0.02
+
+
+def beating(late_tick=None, missed_tick=None, missed_beat=None):
+    """Return the rests of a PLC that beats every 20 ms, 1 ms after a tick, as 5 ms ticks read it.
+
+    ``late_tick`` begins 4.5 ms late, ``missed_tick`` is not there, ``missed_beat`` does not come.
+    """
+    ticks = np.delete(np.arange(400), missed_tick if missed_tick is not None else [])
+    wake_us = np.where(ticks == late_tick, 4500.0, 50.0)
+    beats = np.floor((ticks * CYCLE_S + 1e-6 * wake_us - 0.001) / BEAT_S)
+    beats = np.where(beats == missed_beat, beats - 1.0, beats)
+    return words.longest_rest(ticks * CYCLE_S, beats, wake_us)
+
+
+def test_a_beat_that_a_late_tick_sees_early_makes_no_rest_of_the_plcs_longer():
+    assert CYCLE_S == 0.005
+    assert beating().longest_s == pytest.approx(BEAT_S)
+    # tick 200 is at 1.0 s, the beat at 1.001 s: in time it is seen at tick 201, late at 200
+    rest = beating(late_tick=200)
+    assert rest.longest_s == pytest.approx(BEAT_S + CYCLE_S)
+    assert rest.seen_s == pytest.approx(BEAT_S)
+
+
+def test_a_tick_that_is_missing_before_a_rest_makes_it_shorter_and_still_the_plcs():
+    # the beat of 1.001 s is seen a tick later, that of 1.021 s does not come
+    rest = beating(missed_tick=201, missed_beat=51)
+    assert rest.longest_s == pytest.approx(2.0 * BEAT_S - CYCLE_S)
+    assert rest.seen_s == pytest.approx(2.0 * BEAT_S - CYCLE_S)
