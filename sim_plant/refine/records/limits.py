@@ -9,8 +9,9 @@ from aff_runtime.base.printable import printable
 
 FILE_BYTES = 512 << 20
 """The file itself; an hour at 1 kHz of 16 channels is 460 MB of plain numbers."""
-TEXT_BYTES = 1 << 30
-"""A text file unpacked; read as a stream, so this bounds the time, not the memory."""
+UNPACKED_BYTES = 1 << 30
+"""A text or Parquet file unpacked. Text is read as a stream and Parquet column by column, so this
+bounds the time rather than the memory."""
 VALUES = 50_000_000
 """Rows times columns; 400 MB as doubles, and refine holds them more than once."""
 COLUMNS = 2_000

@@ -13,14 +13,14 @@ from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import megabytes
 from sim_plant.refine.records.columns import Table, header_of, numbers, package_for
-from sim_plant.refine.records.limits import TEXT_BYTES, check_size, shown
+from sim_plant.refine.records.limits import UNPACKED_BYTES, check_size, shown
 
 
 def parquet_table(path: Path, payload: bytes) -> Table:
     """Return the columns of a Parquet file; a field's metadata ``unit`` counts as its header's.
 
     Rows, columns, kinds and unpacked sizes are judged by the footer before a value is read. A
-    column of time stamps becomes seconds since its first row. Missing values become NaN.
+    column of time stamps becomes seconds since its first one. Missing values become NaN.
 
     Raises
     ------
@@ -41,14 +41,22 @@ def parquet_table(path: Path, payload: bytes) -> Table:
 
 
 def _columns(path: Path, file: Any) -> dict[str, Array]:
-    """Return the columns, each read and made plain before the next: half the memory of a table."""
+    """Return the columns, each read and turned into doubles before the next.
+
+    That takes half the memory of reading the whole file first.
+    """
+    arrow = package_for(path, "pyarrow", "pyarrow")
     columns: dict[str, Array] = {}
     for field in file.schema_arrow:
         part = file.read(columns=[field.name], use_threads=False)
-        values = part.column(part.schema.get_field_index(field.name)).to_numpy()
+        column = part.column(part.schema.get_field_index(field.name))
+        if arrow.types.is_null(field.type) or arrow.types.is_boolean(field.type):
+            column = column.cast(arrow.float64())  # numpy has no missing value of these kinds
+        values = column.to_numpy()
         unit = (field.metadata or {}).get(b"unit", b"").decode("utf-8", "replace")
         if values.dtype.kind == "M":
-            values, unit = (values - values[:1]) / np.timedelta64(1, "s"), "s"
+            first = next(iter(values[~np.isnat(values)][:1]), np.datetime64("NaT"))
+            values, unit = (values - first) / np.timedelta64(1, "s"), "s"
         columns[header_of(path, columns, field.name, unit)] = numbers(path, field.name, values)
     return columns
 
@@ -62,10 +70,10 @@ def _check_footer(path: Path, file: Any, schema: Any, types: Any) -> None:
     if any(g.num_rows < 0 or g.total_byte_size < 0 for g in groups):
         raise PlantError(f"{shown(path)}: not a readable Parquet file (a size below 0)")
     unpacked_bytes = sum(g.total_byte_size for g in groups)
-    if unpacked_bytes > TEXT_BYTES:
+    if unpacked_bytes > UNPACKED_BYTES:
         raise PlantError(
             f"{shown(path)}: has {megabytes(unpacked_bytes)} unpacked, more than "
-            f"{megabytes(TEXT_BYTES)}; cut the record"
+            f"{megabytes(UNPACKED_BYTES)}; cut the record"
         )
     if len(set(schema.names)) < len(schema):
         raise PlantError(f"{shown(path)}: a column name appears twice")

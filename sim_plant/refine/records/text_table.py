@@ -15,7 +15,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import text_stream
-from sim_plant.refine.records.limits import LINE_CHARACTERS, TEXT_BYTES, check_size, shown
+from sim_plant.refine.records.limits import LINE_CHARACTERS, UNPACKED_BYTES, check_size, shown
 
 _CELL_SHOWN = 60
 
@@ -33,7 +33,7 @@ def text_table(path: Path, payload: bytes) -> dict[str, Array]:
         another length, a cell that is no number.
     """
     try:
-        with text_stream(path, payload, TEXT_BYTES) as stream:
+        with text_stream(path, payload, UNPACKED_BYTES) as stream:
             return _columns(path, _lines(path, stream))
     except (OSError, EOFError, zlib.error, UnicodeDecodeError, csv.Error) as error:
         said = printable(str(error), 200)
@@ -50,7 +50,7 @@ def number_table(path: Path, payload: bytes, columns: int) -> Array:
     """
     values = array("d")
     try:
-        with text_stream(path, payload, TEXT_BYTES) as stream:
+        with text_stream(path, payload, UNPACKED_BYTES) as stream:
             for number, line in enumerate(_lines(path, stream), start=1):
                 cells = line.split()
                 if len(cells) != columns:

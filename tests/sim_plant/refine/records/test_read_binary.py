@@ -156,3 +156,39 @@ def test_a_missing_package_is_named(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pyarrow.parquet", None)
     with pytest.raises(PlantError, match="pip install pyarrow"):
         parquet_table(tmp_path / "r.parquet", b"")
+
+
+def columns_of(path, **arrays):
+    written = parquet(path, *((name, array, "") for name, array in arrays.items()))
+    return parquet_table(written, written.read_bytes())[0]
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        (pyarrow.nulls(3), [np.nan, np.nan, np.nan]),
+        (pyarrow.array([True, None, False]), [1.0, np.nan, 0.0]),
+        (pyarrow.array([True, True, False]), [1.0, 1.0, 0.0]),
+        (pyarrow.array([7, None, -2]), [7.0, np.nan, -2.0]),
+        (pyarrow.array([1.5, None, 2.5]), [1.5, np.nan, 2.5]),
+    ],
+)
+def test_a_missing_value_of_any_kind_of_column_is_nan(tmp_path, values, expected):
+    found = columns_of(tmp_path / "r.parquet", x=values)["x"]
+    assert found.dtype == np.float64
+    np.testing.assert_array_equal(found, expected)
+
+
+@pytest.mark.parametrize("kind", [pyarrow.timestamp("us"), pyarrow.timestamp("ns", "UTC")])
+def test_stamps_count_from_the_first_that_is_there(tmp_path, kind):
+    at = [None, 1_000_000, 1_500_000, None, 3_000_000]
+    scale = {"us": 1, "ns": 1000}[kind.unit]
+    stamps = pyarrow.array([None if t is None else t * scale for t in at], pyarrow.int64())
+    (found,) = columns_of(tmp_path / "r.parquet", time=stamps.cast(kind)).values()
+    np.testing.assert_allclose(found, [np.nan, 0.0, 0.5, np.nan, 2.0])
+
+
+def test_a_column_without_one_stamp_is_nan(tmp_path):
+    stamps = pyarrow.nulls(3, pyarrow.timestamp("us"))
+    (found,) = columns_of(tmp_path / "r.parquet", time=stamps).values()
+    assert np.isnan(found).all()
