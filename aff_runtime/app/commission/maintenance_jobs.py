@@ -70,7 +70,7 @@ def add_runs(where: Paths, asked: Request, talk: Talk) -> Answer:
     if not runs:
         raise RefusedError(f"{folder}: holds no run yet")
     taken = taking.take_runs(store_of(where), runs, talk.say, talk.complain)
-    return Done(text=f"runs read: {taken.runs}, left out: {taken.refused}")
+    return Done(text=f"runs tried: {taken.runs}, left out: {taken.refused}")
 
 
 def exchange(where: Paths, asked: Request, talk: Talk) -> Answer:

@@ -78,7 +78,7 @@ def test_a_sentence_is_said_in_german_and_stays_as_it_is_in_english(text: str) -
         "/l.yaml: the line file is not there; copy yours there",
         "/s.yaml: no site file is there",
         "/runs: holds no run with rows yet",
-        "runs read: 3, left out: 1",
+        "runs tried: 3, left out: 1",
         "r6: a new life from 2026-01-25 06:00 UTC",
         "looked at; not every window can be used",
         "refinement 8: Traced: eccentric roller at R6, eccentricity 0.25 mm.",

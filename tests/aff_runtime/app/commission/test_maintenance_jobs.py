@@ -140,5 +140,5 @@ def test_a_run_that_cannot_be_read_is_named_and_left_out(where):
     broken.mkdir(parents=True)
     (broken / "run.yaml").write_text("name: Euclid\n")
     talk = Talk()
-    assert add_runs(where, Request(do="add_runs"), talk).text == "runs read: 1, left out: 1"
+    assert add_runs(where, Request(do="add_runs"), talk).text == "runs tried: 1, left out: 1"
     assert talk.said[0].startswith("left out: ")
