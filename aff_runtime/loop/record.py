@@ -33,11 +33,11 @@ class TickTiming:
 
     Attributes
     ----------
-    time_s : whole periods since the start of the cycle.
+    time_s : whole periods since the control process began to tick, s.
     periods : whole periods since the last tick.
     wake_ns : lateness against the grid; ``io_ns``, ``tick_ns``: how long the exchange with the PLC
         and the tick took.
-    missed : ticks that were skipped since the start.
+    missed : ticks that were skipped since then.
     """
 
     tick: int

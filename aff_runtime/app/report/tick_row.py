@@ -24,7 +24,7 @@ class Timing:
     age_s : time since the PLC's heartbeat last moved, s.
     io_us : how long the exchange with the PLC took, us.
     tick_us : from the start of the tick until its record was made, us.
-    missed_count : ticks that never happened, since the start of the cycle.
+    missed_count : ticks that never happened, since the control process began to tick.
     """
 
     age_s: float | None
@@ -164,7 +164,7 @@ class TickRow:
 
     @property
     def time_s(self) -> float:
-        """Time since the start of the cycle, s."""
+        """Time since the control process began to tick, s."""
         return self.number("time_s")
 
     @property

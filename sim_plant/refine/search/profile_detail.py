@@ -1,4 +1,7 @@
-"""Details of a named profile: its age and orders beside it, kept where the records show them."""
+"""Details of a named profile: its age and orders beside it, kept where the records show them.
+
+Its age is by how much the radius has fallen since the profile was formed, m.
+"""
 
 from __future__ import annotations
 
@@ -23,8 +26,9 @@ def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
     """Return the objective linearised at a better fit, and that fit.
 
     All effects, their profiles' details and the declared numbers are fitted together at the
-    declared drive tick, with responses taken there. For the search that follows, profiles found
-    stay free in their low orders: a further effect must explain more than a detail of them.
+    declared drive tick. Responses to declared numbers and start states are taken anew around the
+    fit, unless the old ones will do. For the search that follows, profiles found stay free in
+    their low orders: a further effect must explain more than a detail of them.
     """
     exact = gauss_newton_fit(
         objective, fit.hypotheses, fit.values, fit.shifts, rounds=4, quick=False

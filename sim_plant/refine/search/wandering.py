@@ -1,5 +1,6 @@
-"""An effect whose size is not quite constant: its slow changes, as free terms.
+"""An effect whose size is not quite constant: its slow changes as terms.
 
+Each term has one size in all channels: free, or random with a prior.
 How well a roller holds the web varies from minute to minute. A model of constant size leaves some
 of that in all channels where the effect itself shows, in the same proportions.
 """
@@ -40,8 +41,9 @@ def weighed_with_wander(objective: Objective, fit: Fit) -> Objective:
     """Return the objective in which the sizes of a fit's effects may wander, each by its prior.
 
     Slope and threshold of a slip are known best just above the threshold, where there is least of
-    it to wander; without this the fastest plateau of a record decides both. The covariance of a
-    fit then includes that a slip's size at either plateau is off by more than noise alone gives.
+    it to wander; without this the record's plateau of the highest speed decides both. The
+    covariance of a fit then includes that a slip's size at each plateau of the speed is off by
+    more than noise alone gives.
     """
     wandering = [k for k, h in enumerate(fit.hypotheses) if h.effect.wander > 0.0]
     changes: list[Changes] = []

@@ -298,7 +298,7 @@ def _of_stretch(window: Window | None) -> HourRow:
     columns = window.table.columns
     none = np.full(1, math.nan)
     wake, io, tick = (percentiles(columns.get(f"{n}_us", none)) for n in ("wake", "io", "tick"))
-    missed = columns.get("missed_count", none)  # since the start of the cycle
+    missed = columns.get("missed_count", none)  # since the process began to tick
     speed = window.speed
     return replace(
         blank,
