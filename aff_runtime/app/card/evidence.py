@@ -40,7 +40,8 @@ class Try:
 
     Attributes
     ----------
-    factor : of the value in the site file. ``measured`` : a window of the record shows it.
+    factor : by which `settle_s` or `memory_turns` of the site file was multiplied; 1 is the
+        present setting. ``measured`` : a window of the record shows it.
     ended : why it ended before it was measured; empty where it was.
     worse : it ended because ripple rose: that is a result, and not a try that was cut off.
     """
@@ -59,11 +60,12 @@ class Evidence:
     Attributes
     ----------
     windows : of records; empty for a step that looks at none.
-    rights, machine : real-time rights of the control process; the machine, where it is this one.
+    rights, machine : real-time rights of the control process; processors and kernel of
+        this computer, where the service that answered runs on it.
     state, blocks : of the running service: its state, every order of every law.
     responses : the measured response by actuator. ``probed_here`` : actuators
         of whose response the service says that its own probe wrote it.
-    tries : settings that were tried, each with a window where it was measured.
+    tries : settings that were tried; of each that was measured a window, in the same order.
     former : samples of earlier measurements of the step, as far as they still count.
     """
 

@@ -30,7 +30,7 @@ OUT = "out"
 PROPOSED, PAGE_FILE = "site_proposed.yaml", "report.html"
 LOOKED = "lacking"
 """Folder of the last look at what windows lack, before any work on them."""
-FAILURE_BYTES = 1000  # of a sentence why there is no verdict
+FAILURE_BYTES = 4000  # of a sentence why there is no verdict: 900 characters in UTF-8
 _ASKED, _SUMMARY, _LACKING = TypeAdapter(AskedOf), TypeAdapter(Summary), TypeAdapter(Lacking)
 
 

@@ -1,4 +1,4 @@
-"""What the supervisor sends to the control process, in order; a bypass overtakes what waits."""
+"""What the supervisor sends to the control process, in order; a bypass overtakes what opens."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ class Commands:
         return self._kept.popleft() if self._kept else self._receive()
 
     def overtake(self) -> list[Arm | MeasureResponse]:
-        """Return the requests that a bypass by signal has overtaken; the rest stays in line.
+        """Return the requests that a bypass by SIGUSR1 has overtaken; the rest stays in line.
 
-        Whatever would open the output and was sent before the bypass must not undo it. The signal
+        Whatever would open the output and was sent before the bypass must not undo it. SIGUSR1
         has no place among the messages: the last ``Bypass`` that waits stands for it, and without
         one all that waits was sent before. What was sent after it counts.
         """

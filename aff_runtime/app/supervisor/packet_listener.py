@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
+import errno
 import os
 import selectors
 import socket
@@ -18,6 +18,8 @@ from aff_runtime.base.socket_file import identity, make_room, remove_own
 
 SCREEN_USER = "aff-hmi"
 """The user that a screen runs as."""
+FREE = (errno.ENOENT, errno.ECONNREFUSED)
+"""What connecting says of a path where nobody listens: no file, or a service that is gone."""
 
 
 class Visitor:
@@ -161,8 +163,11 @@ def _check_folder(folder: Path, another: str) -> None:
 
 def _check_free(path: Path, another: str) -> None:
     """Refuse a path at which another service listens."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as probe:
-        probe.setblocking(False)
-        with contextlib.suppress(OSError):
-            probe.connect(str(path))
-            raise RefusedError(f"{path}: another service listens at this socket; {another}")
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as caller:
+        caller.setblocking(False)
+        try:
+            caller.connect(str(path))
+        except OSError as error:
+            if error.errno in FREE:
+                return
+    raise RefusedError(f"{path}: another service listens at this socket; {another}")

@@ -37,16 +37,20 @@ class RealCovariance:
 
 
 def real_covariance(objective: Objective, columns: Array, residual: Array) -> RealCovariance:
-    """Return the covariance of numbers that change ``columns`` (rows, q) and leave ``residual``.
+    """Return the covariance of fitted numbers.
+
+    ``columns`` (rows, q): what a unit of each number changes of the residual's rows;
+    ``residual`` : what their fit leaves.
 
     Three estimates of one variance, and the largest would be high by chance alone. The weighing
-    is exact where noise is what it assumes, and knows the resolution of words; simulations of
-    noise alone (`moved_by_noise`) know noise that channels share and that a limit changes: the
-    larger of the two counts. What the residual pulls differently from interval to interval
+    is exact where noise is what it assumes, and knows rounding by a sensor's coarse steps;
+    simulations of noise alone (`moved_by_noise`) know noise that channels share and that a limit
+    of a drive (its torque, its loop's output) changes: the larger of the two counts.
+    What the residual pulls differently from interval to interval
     (`interval_sums`) is an error of the model where it is more than noise does by chance.
 
-    Equation: A = (Z'Z)^-1 Z' with Z what nuisances cannot explain of the columns. Its rows are
-    those of data (A_d) and of tolerances (A_t): noise = A_d A_d', tolerances = A_t A_t'. Model
+    Equation: A = (Z'Z)^-1 Z' with Z what nuisances cannot explain of the columns. Its columns
+    are those of data (A_d) and of tolerances (A_t): noise = A_d A_d', tolerances = A_t A_t'. Model
     error: the sum over intervals b of (A_b r)^2 [White 1980, Liang and Zeger 1986], where that is
     above the quantile of F.
     """
@@ -84,7 +88,8 @@ def moved_by_declared(objective: Objective, residual: Array, columns: Array) -> 
 
     A declared number that a fit has moved further than chance moves any of them may imitate what
     the model has wrong. Its tolerance then says nothing of how far it may have taken others along.
-    ``residual`` is what a fit leaves, ``columns`` (rows, q) are what its numbers change. Effective
+    ``residual`` is what a fit leaves, ``columns`` (rows, q) are what a unit
+    of each of its numbers changes of the residual's rows. Effective
     radii stay: angles fix them. n counts the declared numbers that are looked at.
     Equation: |z| > z_n, P(|z| < z_n)^n = the stated confidence  [Sidak 1967].
     """
@@ -101,11 +106,15 @@ def moved_by_declared(objective: Objective, residual: Array, columns: Array) -> 
 
 
 def moved_by_noise(objective: Objective, unit: Array) -> Array:
-    """Return Z' of the noise of every simulation of noise alone (simulations, q).
+    """Return how noise moves numbers, in every simulation of noise alone (simulations, q).
+
+    ``unit`` (rows, q): the Z of `real_covariance`, each column at norm 1; of its rows those of
+    data count.
 
     The weighing takes channels one by one. Noise of a drive moves them together, and where it
-    meets a limit it is no longer what it was: both move numbers by more than the weighing says.
-    The resolution of words is alike in all simulations, and goes out with their mean.
+    meets a limit of the drive it is no longer what it was: both move numbers by more than the
+    weighing says.
+    Rounding by a sensor's coarse steps is alike in all simulations, and goes out with their mean.
     """
     data = unit[: objective.rows]
     whitened = objective.whitening.vector

@@ -26,8 +26,8 @@ def cosines(samples: int) -> Array:
 
     Equation: DCT-II, orthonormal  [Ahmed, Natarajan, Rao 1974].
     """
-    turns = np.outer(np.arange(SLOW), np.arange(samples) + 0.5) / samples
-    rows: Array = np.cos(np.pi * turns) * np.sqrt(2.0 / samples)
+    half_turns = np.outer(np.arange(SLOW), np.arange(samples) + 0.5) / samples
+    rows: Array = np.cos(np.pi * half_turns) * np.sqrt(2.0 / samples)
     rows[0] *= np.sqrt(0.5)
     rows.flags.writeable = False
     return rows
@@ -42,8 +42,8 @@ def slow_cosines(white: Array) -> Array:
 def drift_standard_deviations(white: Array) -> Array:
     """Return the sd of every slow cosine (channels, ``SLOW``), at least 1, in whitened noise.
 
-    ``white`` (runs, channels, samples) would have 1 everywhere were it white. Octaves share their
-    level: few runs tell few numbers.
+    ``white`` (simulations of noise alone, channels, samples) would have 1 everywhere were it
+    white. Octaves share their level: few simulations tell few numbers.
     """
     power = np.mean(slow_cosines(white) ** 2, axis=0)
     for low, high in itertools.pairwise(OCTAVES):
@@ -53,7 +53,7 @@ def drift_standard_deviations(white: Array) -> Array:
 
 
 def drift_whitened(white: Array, sd: Array) -> Array:
-    """Return innovations (..., channels, samples) with their slow cosines at unit size."""
+    """Return innovations (..., channels, samples) with slow cosines of unit variance."""
     excess = slow_cosines(white) * (1.0 - 1.0 / sd)
     rest: Array = white - excess @ cosines(white.shape[-1])
     return rest

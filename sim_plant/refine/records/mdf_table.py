@@ -22,13 +22,13 @@ def mdf_table(path: Path, payload: bytes) -> Table:
     A conversion that is a formula is code of whoever wrote the file, evaluated by a library: it
     is refused before a sample is read, wherever it sits. Logged bus frames are not decoded: that
     would read samples and a database inside the file on opening. Channels of other groups are
-    put between their neighbours in time, which is said.
+    interpolated linearly onto those stamps, which is said.
 
     Raises
     ------
     PlantError
         When it is not an MDF file, is too large, holds a formula or no channel, a channel holds
-        no numbers, or another group covers another span of time.
+        no numbers, or another group covers another span of time or has stamps that go back.
     """
     package = package_for(path, "asammdf", "asammdf")
     try:
@@ -46,7 +46,7 @@ def mdf_table(path: Path, payload: bytes) -> Table:
     except Exception as error:  # its own and those of broken blocks: struct, zlib, index, value
         said = printable(f"{type(error).__name__}: {error}", 200)
         raise PlantError(f"{shown(path)}: not a readable MDF file ({said})") from error
-    return _on_one_clock(path, [s for s in signals if s.timestamps.size])
+    return _on_common_stamps(path, [s for s in signals if s.timestamps.size])
 
 
 def _check_sizes(path: Path, mdf: Any) -> None:
@@ -62,7 +62,7 @@ def _check_sizes(path: Path, mdf: Any) -> None:
     check_size(path, columns, values)
 
 
-def _on_one_clock(path: Path, signals: list[Any]) -> Table:
+def _on_common_stamps(path: Path, signals: list[Any]) -> Table:
     """Return all channels on the stamps of the group with most of them."""
     if not signals:
         raise PlantError(f"{shown(path)}: holds no channel with values")
@@ -80,13 +80,20 @@ def _on_one_clock(path: Path, signals: list[Any]) -> Table:
             values = np.where(np.asarray(signal.invalidation_bits, dtype=bool), np.nan, values)
         if not np.array_equal(signal.timestamps, master):
             values = _on_stamps(path, signal, values, master)
-            said.append(f"{name} has stamps of its own: put on those of the group with most")
+            said.append(
+                f"{name} has stamps of its own: interpolated onto those of the group with most"
+            )
         table[header_of(path, table, signal.name, signal.unit)] = values
     return table, said
 
 
 def _on_stamps(path: Path, signal: Any, values: Array, master: Array) -> Array:
     stamps = signal.timestamps
+    if np.any(np.diff(stamps) <= 0.0):
+        raise PlantError(
+            f"{shown(path)}: stamps of channel {printable(signal.name, 60)} stand still or go "
+            "back; export it anew"
+        )
     longest = float(np.max(np.diff(stamps), initial=0.0))
     if stamps[0] - master[0] > longest or master[-1] - stamps[-1] > longest:
         raise PlantError(

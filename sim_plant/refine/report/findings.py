@@ -34,7 +34,7 @@ from sim_plant.refine.search.selection import AcceptedEffect, Ranges, Selection
 from sim_plant.refine.spectra.onset_filter import moment_axis
 
 Fitted = tuple[str, Twin]
-"""A record that was fitted: its name, and its line."""
+"""A record that was fitted: its file name, and its twin."""
 
 
 def verdict_of(
@@ -167,7 +167,7 @@ def _finding(
     amplitude_sd: Mapping[str, float],
     known: Ranges,
 ) -> EffectFinding:
-    """Return one finding; ``known`` are intervals that the search found, they go before others."""
+    """Return one finding; intervals that the search found (``known``) replace those of ``sd``."""
     rows = list(zip(h.names, values, sd, strict=True))
     parameters: dict[str, Value] = dict(h.fixed) | {name: value for name, value, _ in rows}
     intervals = {name: interval(value, spread) for name, value, spread in rows} | dict(known)

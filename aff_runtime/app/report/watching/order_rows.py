@@ -16,6 +16,7 @@ from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.order_columns import OrderColumns, order_columns
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.yaml_section import Section
+from aff_runtime.config.models import Actuator
 from aff_runtime.core.monitor import Trend
 
 MOST_ROWS = 2000
@@ -23,6 +24,7 @@ MOST_ROWS = 2000
 SETTLED_SHARE = 0.5
 """Share of the later half of a stretch in which an order must be settled for its learned size to
 count. Near the noise it is settled and stalled by turns."""
+SHAPE_LIMIT_M: float = Actuator.model_fields["shape_limit_m"].default
 LEARNED = (Trend.CONVERGING, Trend.SETTLED, Trend.STALLED)
 
 
@@ -121,7 +123,7 @@ def _learned(window: Window, signal: str, at: tuple[str, int], frequency_Hz: flo
         speed = size if order.size_unit == "m/s" else None
         omega = math.tau * max(frequency_Hz, 1e-9)
         ratio = columns.get(order.response_ratio)
-        largest = _largest(actuator, at[0])
+        largest = _largest(actuator, at)
         none = (math.nan, math.nan)
         return Learned(
             shape_m=_mean(shape, 1e-3) if shape is not None else none,
@@ -137,7 +139,7 @@ def _is(order: OrderColumns, actuator: str, at: tuple[str, int]) -> bool:
 
 
 def _is_settled(state: Array) -> bool:
-    """Return whether an order was learned and went out all along."""
+    """Return whether an order never went back to rest, and was settled for most of the time."""
     if not np.all(np.isin(state, LEARNED)):
         return False
     return bool(np.mean(state == Trend.SETTLED) >= SETTLED_SHARE)
@@ -152,14 +154,19 @@ def _mean(values: Array, scale: float) -> tuple[float, float]:
     return float(finite.mean()), float(np.std(batches, ddof=1)) / math.sqrt(BATCHES)
 
 
-def _largest(actuator: Section, roll: str) -> float:
-    """Return the largest correction of a roll's block, m/s, NaN where the file has none."""
+def _largest(actuator: Section, at: tuple[str, int]) -> float:
+    """Return the largest correction of a roll's order, m/s, NaN where the file has none."""
+    roll, order = at
     blocks = actuator.get("blocks")
     for block in blocks if isinstance(blocks, list) else ():
-        if isinstance(block, dict) and block.get("roll") == roll and "amp_limit_m_s" in block:
+        if not isinstance(block, dict) or block.get("roll") != roll:
+            continue
+        orders = block.get("orders")
+        if isinstance(orders, list) and order in orders and "amp_limit_m_s" in block:
             return number(block["amp_limit_m_s"], "m/s")
     return number(actuator.get("limit_m_s"), "m/s")
 
 
 def _shape_limit(actuator: Section) -> float:
-    return number(actuator.get("shape_limit_m"), "m")
+    given = actuator.get("shape_limit_m")
+    return SHAPE_LIMIT_M if given is None else number(given, "m")

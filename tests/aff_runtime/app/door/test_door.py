@@ -201,6 +201,19 @@ def test_a_door_at_which_another_service_stands_is_not_taken(stand: Stand) -> No
     stand.visit()
 
 
+@pytest.mark.parametrize("kind", [socket.SOCK_SEQPACKET, socket.SOCK_STREAM])
+def test_a_path_where_a_service_listens_that_cannot_answer_now_is_not_taken(
+    tmp_path: Path, kind: socket.SocketKind
+) -> None:
+    path = str(tmp_path / "door.sock")
+    with socket.socket(socket.AF_UNIX, kind) as busy, socket.socket(socket.AF_UNIX, kind) as waits:
+        busy.bind(path)
+        busy.listen(0)
+        waits.connect(path)  # its place in the queue is taken
+        with pytest.raises(RefusedError, match="another service listens at this socket"):
+            Stand(tmp_path)
+
+
 def test_a_door_that_a_dead_service_left_behind_is_taken(tmp_path: Path) -> None:
     with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as left:
         left.bind(str(tmp_path / "door.sock"))

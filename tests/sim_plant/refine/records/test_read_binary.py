@@ -124,6 +124,19 @@ def test_a_slower_mdf_group_is_put_on_the_stamps_of_the_fastest_and_said(tmp_pat
 
 
 @pytest.mark.usefixtures("in_this_process")
+def test_an_mdf_group_whose_stamps_go_back_is_refused(tmp_path):
+    odd = np.round(0.04 * np.arange(ROWS // 4), 4)
+    odd[50:60] = odd[59:49:-1].copy()
+    path = mdf(
+        tmp_path / "r.mf4",
+        [signal("unwind_tension_N")],
+        [signal("rewind_tension_N", "", odd, samples=2.0 * odd)],
+    )
+    with pytest.raises(PlantError, match="stamps of channel rewind_tension_N stand still or go"):
+        read_record(path)
+
+
+@pytest.mark.usefixtures("in_this_process")
 def test_an_mdf_group_of_another_stretch_is_refused(tmp_path):
     path = mdf(
         tmp_path / "r.mf4",

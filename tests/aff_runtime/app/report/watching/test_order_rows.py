@@ -86,6 +86,21 @@ def test_the_plain_laws_amplitude_is_a_stroke_over_its_angular_frequency():
     assert math.isnan(once.shape_m)
 
 
+def test_the_limit_is_that_of_the_block_that_has_the_order():
+    site = SITE.replace(
+        "[{ roll: roller, orders: [1, 2] }]",
+        "[{ roll: roller, orders: [2], amp_limit_m_s: 0.02 }, "
+        "{ roll: roller, orders: [1], amp_limit_m_s: 0.03 }]",
+    )
+    once = rows(site, **law(Trend.SETTLED, amplitude_m_s=0.003))["roller", 1]
+    assert once.limit_m == pytest.approx(0.03 / OMEGA, rel=1e-3)
+
+
+def test_a_limit_of_law_shape_that_the_file_leaves_out_is_the_models_default():
+    site = SITE.replace("    shape_limit_m: 15 mm\n", "")
+    assert rows(site, **law(Trend.SETTLED, shape_mm=0.25))["roller", 1].limit_m == 0.015
+
+
 def test_law_shapes_deviation_and_response_ratio_are_taken_with_their_limit():
     once = rows(**law(Trend.SETTLED, shape_mm=0.25, gain_of_P=0.8))["roller", 1]
     assert (once.shape_m, once.response_ratio) == pytest.approx((2.5e-4, 0.8))
