@@ -124,7 +124,8 @@ class CommissionPresses:
                 reason=reason,
             )
             return await commission.press(session, tried)
-        return await commission.press(session, Request(do=do, reason=reason))
+        ended = Request(do=do, measured=str(said["measured"]), reason=reason)
+        return await commission.press(session, ended)
 
     async def _try_refined(
         self, commission: Commission, session: Session, asked: Asked

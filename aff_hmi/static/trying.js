@@ -24,6 +24,7 @@ export function showTried(state) {
   byId("trying").hidden = !(tried && state.is_open);
   put(byId("tried"), tried);
   byId("tried-left").dataset.seconds = state.left_s ?? "";
+  byId("trying").dataset.sha256 = state.service.tried ?? "";
   heard_ms = performance.now();
   count();
   return tried;
@@ -31,7 +32,8 @@ export function showTried(state) {
 
 byId("trying").onsubmit = (event) => {
   event.preventDefault();
-  const said = { do: event.submitter.value, step: 0, measured: "", seconds: 0 };
+  const measured = byId("trying").dataset.sha256; // of what is shown as tried: nothing else is kept or ended
+  const said = { do: event.submitter.value, step: 0, measured, seconds: 0 };
   post("/card/settings", { ...said, reason: byId("tried-why").value });
 };
 setInterval(count, 500);

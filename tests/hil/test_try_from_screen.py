@@ -70,7 +70,9 @@ class Stand:
     def end(self, do: str) -> None:
         """Press keep or undo, as of a frame that shows the try."""
         self.at.tries(True)
-        said = {"do": do, "step": 0, "measured": "", "seconds": 0, "reason": REASON}
+        tried = self.line.status()["tried"]
+        assert tried == digest(self.text)
+        said = {"do": do, "step": 0, "measured": tried, "seconds": 0, "reason": REASON}
         reply = self.carl.post("/card/settings", said)
         assert reply.status == 200, reply.said
         until(f"{do} is done", lambda: not self.tried, PATIENCE_S)

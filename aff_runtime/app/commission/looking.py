@@ -83,6 +83,7 @@ class Looking:
             probing=now.probing,
             probed=now.probed,
             trying=now.trying,
+            tried=now.tried,
             differs=now.config_differs,
             learned=now.learned,
         )

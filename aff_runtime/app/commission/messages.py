@@ -69,7 +69,8 @@ class Request:
     Attributes
     ----------
     key, place, account, password, over : who asks, from where; whether to take it over.
-    step, measured : number of the card's step, and the hash of its measurement that was shown.
+    step, measured : number of the card's step, and the hash of its measurement that was shown; of
+        settings the sha256 of their text.
     typed, plc, leave_out : values of displays, one a line; name of the PLC; why a step does not
         apply.
     seconds, reason : how long to try something, and why something is done.
@@ -169,6 +170,7 @@ def _paper(value: Any) -> bool:
 
 _PERSON = {"key": _key, "place": _place}
 _WINDOWS = {**_PERSON, "windows": _text, "holdout": _text, "without": _text}
+_TRIED = {**_PERSON, "measured": _digest, "reason": _text}
 _EDITS = {"base": _digest, "edits": _text}
 # what may be asked: its keys, each with what its value must be
 TABLE: Mapping[str, Keys] = {
@@ -189,8 +191,8 @@ TABLE: Mapping[str, Keys] = {
     },
     "verify": _PERSON,
     "try": {**_PERSON, "step": _whole, "measured": _digest, "seconds": _whole, "reason": _text},
-    "keep": {**_PERSON, "reason": _text},
-    "undo": {**_PERSON, "reason": _text},
+    "keep": _TRIED,
+    "undo": _TRIED,
     "words": {**_PERSON, "again": _text},
     "answer": {**_PERSON, "number": _whole, "text": _text},
     "stop": _PERSON,

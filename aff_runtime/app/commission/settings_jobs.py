@@ -64,21 +64,16 @@ def try_proposed(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 
 def keep(where: Paths, asked: Request, talk: Talk) -> Answer:
-    """Save what is tried as the site file."""
-    return _end(where, asked, "keep")
+    """Save the text that the person saw tried, and no other, as the site file."""
+    answer = ask_settings(where, act="keep", why=by_screen(asked), tried=asked.measured)
+    save_handed_out(where, answer)
+    return Done(text="kept; saved as the site file")
 
 
 def undo(where: Paths, asked: Request, talk: Talk) -> Answer:
-    """End a try; without one, take back what was kept last, in the site file too."""
-    return _end(where, asked, "undo")
-
-
-def _end(where: Paths, asked: Request, act: str) -> Answer:
-    answer = ask_settings(where, act=act, why=by_screen(asked))
-    if not answer.text:
-        return Done(text="undone; the former settings run")
-    save_handed_out(where, answer)
-    return Done(text="kept; saved as the site file" if act == "keep" else "undone; saved")
+    """End the try that the person saw; the site file, which it never was in, is not written."""
+    ask_settings(where, act="undo", why=by_screen(asked), tried=asked.measured)
+    return Done(text="undone; the former settings run")
 
 
 def save_handed_out(where: Paths, answer: SettingsAnswer) -> None:

@@ -265,7 +265,8 @@ class ServiceView:
     Attributes
     ----------
     state : of the guard. ``heard`` : whether the PLC is. ``blocked`` : what stands against arming.
-    probed : what came of the last probe. ``trying`` : how a try of settings stands.
+    probed : what came of the last probe.
+    trying : how a try of settings stands. ``tried`` : sha256 of their text; empty without one.
     differs : why the file is not what runs. ``learned`` : digests of what was learned.
     """
 
@@ -276,6 +277,7 @@ class ServiceView:
     probing: bool
     probed: str
     trying: str
+    tried: str
     differs: tuple[str, ...]
     learned: tuple[str, ...]
 

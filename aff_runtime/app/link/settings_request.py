@@ -10,7 +10,7 @@ from typing import Any
 from aff_runtime.base.errors import RefusedError
 
 ACTS = ("state", "diff", "try", "keep", "undo", "history")
-KEYS = ("act", "text", "seconds", "why", "version", "base")
+KEYS = ("act", "text", "seconds", "why", "version", "base", "tried")
 START = b'{"do": "settings"'
 """How a line begins that may hold a whole site file."""
 MAX_BYTES = 1 << 19
@@ -30,6 +30,8 @@ class SettingsRequest:
     why : the caller's reason, for ``try``, ``keep`` and ``undo``.
     version : of the history, for ``undo`` and ``history``; 0: the one before, or all.
     base : sha256 of the running text that ``try`` or ``undo`` was decided on; empty: any.
+    tried : sha256 of the tried text that ``keep`` or ``undo`` is about, and of nothing else;
+        empty: of whatever is tried, and ``undo`` without a try is of what was kept last.
     """
 
     act: str
@@ -38,6 +40,7 @@ class SettingsRequest:
     why: str = ""
     version: int = 0
     base: str = ""
+    tried: str = ""
 
 
 def settings_request(said: Any) -> SettingsRequest:
@@ -58,7 +61,8 @@ def settings_request(said: Any) -> SettingsRequest:
         seconds=_seconds(said.get("seconds")) if act == "try" else 0.0,
         why=_why(said.get("why")) if needs_why else "",
         version=_version(said.get("version", 0)),
-        base=_base(said.get("base", "")),
+        base=_sha256("base", said.get("base", "")),
+        tried=_sha256("tried", said.get("tried", "")),
     )
 
 
@@ -84,9 +88,9 @@ def _why(given: object) -> str:
     return given.strip()
 
 
-def _base(given: object) -> str:
+def _sha256(key: str, given: object) -> str:
     if not isinstance(given, str) or re.fullmatch("([0-9a-f]{64})?", given) is None:
-        raise RefusedError("base: the sha256 of a site file is needed")
+        raise RefusedError(f"{key}: the sha256 of a site file is needed")
     return given
 
 

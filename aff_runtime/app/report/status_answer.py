@@ -93,7 +93,8 @@ class StatusAnswer:
     config_differs : why the file is not what runs. ``learned`` : digests of what was learned.
     control_pid : 0 while no control process runs, `NOT_SAID` in an answer that leaves it open.
     probed : what came of the last probe; empty before one.
-    trying : how a try of other settings stands; empty without one.
+    trying : how a try of other settings stands; empty without one. ``tried`` : sha256 of their
+        text.
     control_restarts : how often a control process that had died was started anew; `NOT_SAID` in
         an answer of an older service.
     audit_records : number of the newest line of the audit; `NOT_SAID` where none is kept.
@@ -116,6 +117,7 @@ class StatusAnswer:
     probing: bool = False
     probed: str = ""
     trying: str = ""
+    tried: str = ""
     recorder: RecorderReport | None = None
     control_restarts: int = NOT_SAID
     audit_records: int = NOT_SAID
@@ -156,6 +158,7 @@ def read_answer(said: Any) -> StatusAnswer:
         probing=said.get("probing", False),
         probed=said.get("probed", ""),
         trying=said.get("trying", ""),
+        tried=said.get("tried", ""),
         recorder=RecorderReport.from_json(recorder) if recorder else None,
         control_restarts=said.get("control_restarts", NOT_SAID),
         audit_records=said.get("audit_records", NOT_SAID),

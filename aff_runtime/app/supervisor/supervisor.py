@@ -337,6 +337,7 @@ class Supervisor:
             probing=self._probes.is_under_way,
             probed=self._probes.said,
             trying=self._settings.trying,
+            tried=self._settings.tried,
             recorder=processes.recorder_report(),
             control_restarts=processes.restarts,
             audit_records=self._hand.audit_records if self._hand is not None else NOT_SAID,

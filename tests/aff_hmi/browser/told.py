@@ -143,6 +143,7 @@ SERVICE = views.ServiceView(
     probing=False,
     probed="measured",
     trying="",
+    tried="",
     differs=(),
     learned=(),
 )

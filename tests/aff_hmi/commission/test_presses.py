@@ -194,8 +194,8 @@ def test_a_search_needs_the_hand(at: Pressed, heard: Heard) -> None:
     ("do", "passed"),
     [
         ("try", {"step": 9, "measured": "0" * 64, "seconds": 120, "reason": "it is better"}),
-        ("keep", {"reason": "it is better"}),
-        ("undo", {"reason": "it is better"}),
+        ("keep", {"measured": "0" * 64, "reason": "it is better"}),
+        ("undo", {"measured": "0" * 64, "reason": "it is better"}),
     ],
 )
 def test_what_is_proposed_is_tried_kept_or_taken_back_with_the_hand(

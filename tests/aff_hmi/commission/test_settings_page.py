@@ -202,6 +202,7 @@ def test_the_seconds_that_are_left_are_counted_for_everybody(
         "probing": False,
         "probed": "",
         "trying": trying,
+        "tried": "0" * 64 if trying else "",
         "differs": [],
         "learned": [],
     }

@@ -43,6 +43,7 @@ from aff_runtime.config.plain_file import read_plain
 
 Checked = Callable[[Asked, CheckResult], None]
 SAVED_MEANWHILE = "somebody has saved other settings since you looked; look again"
+ANOTHER_TRY = "other settings are being tried than those that you saw; look again"
 
 
 class SettingsDesk:
@@ -84,6 +85,14 @@ class SettingsDesk:
         return (
             f"settings {digest(tried.plan.parameters.site_text)[:12]} by {tried.plan.who}: {how}"
         )
+
+    @property
+    def tried(self) -> str:
+        """Sha256 of the text that is tried; empty without a try."""
+        tried = self._tried
+        if tried is None or tried.is_over:
+            return ""
+        return digest(tried.plan.parameters.site_text)
 
     def refuse_while_trying(self) -> None:
         """Refuse what would mix with a try.
@@ -236,7 +245,13 @@ class SettingsDesk:
 
         tried.begin(taken)
 
+    def _refuse_another(self, request: SettingsRequest) -> None:
+        """Refuse what is about one try, and that one does not run."""
+        if request.tried and request.tried != self.tried:
+            raise RefusedError(ANOTHER_TRY if self.tried else WORDS[Code.NO_TRY])
+
     def _keep(self, asked: Asked, request: SettingsRequest) -> None:
+        self._refuse_another(request)
         tried = self._tried
         if tried is None or not tried.runs:
             raise RefusedError(WORDS[Code.NO_TRY])
@@ -247,6 +262,7 @@ class SettingsDesk:
         asked.answer(self._answer(text=text, replaces=digest(former)))
 
     def _undo(self, asked: Asked, request: SettingsRequest) -> None:
+        self._refuse_another(request)
         tried = self._tried
         if tried is not None:
             if request.version:

@@ -127,6 +127,7 @@ SERVICE = views.ServiceView(
     probing=False,
     probed="",
     trying="",
+    tried="",
     differs=("x",),
     learned=(),
 )

@@ -84,7 +84,12 @@ def test_a_measured_noise_is_a_number_with_its_remark():
 
 
 @pytest.mark.parametrize(("act", "job"), [("keep", keep), ("undo", undo)])
-def test_an_end_is_asked_for_with_who_and_why(where, asked, act, job):
-    said = Request(do=act, reason="it is better", account="carl")
-    assert job(where, said, Talk()).text == "undone; the former settings run"
-    assert asked == [{"act": act, "why": "it is better (carl at the screen)"}]
+def test_an_end_is_asked_for_with_who_why_and_of_what_was_seen(
+    where, asked, act, job, monkeypatch
+):
+    saved = []
+    monkeypatch.setattr(settings_jobs, "save_handed_out", lambda *given: saved.append(given))
+    said = Request(do=act, measured="0" * 64, reason="it is better", account="carl")
+    job(where, said, Talk())
+    assert asked == [{"act": act, "why": "it is better (carl at the screen)", "tried": "0" * 64}]
+    assert len(saved) == (1 if act == "keep" else 0)

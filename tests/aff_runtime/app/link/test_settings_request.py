@@ -46,6 +46,8 @@ def test_a_whole_site_file_fits_and_nothing_else_gets_that_room():
         ({"act": "keep"}, "why: read no text, a reason"),
         ({"act": "undo", "why": "12345678", "version": "1"}, "version: a number"),
         ({"act": "history", "version": -1}, "version: a number"),
+        ({"act": "undo", "why": "12345678", "tried": "0" * 63}, "tried: the sha256 of a site"),
+        ({"act": "try", "text": "a", "seconds": 9, "why": "12345678", "base": 1}, "base: the sha"),
         ({"act": "state", "colour": 1}, "unknown key 'colour'"),
     ],
 )

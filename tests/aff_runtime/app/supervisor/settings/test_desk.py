@@ -225,6 +225,40 @@ def test_undo_ends_a_try_and_without_one_goes_back_to_what_stood_before(rig):
     assert rig.rows[-1] == ("undone", "noise grew at night (version 1)")
 
 
+def test_taking_back_a_try_that_has_ended_hands_out_no_earlier_version(rig):
+    edited = rig.other("settle_s: 6,", "settle_s: 9,")
+    rig.site.write_text(edited)
+    rig.run(0.5)
+    text = rig.other()
+    rig.begin(text, seconds=5.0)
+    assert rig.desk.tried == digest(text)
+    rig.run(6.0)
+    assert rig.desk.tried == ""
+    assert rig.running.parameters.site_text == edited
+    for act in ("undo", "keep"):
+        said = rig.ask(act=act, why="web flutters", tried=digest(text))
+        assert said.json["message"] == "no settings are being tried"
+    assert rig.ask(act="undo", why="web flutters").text == rig.former  # the console's own
+
+
+@pytest.mark.parametrize("act", ["keep", "undo"])
+def test_what_is_kept_or_ended_is_the_try_that_was_seen(rig, act):
+    seen, later = rig.other(), rig.other("settle_s: 6,", "settle_s: 9,")
+    rig.begin(seen)
+    rig.ask(act="undo", why="web flutters", tried=digest(seen))
+    rig.run(0.5)
+    assert rig.runs_the_former
+    rig.begin(later)
+    said = rig.ask(act=act, why="3 dB less at 1x", tried=digest(seen))
+    assert said.json["message"].startswith("other settings are being tried than those that you")
+    rig.run(0.5)
+    assert rig.running.parameters.site_text == later
+    said = rig.ask(act=act, why="3 dB less at 1x", tried=digest(later))
+    rig.run(0.5)
+    assert said.json["ok"]
+    assert (said.text, rig.runs_the_former) == ((later, False) if act == "keep" else ("", True))
+
+
 def test_a_version_is_not_gone_back_to_while_a_try_runs(rig):
     rig.begin()
     said = rig.ask(act="undo", version=1, why="web flutters")
