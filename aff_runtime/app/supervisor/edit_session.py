@@ -123,6 +123,8 @@ class EditSession:
             if changes or exchanged:
                 revised = self._processes.revised(parameters)
                 self.hand_over(revised, findings=result.findings)
+            elif parameters.site_text != running.site_text:  # comments and blanks: nothing to send
+                self._accept(self._processes.revised(parameters), result.findings)
             else:
                 self.differs, self.findings = (), result.findings
         else:

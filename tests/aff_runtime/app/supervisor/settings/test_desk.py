@@ -417,6 +417,22 @@ def test_what_somebody_saves_while_a_try_is_checked_is_not_lost_by_it(rig):
     assert rig.running.parameters.site_text == edited
 
 
+def test_a_comment_that_was_saved_by_hand_runs_as_a_version_and_can_be_tried_on(rig):
+    text = rig.former + "# seen on the drive\n"
+    rig.site.write_text(text)
+    rig.run(0.5)
+    assert rig.running.parameters.site_text == text
+    assert rig.running.control.taken == []  # no value of it is another one
+    row = rig.ask(act="history").json["versions"][-1]
+    assert (row["verb"], row["sha256"]) == ("edited", digest(text))
+    other = text.replace("settle_s: 6,", "settle_s: 12,", 1)
+    assert rig.begin(other).json["ok"]
+    rig.ask(act="undo", why="enough seen")
+    rig.run(0.5)
+    assert rig.running.parameters.site_text == text
+    assert rig.ask(act="undo", why="as it was").text == rig.former
+
+
 def test_going_back_to_a_version_does_not_end_a_try_instead(rig):
     rig.begin()
     running = digest(rig.other())
