@@ -43,6 +43,8 @@ from aff_runtime.config.plain_file import read_plain
 
 Checked = Callable[[Asked, CheckResult], None]
 SAVED_MEANWHILE = "somebody has saved other settings since you looked; look again"
+BEING_CHECKED = "other settings are being checked; try again"
+TAKEN_BACK = "the correction was taken back meanwhile; look again"
 ANOTHER_TRY = "other settings are being tried than those that you saw; look again"
 
 
@@ -115,7 +117,9 @@ class SettingsDesk:
             case "try":
                 self._check_file()
                 base = self._check_base(request)
-                self._begin_check(asked, request.text, partial(self._try, base))
+                self._make_room()
+                was_live = self._processes.is_live()
+                self._begin_check(asked, request.text, partial(self._try, base, was_live))
             case "keep":
                 self._keep(asked, request)
             case "undo":
@@ -125,15 +129,22 @@ class SettingsDesk:
             case _:
                 asked.answer(self._answer())
 
-    def _refuse_what_may_not(self, act: str) -> None:
+    def _refuse_what_may_not(self, act: str, *, trying: bool | None = None) -> None:
         if act in OF_SETTINGS:
-            now = replace(self._stands(), trying=self._is_trying)
+            is_trying = self._is_trying if trying is None else trying
+            now = replace(self._stands(), trying=is_trying)
             for reason in against_settings(Action(act), now):
                 raise RefusedError(reason.text)
 
     @property
     def _is_trying(self) -> bool:
-        return self._tried is not None or self._check is not None
+        """Whether a try runs or is checked for; a look at a difference is none."""
+        return self._tried is not None or (self._check is not None and self._is_for_try)
+
+    @property
+    def _is_for_try(self) -> bool:
+        request = self._check[0].request.settings if self._check is not None else None
+        return request is not None and request.act == "try"
 
     def step(self, latest: TickRow | None) -> None:
         """Do what time brings: a check that has ended, ripple, the end of a try."""
@@ -167,9 +178,16 @@ class SettingsDesk:
 
     # --- checks -------------------------------------------------------------------------------
 
+    def _make_room(self) -> None:
+        """End a look at a difference: nobody who looks holds up a try."""
+        if self._check is not None and not self._is_for_try:
+            (asked, check, _), self._check = self._check, None
+            check.abandon()
+            asked.answer(Done(ok=False, message=BEING_CHECKED))
+
     def _begin_check(self, asked: Asked, text: str, then: Checked) -> None:
         if self._check is not None:
-            raise RefusedError("other settings are being checked; try again")
+            raise RefusedError(BEING_CHECKED)
         try:
             check = Validation(self._site, self._state, text=text)
         except OSError as error:
@@ -199,10 +217,13 @@ class SettingsDesk:
 
     # --- try, keep, undo ----------------------------------------------------------------------
 
-    def _try(self, base: str, asked: Asked, result: CheckResult) -> None:
-        """Begin a try; ``base`` : digest of what ran when its check began."""
+    def _try(self, base: str, was_live: bool, asked: Asked, result: CheckResult) -> None:
+        """Begin a try; ``base``, ``was_live``: what ran and went out when its check began."""
         parameters, request = result.checked(), asked.request.settings
         assert request is not None
+        self._refuse_what_may_not("try", trying=False)  # a check takes a second
+        if was_live and not self._processes.is_live():
+            raise RefusedError(TAKEN_BACK)
         if digest(self._processes.parameters.site_text) != base:
             raise RefusedError(SAVED_MEANWHILE)
         changes = self._changes(parameters)

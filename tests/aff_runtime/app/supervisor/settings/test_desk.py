@@ -9,7 +9,6 @@ import pytest
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.settings import desk as desk_module
 from aff_runtime.app.supervisor.settings import history
-from aff_runtime.app.supervisor.settings.history import digest
 from tests.aff_runtime.app.supervisor.settings.rig import WHO, AtOnce, Rig
 
 LINE = "actuators.unwind.blocks[0].settle_s: 6 s -> 12 s (applies at once)"
@@ -225,40 +224,6 @@ def test_undo_ends_a_try_and_without_one_goes_back_to_what_stood_before(rig):
     assert rig.rows[-1] == ("undone", "noise grew at night (version 1)")
 
 
-def test_taking_back_a_try_that_has_ended_hands_out_no_earlier_version(rig):
-    edited = rig.other("settle_s: 6,", "settle_s: 9,")
-    rig.site.write_text(edited)
-    rig.run(0.5)
-    text = rig.other()
-    rig.begin(text, seconds=5.0)
-    assert rig.desk.tried == digest(text)
-    rig.run(6.0)
-    assert rig.desk.tried == ""
-    assert rig.running.parameters.site_text == edited
-    for act in ("undo", "keep"):
-        said = rig.ask(act=act, why="web flutters", tried=digest(text))
-        assert said.json["message"] == "no settings are being tried"
-    assert rig.ask(act="undo", why="web flutters").text == rig.former  # the console's own
-
-
-@pytest.mark.parametrize("act", ["keep", "undo"])
-def test_what_is_kept_or_ended_is_the_try_that_was_seen(rig, act):
-    seen, later = rig.other(), rig.other("settle_s: 6,", "settle_s: 9,")
-    rig.begin(seen)
-    rig.ask(act="undo", why="web flutters", tried=digest(seen))
-    rig.run(0.5)
-    assert rig.runs_the_former
-    rig.begin(later)
-    said = rig.ask(act=act, why="3 dB less at 1x", tried=digest(seen))
-    assert said.json["message"].startswith("other settings are being tried than those that you")
-    rig.run(0.5)
-    assert rig.running.parameters.site_text == later
-    said = rig.ask(act=act, why="3 dB less at 1x", tried=digest(later))
-    rig.run(0.5)
-    assert said.json["ok"]
-    assert (said.text, rig.runs_the_former) == ((later, False) if act == "keep" else ("", True))
-
-
 def test_a_version_is_not_gone_back_to_while_a_try_runs(rig):
     rig.begin()
     said = rig.ask(act="undo", version=1, why="web flutters")
@@ -385,57 +350,3 @@ def test_a_warning_of_what_was_only_tried_stays_new(rig):
     again = rig.ask(act="diff", text=rig.other(*ROLL))
     rig.run(0.2)
     assert len(again.json["remarks"]) == 1
-
-
-def test_what_was_decided_on_other_settings_than_those_that_run_is_refused(rig):
-    base = digest(rig.former)
-    edited = rig.other("settle_s: 6,", "settle_s: 9,")
-    rig.site.write_text(edited)
-    rig.run(0.5)
-    assert rig.running.parameters.site_text == edited
-    late = rig.ask(act="try", text=rig.other(), seconds=60.0, why="hunting at 1x", base=base)
-    back = rig.ask(act="undo", version=1, why="hunting at 1x", base=base)
-    for said in (late, back):
-        assert "somebody has saved other settings" in said.json["message"]
-    assert rig.running.parameters.site_text == edited
-    wrong = rig.ask(act="diff", text=rig.other())
-    rig.run(0.2)
-    assert wrong.json["ok"]
-    now = digest(edited)
-    assert rig.ask(act="undo", version=1, why="as it was", base=now).text == rig.former
-
-
-def test_what_somebody_saves_while_a_try_is_checked_is_not_lost_by_it(rig):
-    said = rig.ask(act="try", text=rig.other(), seconds=60.0, why="hunting at 1x")
-    edited = rig.other("settle_s: 6,", "settle_s: 9,")
-    rig.site.write_text(edited)
-    for _ in range(5):
-        rig.edits.step()
-    assert rig.running.parameters.site_text == edited
-    rig.run(0.5)
-    assert "somebody has saved other settings" in said.json["message"]
-    assert rig.running.parameters.site_text == edited
-
-
-def test_a_comment_that_was_saved_by_hand_runs_as_a_version_and_can_be_tried_on(rig):
-    text = rig.former + "# seen on the drive\n"
-    rig.site.write_text(text)
-    rig.run(0.5)
-    assert rig.running.parameters.site_text == text
-    assert rig.running.control.taken == []  # no value of it is another one
-    row = rig.ask(act="history").json["versions"][-1]
-    assert (row["verb"], row["sha256"]) == ("edited", digest(text))
-    other = text.replace("settle_s: 6,", "settle_s: 12,", 1)
-    assert rig.begin(other).json["ok"]
-    rig.ask(act="undo", why="enough seen")
-    rig.run(0.5)
-    assert rig.running.parameters.site_text == text
-    assert rig.ask(act="undo", why="as it was").text == rig.former
-
-
-def test_going_back_to_a_version_does_not_end_a_try_instead(rig):
-    rig.begin()
-    running = digest(rig.other())
-    said = rig.ask(act="undo", version=1, why="as it was", base=running)
-    assert "a try runs: end it first" in said.json["message"]
-    assert rig.running.parameters.site_text == rig.other()
