@@ -17,6 +17,7 @@ from aff_hmi.commission.settings_shown import difference_in, settings_in, versio
 from aff_runtime.app.commission.answers import DifferenceShown, SettingsShown, VersionShown
 from aff_runtime.app.commission.messages import Refusal
 from aff_runtime.app.commission.messages import Request as Asked
+from aff_runtime.app.hand.may import Role
 
 
 class SettingsData:
@@ -41,8 +42,10 @@ class SettingsData:
         return JSONResponse({"ok": True, "settings": said})
 
     async def version(self, request: Request) -> Response:
-        """Return one version."""
-        asked = Asked(do="settings_version", number=number_in(request))
+        """Return one version; what going back would change, to who commissions alone."""
+        session = self._looks.session_of(request)
+        may_go_back = session is not None and session.account.role >= Role.COMMISSION
+        asked = Asked(do="settings_version", number=number_in(request), back=may_go_back)
         found = await self._looks.looked(request, asked, VersionShown)
         if isinstance(found, Response):
             return found

@@ -98,7 +98,8 @@ class Looking:
             return Refusal(why=Why.REFUSED, name=NO_SITE)
         if asked.do in VIEWS_OF_CARD and not (self._where.card / CARD).exists():
             return Refusal(why=Why.REFUSED, name=NO_CARD)
-        key = " ".join((asked.do, asked.paper, str(asked.number), asked.base, asked.edits))
+        named = (asked.do, asked.paper, str(asked.number), asked.base, asked.edits)
+        key = " ".join((*named, str(asked.back)))
         longest_ns = MOST_AGE_OF_RUNS_NS if asked.do in VIEWS_OF_RUNS else math.inf
         async with self._one_at_a_time:
             fingerprint, now_ns = self._fingerprint(), self._clock.now_ns()

@@ -78,6 +78,8 @@ class Request:
     paper : of a page that prints.
     windows, holdout : parts of runs to fit and to judge on, one a line: ``NAME[@FROM..TO]``.
     without : effects that are left out of refine's library, a word each.
+    back : whether it is said, too, what going back to a version would change: it takes a check of
+        the service.
     base, edits : hash of the settings that were seen, and what is to be changed of them, a line
         ``PATH: VALUE`` each.
     roll, on : a roller that was exchanged, and when.
@@ -108,6 +110,7 @@ class Request:
     on: str = ""
     base: str = ""
     edits: str = ""
+    back: bool = False
     by: str = ""
 
     @property
@@ -213,7 +216,7 @@ TABLE: Mapping[str, Keys] = {
     "exchange": {**_PERSON, "roll": _text, "on": _text, "reason": _text},
     "stop_long": _PERSON,
     "settings": {},
-    "settings_version": {"number": _whole},
+    "settings_version": {"number": _whole, "back": _flag},
     "settings_diff": _EDITS,
     "try_settings": {**_PERSON, **_EDITS, "measured": _digest, "seconds": _whole, "reason": _text},
     "go_back": {

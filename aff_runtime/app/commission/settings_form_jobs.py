@@ -107,6 +107,8 @@ def version(where: Paths, asked: Request, talk: Talk) -> Answer:
         against = WORDS[Code.TRYING]
     elif found.sha256 == history.running:
         against = RUNS
+    elif not asked.back:
+        against = WORDS[Code.SETTINGS_ROLE]
     else:
         running = next(one for one in reversed(history.versions) if one.sha256 == history.running)
         back = _difference(where, _text(where, running), text)

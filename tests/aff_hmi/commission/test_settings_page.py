@@ -128,8 +128,16 @@ def test_what_is_no_number_of_a_version_asks_for_none(
     at: Pressed, heard: Heard, number: str
 ) -> None:
     reply = at.browser("vera").get(f"/data/settings/version?number={number}&lang=de")
-    assert heard.said == [{"do": "settings_version", "number": 0}]
+    assert heard.said == [{"do": "settings_version", "number": 0, "back": False}]
     assert reply.said["version"]["back"]["changes"][0].endswith("(gilt sofort)")
+
+
+@pytest.mark.parametrize(("who", "back"), [("vera", False), ("anna", False), ("carl", True)])
+def test_what_going_back_would_change_is_asked_of_the_service_for_who_commissions(
+    at: Pressed, heard: Heard, who: str, back: bool
+) -> None:
+    assert at.browser(who).get("/data/settings/version?number=3").status == 200
+    assert heard.said == [{"do": "settings_version", "number": 3, "back": back}]
 
 
 def test_a_try_and_a_way_back_carry_key_place_base_and_what_was_seen(

@@ -172,19 +172,25 @@ def test_another_text_than_was_shown_is_not_tried(where, text, service):
 
 
 def test_a_version_says_what_it_changed_and_what_going_back_would(where, text, service):
-    found = version(where, Request(do="settings_version", number=1), Talk()).version
+    found = version(where, Request(do="settings_version", number=1, back=True), Talk()).version
     assert found.lines == ()  # none ran before it
     assert found.back is not None
     assert found.back.sha256 == digest(service.texts[0])
     assert found.against == ""
-    newest = version(where, Request(do="settings_version", number=2), Talk()).version
+    newest = version(where, Request(do="settings_version", number=2, back=True), Talk()).version
     assert [line for line in newest.lines if "settle_s: 20" in line and line[0] == "-"]
     assert (newest.back, newest.against) == (None, "this is what runs")
     service.trying = "settings 01 by carl: 9 s left, then the former return"
-    during = version(where, Request(do="settings_version", number=1), Talk()).version
+    during = version(where, Request(do="settings_version", number=1, back=True), Talk()).version
     assert (during.back, during.against[:27]) == (None, "settings are being tried; k")
     with pytest.raises(RefusedError, match="no version 9"):
         version(where, Request(do="settings_version", number=9), Talk())
+
+
+def test_who_may_not_go_back_has_the_service_check_nothing(where, text, service):
+    found = version(where, Request(do="settings_version", number=1), Talk()).version
+    assert (found.back, found.against[:32]) == (None, "this account may not change setti"[:32])
+    assert service.asked == []
 
 
 def test_going_back_saves_what_was_shown_and_nothing_else(where, text, service, monkeypatch):
