@@ -16,7 +16,7 @@ function count() {
 
 /** Show what is tried, as the commissioner says it stands; returns it, empty where nothing is. */
 export function showTried(state) {
-  if (state?.ok !== true) {
+  if (state?.ok !== true || !state.service.answers) {
     count();
     return byId("tried").textContent; // nobody says that it has ended
   }
