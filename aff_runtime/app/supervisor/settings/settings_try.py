@@ -75,7 +75,7 @@ class SettingsTry:
         self._was_live = processes.is_live()
         self._returning = ""
         self._tries = 0
-        self._waits = False
+        self._waits = self._granted = False
 
     @property
     def left_s(self) -> float:
@@ -98,7 +98,10 @@ class SettingsTry:
         self._edits.hand_over(self._processes.revised(self.plan.parameters), taken)
 
     def grant(self) -> None:
-        """Leave ``KEEP_GRACE_S`` at least to save the site file."""
+        """Leave ``KEEP_GRACE_S`` at least to save the site file; once, or no try would end."""
+        if self._granted:
+            return
+        self._granted = True
         self._until_ns = max(self._until_ns, self._clock.now_ns() + int(KEEP_GRACE_S * 1e9))
 
     def step(self, latest: TickRow | None) -> None:

@@ -150,3 +150,13 @@ def test_going_back_to_a_version_does_not_end_a_try_instead(rig):
     said = rig.ask(act="undo", version=1, why="as it was", base=running)
     assert "a try runs: end it first" in said.json["message"]
     assert rig.running.parameters.site_text == rig.other()
+
+
+def test_a_keep_that_nobody_saves_holds_a_try_up_once(rig):
+    rig.begin(seconds=10.0)
+    rig.run(8.5)
+    for _ in range(4):  # 12 s from the first on, of which KEEP_GRACE_S are granted
+        rig.ask(act="keep", why="3 dB less at 1x")
+        rig.run(3.0)
+    assert rig.runs_the_former
+    assert rig.rows[-1] == ("returned", "its time is up")
