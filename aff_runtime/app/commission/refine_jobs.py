@@ -28,7 +28,7 @@ from aff_runtime.app.commission.refine_views import (
     RefiningView,
 )
 from aff_runtime.app.commission.run_list import paths_of, runs_folder, runs_in, windows_in
-from aff_runtime.app.commission.settings_jobs import ask_settings
+from aff_runtime.app.commission.settings_jobs import ask_settings, by_screen
 from aff_runtime.app.commission.sources import Paths, status_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.supervisor.settings.history import digest
@@ -160,7 +160,7 @@ def try_refined(where: Paths, asked: Request, talk: Talk) -> Answer:
         return Refusal(why=Why.CHANGED)  # it is another text than the person has seen
     if _text(where.site) != text_in(folder, SITE_AT_BEGIN):
         raise RefusedError(OTHER_SITE)
-    why = f"{asked.reason} ({asked.account} at the screen, refinement {asked.number})"
+    why = by_screen(asked, of=f"refinement {asked.number}")
     answer = ask_settings(where, act="try", text=text, seconds=float(asked.seconds), why=why)
     for change in (*answer.remarks, *answer.changes):
         talk.say(str(change))

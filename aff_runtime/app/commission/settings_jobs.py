@@ -17,6 +17,7 @@ from aff_runtime.app.commission.sources import Paths, parameters_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
+from aff_runtime.app.link.settings_request import reason_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError, WireError
 from aff_runtime.config.findings import KeyPath
@@ -88,9 +89,20 @@ def save_handed_out(where: Paths, answer: SettingsAnswer) -> None:
     await_saved(partial(ask_settings, where, act="state"), answer.text, MonotonicClock())
 
 
-def by_screen(asked: Request) -> str:
-    """Return the reason as the history has it: with who is at the screen."""
-    return f"{asked.reason} ({asked.account} at the screen)"
+def by_screen(asked: Request, of: str = "") -> str:
+    """Return the reason as the history has it: with who is at the screen.
+
+    Parameters
+    ----------
+    of : what it is about, said beside the name.
+
+    Raises
+    ------
+    RefusedError
+        The reason itself is too short: a name beside it makes it no longer.
+    """
+    about = f", {of}" if of else ""
+    return f"{reason_of(asked.reason)} ({asked.account} at the screen{about})"
 
 
 def ask_settings(where: Paths, **arguments: Any) -> SettingsAnswer:

@@ -59,7 +59,7 @@ def settings_request(said: Any) -> SettingsRequest:
         act=act,
         text=_text(said.get("text")) if needs_text else "",
         seconds=_seconds(said.get("seconds")) if act == "try" else 0.0,
-        why=_why(said.get("why")) if needs_why else "",
+        why=reason_of(said.get("why")) if needs_why else "",
         version=_version(said.get("version", 0)),
         base=_sha256("base", said.get("base", "")),
         tried=_sha256("tried", said.get("tried", "")),
@@ -79,7 +79,14 @@ def _seconds(given: object) -> float:
     return float(given)  # type: ignore[arg-type]
 
 
-def _why(given: object) -> str:
+def reason_of(given: object) -> str:
+    """Return a reason without the blanks around it.
+
+    Raises
+    ------
+    RefusedError
+        It is none, or has fewer than ``LEAST_WHY`` or more than ``MOST_WHY`` characters.
+    """
     if not isinstance(given, str) or not LEAST_WHY <= len(given.strip()) <= MOST_WHY:
         said = f"{len(given.strip())} characters" if isinstance(given, str) else "no text"
         raise RefusedError(

@@ -253,11 +253,9 @@ def proposal(where):
     return refined(where, Request(do="refined", number=1), Talk()).refined.proposal
 
 
-def tried(where, measured):
-    asked = Request(
-        do="try_refined", number=1, measured=measured, seconds=60, reason="named", account="carl"
-    )
-    return try_refined(where, asked, Talk())
+def tried(where, measured, reason="it is named"):
+    said = {"measured": measured, "seconds": 60, "reason": reason, "account": "carl"}
+    return try_refined(where, Request(do="try_refined", number=1, **said), Talk())
 
 
 def test_a_proposal_is_shown_as_lines_of_the_text_and_as_settings_with_units(where, proposing):
@@ -273,8 +271,14 @@ def test_a_proposal_is_shown_as_lines_of_the_text_and_as_settings_with_units(whe
 def test_it_is_tried_as_it_was_shown_with_who_and_why(where, proposing):
     text, asked = proposing
     assert tried(where, digest(text)).text.startswith("tried for 60 s: settle_s")
-    why = "named (carl at the screen, refinement 1)"
+    why = "it is named (carl at the screen, refinement 1)"
     assert asked == [{"act": "try", "text": text, "seconds": 60.0, "why": why}]
+
+
+def test_a_reason_that_is_too_short_tries_nothing(where, proposing):
+    with pytest.raises(RefusedError, match="read 5 characters, a reason of 8"):
+        tried(where, digest(proposing[0]), reason="named")
+    assert proposing[1] == []
 
 
 def test_what_was_not_seen_is_not_tried(where, proposing):

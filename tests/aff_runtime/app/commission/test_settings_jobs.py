@@ -93,3 +93,16 @@ def test_an_end_is_asked_for_with_who_why_and_of_what_was_seen(
     job(where, said, Talk())
     assert asked == [{"act": act, "why": "it is better (carl at the screen)", "tried": "0" * 64}]
     assert len(saved) == (1 if act == "keep" else 0)
+
+
+@pytest.mark.parametrize("reason", ["", "short", "       ", " seven77 "])
+@pytest.mark.parametrize("job", [keep, undo, try_proposed])
+def test_the_name_at_the_screen_is_no_part_of_a_reason_that_is_long_enough(
+    where, asked, job, reason
+):
+    digest = proposing(where, PROPOSED)
+    said = replace(ASKED, measured=digest, reason=reason)
+    short = f"read {len(reason.strip())} characters, a reason of 8"
+    with pytest.raises(RefusedError, match=short):
+        job(where, said, Talk())
+    assert asked == []
