@@ -205,7 +205,7 @@ async function show(number, focuses = true) {
     openings();
     return;
   }
-  const { version, lines: text, back, against } = found.version;
+  const { version, lines: text, back, running, against } = found.version;
   const title = filled(filled(words.version, "number", version.number), "verb", version.verb_word);
   put(byId("version-title"), filled(title, "who", version.who));
   put(byId("version-of"), [when(version), version.why].filter(Boolean).join(": "));
@@ -216,7 +216,7 @@ async function show(number, focuses = true) {
   Object.assign(byId("back").dataset, {
     ready: back !== null && !back.refused && back.changes.length ? "yes" : "no",
     measured: back?.sha256 ?? "",
-    base: view?.running ?? "",
+    base: running, // of what the difference is against, and not of what runs by now
   });
   openings();
   if (focuses) byId("version-title").focus();

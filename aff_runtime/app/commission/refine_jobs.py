@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -28,6 +27,7 @@ from aff_runtime.app.commission.refine_views import (
     RefiningView,
 )
 from aff_runtime.app.commission.run_list import paths_of, runs_folder, runs_in, windows_in
+from aff_runtime.app.commission.settings_form import lines_between
 from aff_runtime.app.commission.settings_jobs import ask_settings, by_screen
 from aff_runtime.app.commission.sources import Paths, status_of
 from aff_runtime.app.commission.talk import Talk
@@ -41,7 +41,6 @@ from aff_runtime.config.yaml_marks import MAX_BYTES
 
 FEWEST_BESIDE_CONTROL = 4
 """With fewer processors no refinement begins while a correction goes out."""
-MOST_DIFF_LINES = 400
 NO_LINE = (
     "no line file: start the commissioner with --line LINE.yaml, a copy of "
     "config/lines/euclid.yaml with your rollers, web and sensors"
@@ -272,13 +271,10 @@ def _proposal(where: Paths, site: str, text: str, base: str) -> ProposalView:
             changes, remarks = answer.changes, answer.remarks
         except AffError as error:
             against = str(error)
-    lines = difflib.unified_diff(site.splitlines(), text.splitlines(), lineterm="", n=2)
     return ProposalView(
         sha256=digest(text),
         changes=changes,
         remarks=remarks,
-        lines=tuple(line for line in lines if not line.startswith(("---", "+++")))[
-            :MOST_DIFF_LINES
-        ],
+        lines=lines_between(site, text),
         against=against,
     )

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from aff_runtime.app.commission.settings_views import SaidOfSetting, SettingsSection, SettingView
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.printable import printable
 from aff_runtime.config.declared import Declared
 from aff_runtime.config.edited_text import EditedText
 from aff_runtime.config.findings import KeyPath, dotted
@@ -129,6 +130,10 @@ def is_finding(line: str) -> bool:
 
 
 def lines_between(before: str, after: str) -> tuple[str, ...]:
-    """Return the lines that differ, marked, with two of what is around them."""
+    """Return the lines that differ, marked, with two of what is around them.
+
+    A character of the file that turns or hides others stands there as what it is.
+    """
     lines = difflib.unified_diff(before.splitlines(), after.splitlines(), lineterm="", n=2)
-    return tuple(line for line in lines if not line.startswith(("---", "+++")))[:MOST_DIFF_LINES]
+    differ = [printable(line) for line in lines if not line.startswith(("---", "+++"))]
+    return tuple(differ[:MOST_DIFF_LINES])

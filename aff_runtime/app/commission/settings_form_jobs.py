@@ -24,7 +24,7 @@ from aff_runtime.app.commission.sources import Paths, parameters_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.hand.may import WORDS, Code
 from aff_runtime.app.link.parameter_record import ParameterRecord
-from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
+from aff_runtime.app.link.settings_answer import SAVED_MEANWHILE, SettingsAnswer, Version
 from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.base.errors import AffError, ConfigError, RefusedError
@@ -111,9 +111,11 @@ def version(where: Paths, asked: Request, talk: Talk) -> Answer:
         against = WORDS[Code.SETTINGS_ROLE]
     else:
         running = next(one for one in reversed(history.versions) if one.sha256 == history.running)
-        back = _difference(where, _text(where, running), text)
+        back = _difference(where, _text(where, running), text, history.running)
     lines = lines_between(former, text) if text and former else ()
-    view = VersionView(version=found, lines=lines, back=back, against=against)
+    view = VersionView(
+        version=found, lines=lines, back=back, running=history.running, against=against
+    )
     return VersionShown(version=view)
 
 
@@ -125,6 +127,10 @@ def go_back(where: Paths, asked: Request, talk: Talk) -> Answer:
     if now.running != asked.base:
         return Refusal(why=Why.CHANGED)
     why = by_screen(asked)
+    text = ask_settings(where, act="history", version=asked.number).text
+    if digest(text) != asked.measured:
+        return Refusal(why=Why.CHANGED)
+    _refuse_what_cannot_run(_difference(where, text, text, asked.base))
     answer = ask_settings(where, act="undo", version=asked.number, why=why, base=asked.base)
     if digest(answer.text) != asked.measured:
         return Refusal(why=Why.CHANGED)
@@ -132,11 +138,21 @@ def go_back(where: Paths, asked: Request, talk: Talk) -> Answer:
     return Done(text=f"version {asked.number} is saved as the site file, and runs")
 
 
-def _difference(where: Paths, former: str, text: str) -> DifferenceView:
+def _refuse_what_cannot_run(found: DifferenceView) -> None:
+    """Refuse a text that the check refuses by now: it would be saved, and not run."""
+    if found.refused:
+        said = (f"{one.path}: {one.text}" if one.path else one.text for one in found.said)
+        raise RefusedError("\n".join(said))
+
+
+def _difference(where: Paths, former: str, text: str, running: str = "") -> DifferenceView:
+    """Return what would become of a text; ``running``: sha256 of what it has to be against."""
     changes: tuple[str, ...] = ()
     refused = False
     try:
         answer = ask_settings(where, act="diff", text=text)
+        if running and answer.running != running:
+            raise RefusedError(SAVED_MEANWHILE)
         changes, said = answer.changes, said_in(answer.remarks)
     except AffError as error:
         lines = str(error).splitlines()

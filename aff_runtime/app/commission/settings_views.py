@@ -102,10 +102,12 @@ class VersionView:
     ----------
     lines : of its text, against the text that ran before it.
     back : what going back to it would change now; None where it cannot be said.
+    running : sha256 of the text that ran then.
     against : why one cannot go back to it, or empty.
     """
 
     version: Version
     lines: tuple[str, ...]
     back: DifferenceView | None
+    running: str
     against: str

@@ -8,6 +8,7 @@ from typing import Any
 
 RIPPLE_OF = "ripple of"
 """How the reason begins for which a try is taken back because ripple rose."""
+SAVED_MEANWHILE = "somebody has saved other settings since you looked; look again"
 RETURNED = "returned"
 """Verb of the version that runs again after a try."""
 

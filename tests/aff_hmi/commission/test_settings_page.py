@@ -71,7 +71,13 @@ BACK = {"number": 3, "base": "1" * 64, "measured": "2" * 64, "reason": "as in sp
 @pytest.fixture
 def heard() -> Heard:
     found = Heard()
-    back = {"version": VERSION, "lines": [], "back": DIFFERENCE, "against": ""}
+    back = {
+        "version": VERSION,
+        "lines": [],
+        "back": DIFFERENCE,
+        "running": "1" * 64,
+        "against": "",
+    }
     found.answers |= {
         "settings": {"ok": True, "settings": VIEW},
         "settings_diff": {"ok": True, "difference": DIFFERENCE},

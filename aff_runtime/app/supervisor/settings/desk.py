@@ -23,7 +23,7 @@ from aff_runtime.app.link.answers import Done
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.request_socket import Asked
-from aff_runtime.app.link.settings_answer import RETURNED, SettingsAnswer, Version
+from aff_runtime.app.link.settings_answer import RETURNED, SAVED_MEANWHILE, SettingsAnswer, Version
 from aff_runtime.app.link.settings_request import SettingsRequest
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.edit_session import EditSession
@@ -42,7 +42,6 @@ from aff_runtime.config.diff import Change, diff_sites
 from aff_runtime.config.plain_file import read_plain
 
 Checked = Callable[[Asked, CheckResult], None]
-SAVED_MEANWHILE = "somebody has saved other settings since you looked; look again"
 BEING_CHECKED = "other settings are being checked; try again"
 TAKEN_BACK = "the correction was taken back meanwhile; look again"
 ANOTHER_TRY = "other settings are being tried than those that you saw; look again"

@@ -279,7 +279,9 @@ DIFFERENCE = of_settings.DifferenceView(
     waits=True,
     lines=("@@", "-a", "+b"),
 )
-VERSION = of_settings.VersionView(version=ROW, lines=("+b",), back=DIFFERENCE, against="")
+VERSION = of_settings.VersionView(
+    version=ROW, lines=("+b",), back=DIFFERENCE, running="1" * 64, against=""
+)
 ANSWERS = [
     ("state", STATE),
     ("refining", RefiningShown(refining=REFINING)),

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 import pytest
 
-from aff_runtime.app.commission.settings_form import edits_in, said_in, sections, text_with_edits
+from aff_runtime.app.commission.settings_form import (
+    edits_in,
+    lines_between,
+    said_in,
+    sections,
+    text_with_edits,
+)
 from aff_runtime.app.commission.settings_views import SaidOfSetting
 from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.config.loader import load_site
@@ -106,3 +112,9 @@ def test_findings_are_told_by_their_setting() -> None:
         SaidOfSetting(path="", text="the check was ended by SIGKILL. Somebody did that"),
         SaidOfSetting(path="", text="nothing of a file"),
     )
+
+
+def test_a_character_that_turns_others_around_is_shown_as_what_it_is() -> None:
+    found = lines_between("a: 1\n", "a: 1\nb: 2 # \u202e3 :b\x1b[2J\n")
+    assert found[-1] == "+b: 2 # \\u202e3 :b\\x1b[2J"
+    assert all(line.isprintable() for line in found)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from dataclasses import replace
 
@@ -40,7 +41,8 @@ class Service:
         self.texts = texts
         self.trying = ""
         self.asked = []
-        self.refuses = None
+        self.refuses = self.refuses_diff = None
+        self.saved_meanwhile = ""  # between two questions
 
     def __call__(self, where, **asked):
         if self.refuses is not None:
@@ -51,6 +53,10 @@ class Service:
             running=digest(self.texts[-1]), trying=self.trying, versions=self.versions
         )
         match asked["act"]:
+            case "diff" if self.refuses_diff is not None:
+                raise self.refuses_diff
+            case "diff" if self.saved_meanwhile:
+                return replace(state, running=digest(self.saved_meanwhile))
             case "diff":
                 return replace(state, changes=(f"{SETTLE}: 6 s -> 12 s (applies at once)",))
             case "history" if asked.get("version"):
@@ -213,3 +219,26 @@ def test_going_back_saves_what_was_shown_and_nothing_else(where, text, service, 
     service.trying = "settings 01 by carl: 9 s left, then the former return"
     with pytest.raises(RefusedError, match="being tried"):
         go_back(where, said, Talk())
+
+
+def test_a_version_that_the_check_refuses_by_now_is_not_gone_back_to(
+    where, text, service, monkeypatch
+):
+    saved = []
+    monkeypatch.setattr(settings_form_jobs, "save_handed_out", lambda w, a: saved.append(a.text))
+    service.refuses_diff = ConfigError(f"{where.site}:60:40  {SETTLE}: 1 to 300 s is allowed")
+    old = service.texts[0]
+    seen = {"base": digest(text), "measured": digest(old), "reason": "as in spring"}
+    said = Request(do="go_back", number=1, account="carl", **seen)
+    with pytest.raises(RefusedError, match=re.escape(f"{SETTLE}: 1 to 300 s is allowed")):
+        go_back(where, said, Talk())
+    assert saved == []
+    assert [one["act"] for one in service.asked] == ["diff"]
+
+
+def test_a_version_names_the_settings_that_its_difference_is_against(where, text, service):
+    asked_for = Request(do="settings_version", number=1, back=True)
+    assert version(where, asked_for, Talk()).version.running == digest(text)
+    service.saved_meanwhile = text.replace("settle_s: 10,", "settle_s: 11,", 1)
+    with pytest.raises(RefusedError, match="somebody has saved other settings"):
+        version(where, asked_for, Talk())
