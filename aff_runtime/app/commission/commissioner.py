@@ -26,6 +26,7 @@ from aff_runtime.app.hand.audit import Audit, Entry
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.link.peer import Peer
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.printable import printable
 
 AWAITED = ("sign",)
 """Jobs whose answer the screen waits for, never stopped; of the others it hears by ``state``."""
@@ -167,7 +168,7 @@ class Commissioner:
         if slot.worker is not None:
             return Refusal(why=Why.RUNNING, name=slot.worker.asked.called)
         entry = _entry(asked, held, peer)
-        if not self._audit.write(entry, "asked"):
+        if not self._audit.write(entry, "asked", printable(asked.reason)):
             return Refusal(why=Why.UNRECORDED)
         by = f"{by_whom()}; {held.account}, {how}"
         worker = Worker(asked.for_job(account=held.account, by=by), self._where)

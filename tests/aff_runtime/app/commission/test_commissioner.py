@@ -4,6 +4,7 @@ Answers, refusals and its socket are in ``test_commissioner_words.py``.
 """
 
 import asyncio
+import json
 
 import pytest
 
@@ -173,6 +174,29 @@ def test_a_signature_that_is_asked_for_is_not_stopped(line, monkeypatch):
     assert line.rows()[-2:] == [
         ("commissioning: stop", "refused"),
         ("commissioning: sign 4", "done"),
+    ]
+
+
+@pytest.mark.parametrize("do", ["keep", "undo", "go_back"])
+def test_the_audit_has_of_settings_their_reason_and_the_sha256_of_their_text(
+    line, monkeypatch, do
+):
+    made_jobs.play(monkeypatch, say(done={"text": "kept"}))
+    what = {"measured": "7" * 64, "reason": "3 dB less\nat 1x"}
+    if do == "go_back":
+        what |= {"number": 3, "base": "1" * 64}
+
+    async def played():
+        key = await line.open()
+        assert (await line.ask(do, key=key, **PERSON, **what))["ok"]
+        return await line.done()
+
+    assert asyncio.run(played())["ok"]
+    said = [json.loads(row) for row in line.audit.path.read_text().splitlines()]
+    found = [(row["what"], row["result"], row["why"], row["id"]) for row in said[1:]]
+    assert found == [
+        (f"commissioning: {do}", "asked", "3 dB less\\nat 1x", "7" * 64),
+        (f"commissioning: {do}", "done", "kept", "7" * 64),
     ]
 
 
