@@ -39,11 +39,11 @@ function input(one) {
   return made;
 }
 
-function setting(one) {
+function setting(one, roll) {
   const box = part("div", "setting");
   Object.assign(box.dataset, { path: one.path, can: one.can_edit ? "yes" : "no" });
   box.dataset.kind = one.kind;
-  box.dataset.words = `${one.path} ${one.help}`.toLowerCase();
+  box.dataset.words = `${one.path} ${roll} ${one.help}`.toLowerCase();
   if (one.can_edit) {
     const label = part("label", "name", `${one.name}${one.unit ? `, ${one.unit}` : ""} `);
     label.append(input(one));
@@ -67,7 +67,9 @@ function form() {
     ...shown.sections.map((section) => {
       const box = document.createElement("details");
       box.open = section.settings.some((one) => one.can_edit);
-      box.append(part("summary", "", section.path || "·"), ...section.settings.map(setting));
+      const of = section.roll ? `, ${filled(words.ofRoll, "name", section.roll)}` : "";
+      const settings = section.settings.map((one) => setting(one, section.roll));
+      box.append(part("summary", "", `${section.path || "·"}${of}`), ...settings);
       return box;
     }),
   );

@@ -32,12 +32,23 @@ def sections(site: Site, text: str) -> tuple[SettingsSection, ...]:
     text : of the site file that says this site.
     """
     edited = EditedText(text)
-    found: dict[str, list[SettingView]] = {}
+    rolls: dict[KeyPath, str] = {}
+    found: dict[KeyPath, list[SettingView]] = {}
     for leaf in leaves(site):
-        found.setdefault(dotted(leaf.path[:-1]), []).append(_setting(leaf, edited))
+        where = leaf.path[:-1]
+        if leaf.path[-1] == "roll" and isinstance(where[-1], int):
+            rolls[where] = str(leaf.value)
+        found.setdefault(where, []).append(_setting(leaf, edited))
     return tuple(
-        SettingsSection(path=path, settings=tuple(settings)) for path, settings in found.items()
+        SettingsSection(path=dotted(path), roll=_roll_of(path, rolls), settings=tuple(settings))
+        for path, settings in found.items()
     )
+
+
+def _roll_of(path: KeyPath, rolls: Mapping[KeyPath, str]) -> str:
+    """Return the roll that an item of a list is about, or the one that it stands in."""
+    above = (path[:length] for length in range(len(path), 0, -1))
+    return next((rolls[one] for one in above if one in rolls), "")
 
 
 def _setting(leaf: Leaf, edited: EditedText) -> SettingView:

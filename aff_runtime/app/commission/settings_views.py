@@ -47,9 +47,15 @@ class SettingView:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SettingsSection:
-    """Settings below one path of keys."""
+    """Settings below one path of keys.
+
+    Attributes
+    ----------
+    roll : that they are about, where the path has a number in a list for it; else empty.
+    """
 
     path: str
+    roll: str
     settings: tuple[SettingView, ...]
 
 

@@ -10,8 +10,12 @@ import pytest
 pytest.importorskip("starlette")
 
 from aff_hmi.commission.in_language import left_s
-from aff_runtime.app.hand.may import Place, Role
+from aff_runtime.app.hand.may import WORDS, Code, Place, Role
 from aff_runtime.app.hand.messages import Welcome
+from aff_runtime.app.link.settings_answer import SAVED_MEANWHILE
+from aff_runtime.app.link.settings_request import reason_of
+from aff_runtime.app.supervisor.settings.desk import ANOTHER_TRY, BEING_CHECKED, TAKEN_BACK
+from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import State, Status
 from tests.aff_hmi.commission.test_presses import SITE, STATE, Heard, commissioned
 from tests.aff_hmi.pressed import PASSWORD, Pressed, quick
@@ -51,7 +55,7 @@ VIEW = {
     "running": "1" * 64,
     "against": "the site file is not what runs: look at the alarms, or wait",
     "said": [{"path": "line.name", "text": "<script>"}],
-    "sections": [{"path": "", "settings": [SETTLE, WAITS, ABSENT]}],
+    "sections": [{"path": "", "roll": "", "settings": [SETTLE, WAITS, ABSENT]}],
     "versions": [VERSION],
 }
 CHANGE = "actuators.unwind.blocks[0].orders: [1, 2] -> [1, 2, 3]"
@@ -222,3 +226,31 @@ def test_the_seconds_that_are_left_are_counted_for_everybody(
     }
     heard.answers["state"] = STATE | {"site": SITE, "service": service}
     assert at.browser("anna").get("/data/commissioning").said["left_s"] == left
+
+
+def too_short() -> str:
+    with pytest.raises(RefusedError) as refused:
+        reason_of(" seven77 ")
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        ANOTHER_TRY,
+        BEING_CHECKED,
+        SAVED_MEANWHILE,
+        TAKEN_BACK,
+        *(WORDS[code] for code in (Code.NO_TRY, Code.TRYING, Code.REMOTE, Code.SETTINGS_ROLE)),
+        too_short(),
+    ],
+)
+def test_what_the_service_says_against_a_press_is_told_in_german(
+    at: Pressed, heard: Heard, text: str
+) -> None:
+    heard.answers["settings"] = {"ok": True, "settings": VIEW | {"against": text}}
+    vera = at.browser("vera")
+    assert vera.get("/data/settings?lang=en").said["settings"]["against"] == text
+    german = vera.get("/data/settings?lang=de").said["settings"]["against"]
+    assert german != text
+    assert "{" not in german

@@ -268,7 +268,7 @@ SETTINGS = of_settings.SettingsView(
     running="",
     against="no service answers",
     said=(SAID_OF,),
-    sections=(of_settings.SettingsSection(path="a", settings=(ONE,)),),
+    sections=(of_settings.SettingsSection(path="a", roll="r", settings=(ONE,)),),
     versions=(ROW,),
 )
 DIFFERENCE = of_settings.DifferenceView(

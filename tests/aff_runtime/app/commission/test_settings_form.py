@@ -118,3 +118,12 @@ def test_a_character_that_turns_others_around_is_shown_as_what_it_is() -> None:
     found = lines_between("a: 1\n", "a: 1\nb: 2 # \u202e3 :b\x1b[2J\n")
     assert found[-1] == "+b: 2 # \\u202e3 :b\\x1b[2J"
     assert all(line.isprintable() for line in found)
+
+
+def test_settings_of_a_block_say_of_which_roll_they_are(site) -> None:
+    rolls = {one.path: one.roll for one in sections(site, TEXT)}
+    blocks = [block.roll for block in site.actuators["unwind"].blocks]
+    assert len(set(blocks)) > 1
+    for number, roll in enumerate(blocks):
+        assert rolls[f"actuators.unwind.blocks[{number}]"] == roll
+    assert {rolls[path] for path in ("line", "actuators.unwind", "gateway")} == {""}
