@@ -23,7 +23,7 @@ from tests.aff_hmi.browser.axe import grave_findings
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_hmi.browser.staged import PASSWORD, Stage
 from tests.aff_hmi.browser.test_looks import looked_at
-from tests.aff_hmi.browser.told import PROPOSAL, RUNS, Told, running
+from tests.aff_hmi.browser.told import PROPOSAL, RUNS, TRIED, Told, running
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 WIDTHS = {360: 740, 768: 1024, 1280: 800, 1920: 1080}
@@ -188,7 +188,8 @@ def test_what_is_proposed_is_tried_with_the_hand_and_kept_with_a_reason(
     page.fill("#tried-why", "ripple fell by 30 dB")
     page.click('#trying button[value="keep"]')
     page.wait_for_timeout(500)
-    assert (told.said[-1].do, told.said[-1].reason) == ("keep", "ripple fell by 30 dB")
+    kept = told.said[-1]
+    assert (kept.do, kept.reason, kept.measured) == ("keep", "ripple fell by 30 dB", TRIED)
     page.click("#release")
     carl.screen.close()
     stage.calm()

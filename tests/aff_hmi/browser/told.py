@@ -136,6 +136,7 @@ REFINING = RefiningView(
     lacking=LackingView(asked=ASKED, found=LACKING),
     refined=ROWS,
 )
+TRIED = "3f" * 32
 SERVICE = views.ServiceView(
     state="READY",
     heard=True,
@@ -201,7 +202,7 @@ class Told(Commission):
         return State(
             by=self.by,
             site=views.SiteView(path="/site.yaml", there=True, sha256="0" * 64),
-            service=replace(SERVICE, trying=self.trying),
+            service=replace(SERVICE, trying=self.trying, tried=TRIED if self.trying else ""),
             card=False,
             job=self.job,
             last=None,
