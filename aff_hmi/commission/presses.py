@@ -11,7 +11,7 @@ from functools import partial
 
 from starlette.responses import Response
 
-from aff_hmi.asked import DONE, Answering, Asked, because, done, refusal
+from aff_hmi.asked import DONE, Answering, Asked, Said, because, done, refusal
 from aff_hmi.commission.in_language import refusal_in
 from aff_hmi.commission.link import Commission
 from aff_hmi.commission.sentences import sentence
@@ -52,15 +52,18 @@ class CommissionPresses:
             "/card/step": partial(self._answer, self._step),
             "/card/sign": partial(self._answer, _sign),
             "/settings/diff": self._difference,
-            "/settings/try": partial(self._answer, self._try_settings),
-            "/settings/back": partial(self._answer, self._go_back),
+            "/settings/try": self._changing(Action.TRY, _try_of_edits),
+            "/settings/back": self._changing(Action.UNDO, _way_back),
             "/refine/lacks": partial(self._answer, partial(_of_windows, "lacks")),
             "/refine/start": partial(self._answer, partial(_of_windows, "refine")),
-            "/refine/try": partial(self._answer, self._try_refined),
+            "/refine/try": self._changing(Action.TRY, _try_of_refinement),
             "/refine/stop": partial(self._answer, partial(_plain, "stop_long")),
             "/maintenance/read": partial(self._answer, partial(_plain, "add_runs")),
             "/maintenance/exchange": partial(self._answer, _exchange),
         }
+
+    def _changing(self, action: Action, request: Callable[[Said], Request]) -> Answering:
+        return partial(self._answer, partial(self._changes_settings, action, request))
 
     async def _answer(self, press: Press, asked: Asked) -> Response:
         session, commission = asked.session, self._commission
@@ -110,74 +113,73 @@ class CommissionPresses:
         self, commission: Commission, session: Session, asked: Asked
     ) -> Answer | Reason:
         """Try what a step proposes, keep it, or take it back: it changes what goes out."""
-        said, do, reason = asked.said, str(asked.said["do"]), str(asked.said["reason"])
+        do = str(asked.said["do"])
         if do not in OF_SETTINGS:
             return NO_SENSE
-        if reasons := self._against(Action(do), asked):
-            return reasons[0]
-        if do == Action.TRY:
-            tried = Request(
-                do=do,
-                step=int(said["step"]),
-                measured=str(said["measured"]),
-                seconds=int(said["seconds"]),
-                reason=reason,
-            )
-            return await commission.press(session, tried)
-        ended = Request(do=do, measured=str(said["measured"]), reason=reason)
-        return await commission.press(session, ended)
+        request = _try_of_step if do == Action.TRY else _end_of_try
+        return await self._changes_settings(Action(do), request, commission, session, asked)
 
-    async def _try_refined(
-        self, commission: Commission, session: Session, asked: Asked
+    async def _changes_settings(
+        self,
+        action: Action,
+        request: Callable[[Said], Request],
+        commission: Commission,
+        session: Session,
+        asked: Asked,
     ) -> Answer | Reason:
-        """Try what a refinement proposes: it changes what goes out."""
-        if reasons := self._against(Action.TRY, asked):
+        """Pass on what changes what goes out, where ``action`` may be done now."""
+        if reasons := self._against(action, asked):
             return reasons[0]
-        said = asked.said
-        tried = Request(
-            do="try_refined",
-            number=int(said["number"]),
-            measured=str(said["measured"]),
-            seconds=int(said["seconds"]),
-            reason=str(said["reason"]),
-        )
-        return await commission.press(session, tried)
-
-    async def _try_settings(
-        self, commission: Commission, session: Session, asked: Asked
-    ) -> Answer | Reason:
-        """Try settings that were edited here: it changes what goes out."""
-        if reasons := self._against(Action.TRY, asked):
-            return reasons[0]
-        said = asked.said
-        tried = Request(
-            do="try_settings",
-            base=str(said["base"]),
-            edits=str(said["edits"]),
-            measured=str(said["measured"]),
-            seconds=int(said["seconds"]),
-            reason=str(said["reason"]),
-        )
-        return await commission.press(session, tried)
-
-    async def _go_back(
-        self, commission: Commission, session: Session, asked: Asked
-    ) -> Answer | Reason:
-        """Go back to an earlier version: it changes what goes out, and the site file."""
-        if reasons := self._against(Action.UNDO, asked):
-            return reasons[0]
-        said = asked.said
-        back = Request(
-            do="go_back",
-            number=int(said["number"]),
-            base=str(said["base"]),
-            measured=str(said["measured"]),
-            reason=str(said["reason"]),
-        )
-        return await commission.press(session, back)
+        return await commission.press(session, request(asked.said))
 
     def _against(self, action: Action, asked: Asked) -> tuple[Reason, ...]:
         return self._hand.reasons(action, asked.session, asked.place)
+
+
+def _try_of_step(said: Said) -> Request:
+    return Request(
+        do="try",
+        step=int(said["step"]),
+        measured=str(said["measured"]),
+        seconds=int(said["seconds"]),
+        reason=str(said["reason"]),
+    )
+
+
+def _end_of_try(said: Said) -> Request:
+    """Keep it, or take it back."""
+    return Request(do=str(said["do"]), measured=str(said["measured"]), reason=str(said["reason"]))
+
+
+def _try_of_refinement(said: Said) -> Request:
+    return Request(
+        do="try_refined",
+        number=int(said["number"]),
+        measured=str(said["measured"]),
+        seconds=int(said["seconds"]),
+        reason=str(said["reason"]),
+    )
+
+
+def _try_of_edits(said: Said) -> Request:
+    return Request(
+        do="try_settings",
+        base=str(said["base"]),
+        edits=str(said["edits"]),
+        measured=str(said["measured"]),
+        seconds=int(said["seconds"]),
+        reason=str(said["reason"]),
+    )
+
+
+def _way_back(said: Said) -> Request:
+    return Request(
+        do="go_back",
+        number=int(said["number"]),
+        base=str(said["base"]),
+        measured=str(said["measured"]),
+        reason=str(said["reason"]),
+    )
 
 
 async def _open(commission: Commission, session: Session, asked: Asked) -> Answer:

@@ -1,6 +1,7 @@
 // From the box to ACTIVE: every step with what is known of it, and what is to be done next.
 import { ask, byId, number, part, put, words } from "/static/see.js";
 import { short as shortly } from "/static/curves.js";
+import { fill } from "/static/fill.js";
 import { LONG_MS, act, lookAfter, post } from "/static/work.js";
 
 const LINE_MS = 3000;
@@ -13,10 +14,6 @@ function say(name, text, isBad = false) {
   const element = document.querySelector(`[data-says="${name}"]`);
   put(element, text);
   element.classList.toggle("bad", isBad);
-}
-
-function fill(text, values) {
-  return Object.entries(values).reduce((said, [key, value]) => said.replaceAll(`{${key}}`, value), text);
 }
 
 function listing(list, texts, kind = "") {

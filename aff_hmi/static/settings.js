@@ -1,5 +1,6 @@
 // Settings: the site file as a form. What is edited is looked at, tried, kept or taken back.
 import { row } from "/static/curves.js";
+import { fill } from "/static/fill.js";
 import { ask, at, byId, part, put, send, words } from "/static/see.js";
 import { difference, said } from "/static/settings_said.js";
 import { stamp } from "/static/stamp.js";
@@ -15,8 +16,6 @@ let isOpen = false;
 let openVersion = 0;
 
 // --- the form ----------------------------------------------------------------------------------
-
-const filled = (text, name, value) => text.replace(`{${name}}`, value);
 
 function input(one) {
   const isChoice = one.choices.length > 0;
@@ -53,8 +52,8 @@ function setting(one, roll) {
     line.append(part("span", "name", `${one.name}: `), part("span", "value", one.shown));
     box.append(line);
   }
-  const facts = [one.kind_word, one.allowed && filled(words.allowed, "range", one.allowed)];
-  facts.push(filled(words.default, "value", one.default));
+  const facts = [one.kind_word, one.allowed && fill(words.allowed, { range: one.allowed })];
+  facts.push(fill(words.default, { value: one.default }));
   const help = part("p", "", one.help);
   if (one.is_english) help.lang = "en";
   box.append(help, part("p", "note", facts.filter(Boolean).join("; ")), part("p", "note does", one.does));
@@ -67,7 +66,7 @@ function form() {
     ...shown.sections.map((section) => {
       const box = document.createElement("details");
       box.open = section.settings.some((one) => one.can_edit);
-      const of = section.roll ? `, ${filled(words.ofRoll, "name", section.roll)}` : "";
+      const of = section.roll ? `, ${fill(words.ofRoll, { name: section.roll })}` : "";
       const settings = section.settings.map((one) => setting(one, section.roll));
       box.append(part("summary", "", `${section.path || "·"}${of}`), ...settings);
       return box;
@@ -75,7 +74,7 @@ function form() {
   );
   const all = shown.sections.flatMap((section) => section.settings);
   const count = all.filter((one) => one.can_edit).length;
-  put(byId("can"), filled(filled(words.can, "count", count), "all", all.length));
+  put(byId("can"), fill(words.can, { count, all: all.length }));
   mark();
   filter();
 }
@@ -88,8 +87,8 @@ function mark() {
     const one = known.get(box.dataset.path);
     const isEdited = edits.has(one.path);
     box.dataset.edited = isEdited ? "yes" : "no";
-    const theirs = one.theirs === undefined ? "" : filled(words.theirs, "value", one.theirs);
-    put(box.querySelector(".earlier"), [isEdited ? filled(words.before, "value", one.shown) : "", theirs].filter(Boolean).join("; "));
+    const theirs = one.theirs === undefined ? "" : fill(words.theirs, { value: one.theirs });
+    put(box.querySelector(".earlier"), [isEdited ? fill(words.before, { value: one.shown }) : "", theirs].filter(Boolean).join("; "));
     said(box.querySelector(".of"), warnings.filter((w) => w.path === one.path));
     const field = box.querySelector("input, select");
     const isWrong = looked?.refused === true && looked.said.some((w) => w.path === one.path);
@@ -98,7 +97,7 @@ function mark() {
   said(byId("said"), shown.said.filter((w) => !known.has(w.path)), true);
   byId("difference").hidden = looked === null;
   byId("try").dataset.ready = looked !== null && !looked.refused && !looked.waits && looked.changes.length ? "yes" : "no";
-  put(byId("count"), edits.size ? filled(words.edited, "count", edits.size) : "");
+  put(byId("count"), edits.size ? fill(words.edited, { count: edits.size }) : "");
   document.querySelector("[data-edit]").hidden = edits.size === 0;
   openings();
 }
@@ -208,8 +207,8 @@ async function show(number, focuses = true) {
     return;
   }
   const { version, lines: text, back, running, against } = found.version;
-  const title = filled(filled(words.version, "number", version.number), "verb", version.verb_word);
-  put(byId("version-title"), filled(title, "who", version.who));
+  const named = { number: version.number, verb: version.verb_word, who: version.who };
+  put(byId("version-title"), fill(words.version, named));
   put(byId("version-of"), [when(version), version.why].filter(Boolean).join(": "));
   byId("version-lines").replaceChildren(...difference({ changes: [], said: [], lines: text, refused: false }));
   put(byId("version-against"), against);
@@ -255,8 +254,8 @@ function told(now) {
   const newest = now.versions.find((one) => one.sha256 === now.sha256);
   let text = words.savedByNobody;
   if (newest) {
-    text = filled(filled(words.saved, "number", newest.number), "verb", newest.verb_word);
-    text = filled(filled(text, "who", newest.who), "time", when(newest));
+    const named = { number: newest.number, verb: newest.verb_word, who: newest.who };
+    text = fill(words.saved, { ...named, time: when(newest) });
   }
   put(byId("changed-said"), text);
   const isSame = shown !== null && JSON.stringify([shown.sections, shown.said, shown.sha256]) === JSON.stringify([now.sections, now.said, now.sha256]);

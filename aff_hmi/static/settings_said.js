@@ -1,4 +1,5 @@
 // What the check says of settings, and what a change of them would do.
+import { diff } from "/static/diff.js";
 import { part, words } from "/static/see.js";
 
 /** What the check says, as a list; `withPath`: of which setting, too. */
@@ -29,16 +30,4 @@ export function difference(one) {
   if (!one.refused && !one.changes.length && !one.lines.length) parts.push(part("p", "", words.same));
   if (one.lines.length) parts.push(diff(one.lines));
   return parts;
-}
-
-function diff(lines) {
-  const text = part("pre", "diff scroll");
-  text.tabIndex = 0;
-  text.append(
-    ...lines.map((line) => {
-      const kind = line.startsWith("+") ? "plus" : line.startsWith("-") ? "minus" : "";
-      return part("span", kind, `${line}\n`);
-    }),
-  );
-  return text;
 }

@@ -1,5 +1,6 @@
 // One refinement: what was found, the figures before and after, what to do, what can be tried.
 import { row, short } from "/static/curves.js";
+import { diff } from "/static/diff.js";
 import { number, part, words } from "/static/see.js";
 import { field, post } from "/static/work.js";
 
@@ -80,15 +81,7 @@ function proposed(one, proposal, isOpen) {
   box.append(part("h4", "", words.proposed));
   if (proposal.against) box.append(part("p", "bad", proposal.against));
   box.append(...list(words.changes, proposal.changes, "en"), ...list(words.remarks, proposal.remarks, "en"));
-  const text = part("pre", "diff scroll");
-  text.tabIndex = 0;
-  text.append(
-    ...proposal.lines.map((line) => {
-      const kind = line.startsWith("+") ? "plus" : line.startsWith("-") ? "minus" : "";
-      return part("span", kind, `${line}\n`);
-    }),
-  );
-  box.append(text);
+  box.append(diff(proposal.lines));
   if (isOpen && !proposal.against) box.append(trying(one, proposal));
   return box;
 }

@@ -9,6 +9,10 @@ AffError
 
 from __future__ import annotations
 
+UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
+"""What taking the plain values of a file apart may raise, whatever somebody has put into it: 1e999
+is read as infinite, and a value may be nested too deep."""
+
 
 class AffError(Exception):
     """Base of all errors a user may see; the message says where, what was read, what to do."""

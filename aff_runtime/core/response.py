@@ -9,7 +9,7 @@ from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
-from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.errors import UNREADABLE, ConfigError
 from aff_runtime.core.identified import IdentifiedDrive
 
 FORMAT = "aff-response-1"
@@ -25,7 +25,6 @@ BAND_SLACK = 1.02  # an order this little outside the probed band, by ratio, may
 GAIN_RANGE = (1e-9, 1e12)  # signal unit per output unit; far outside what any line does
 COHERENCE_ROUNDING = 1e-6  # of a coherence above 1
 MEASURED = ("cycle_s", "amplitude", "amplitude_needed", "repeat_sigmas")
-_UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -210,7 +209,7 @@ class Response:
                 provenance=Provenance(**kept),
                 drive=None if drive is None else IdentifiedDrive.from_plain(drive),
             )
-        except _UNREADABLE as error:
+        except UNREADABLE as error:
             raise ConfigError(f"not a response file: {error}; run the probe again") from error
 
 

@@ -28,7 +28,7 @@ from aff_runtime.app.commission.refine_views import (
 )
 from aff_runtime.app.commission.run_list import paths_of, runs_folder, runs_in, windows_in
 from aff_runtime.app.commission.settings_form import lines_between
-from aff_runtime.app.commission.settings_jobs import ask_settings, by_screen
+from aff_runtime.app.commission.settings_jobs import ask_settings, by_screen, try_text
 from aff_runtime.app.commission.sources import Paths, status_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.supervisor.settings.history import digest
@@ -160,10 +160,7 @@ def try_refined(where: Paths, asked: Request, talk: Talk) -> Answer:
     if _text(where.site) != text_in(folder, SITE_AT_BEGIN):
         raise RefusedError(OTHER_SITE)
     why = by_screen(asked, of=f"refinement {asked.number}")
-    answer = ask_settings(where, act="try", text=text, seconds=float(asked.seconds), why=why)
-    for change in (*answer.remarks, *answer.changes):
-        talk.say(str(change))
-    return Done(text=f"tried for {asked.seconds} s: {'; '.join(map(str, answer.changes))}")
+    return try_text(where, asked, talk, text, why)
 
 
 # --- what it needs ------------------------------------------------------------------------------

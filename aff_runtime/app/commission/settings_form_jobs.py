@@ -18,7 +18,12 @@ from aff_runtime.app.commission.settings_form import (
     sections,
     text_with_edits,
 )
-from aff_runtime.app.commission.settings_jobs import ask_settings, by_screen, save_handed_out
+from aff_runtime.app.commission.settings_jobs import (
+    ask_settings,
+    by_screen,
+    save_handed_out,
+    try_text,
+)
 from aff_runtime.app.commission.settings_views import DifferenceView, SettingsView, VersionView
 from aff_runtime.app.commission.sources import Paths, parameters_of
 from aff_runtime.app.commission.talk import Talk
@@ -79,17 +84,7 @@ def try_edited(where: Paths, asked: Request, talk: Talk) -> Answer:
     text = text_with_edits(record.site, record.site_text, asked.edits)
     if digest(text) != asked.measured:
         return Refusal(why=Why.CHANGED)  # it is another text than the person has seen
-    answer = ask_settings(
-        where,
-        act="try",
-        text=text,
-        seconds=float(asked.seconds),
-        why=by_screen(asked),
-        base=asked.base,
-    )
-    for change in (*answer.remarks, *answer.changes):
-        talk.say(str(change))
-    return Done(text=f"tried for {asked.seconds} s: {'; '.join(map(str, answer.changes))}")
+    return try_text(where, asked, talk, text, by_screen(asked), asked.base)
 
 
 def version(where: Paths, asked: Request, talk: Talk) -> Answer:

@@ -57,8 +57,24 @@ def try_proposed(where: Paths, asked: Request, talk: Talk) -> Answer:
         return Refusal(why=Why.CHANGED)
     now = parameters_of(where.site, where.state)
     text = text_with(now.site_text, proposed(standing.measured.finding.proposals))
+    return try_text(where, asked, talk, text, by_screen(asked))
+
+
+def try_text(
+    where: Paths, asked: Request, talk: Talk, text: str, why: str, base: str = ""
+) -> Answer:
+    """Have the service run a text for a while, and say what changes by it.
+
+    ``base`` : sha256 of the settings that it was decided on; empty: whatever runs.
+
+    Raises
+    ------
+    AffError
+        No service answers, or it refuses.
+    """
+    decided = {"base": base} if base else {}
     seconds = float(asked.seconds)
-    answer = ask_settings(where, act="try", text=text, seconds=seconds, why=by_screen(asked))
+    answer = ask_settings(where, act="try", text=text, seconds=seconds, why=why, **decided)
     for change in (*answer.remarks, *answer.changes):
         talk.say(str(change))
     return Done(text=f"tried for {asked.seconds} s: {'; '.join(map(str, answer.changes))}")

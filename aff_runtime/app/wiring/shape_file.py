@@ -14,7 +14,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
-from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.errors import UNREADABLE, ConfigError
 from aff_runtime.config.models import Site
 from aff_runtime.config.plain_file import TooLargeError, read_plain
 from aff_runtime.core.params import IMBALANCE_N_M_PER_M
@@ -28,7 +28,6 @@ MAX_FILE_BYTES = 65536
 MAX_DEVIATION_M, MAX_LOOP, MAX_TORQUE_N_M, MAX_ORDER = 1.0, 100.0, 1e5, 64
 MAX_RADIUS_M = 10.0
 LARGEST_SHOWN = 1e300  # a longer whole number has no float
-_UNREADABLE = (KeyError, TypeError, ValueError, AttributeError, RecursionError, ArithmeticError)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,7 +124,7 @@ class ShapeFile:
                     weight_m=weight, correction=correction, imbalance_m=imbalance_m
                 ),
             )
-        except _UNREADABLE as error:
+        except UNREADABLE as error:
             raise ConfigError(f"not a shape file: {error!r}; the roll is learned anew") from error
         if (odd := _odd_number(found)) is not None:
             raise ConfigError(f"not a shape file: {odd}; the roll is learned anew")

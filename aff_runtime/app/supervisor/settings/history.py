@@ -12,6 +12,7 @@ from pathlib import Path
 
 from aff_runtime.app.link.settings_answer import Version
 from aff_runtime.base.clock import wall_time_iso
+from aff_runtime.base.errors import UNREADABLE
 from aff_runtime.base.files import replace_text
 from aff_runtime.base.printable import printable
 from aff_runtime.config.plain_file import read_plain
@@ -20,8 +21,6 @@ MOST = 300  # versions
 LONGEST_BYTES = 1 << 20  # of a file that is read: `plain_file.MAX_BYTES`
 ROWS = "versions.jsonl"
 LOG = logging.getLogger("aff_runtime")
-# 1e999 as a number is read as infinite, and a row may be nested too deep
-_UNREADABLE = (ValueError, KeyError, TypeError, AttributeError, ArithmeticError, RecursionError)
 
 
 def digest(text: str) -> str:
@@ -118,13 +117,6 @@ class SiteHistory:
         for line in text.splitlines()[-MOST:]:
             try:
                 versions.append(Version.from_json(json.loads(line)))
-            except (
-                ValueError,
-                KeyError,
-                TypeError,
-                AttributeError,
-                ArithmeticError,
-                RecursionError,
-            ):
+            except UNREADABLE:
                 LOG.warning("%s: a row cannot be read and is left out", self._folder / ROWS)
         return sorted(versions, key=lambda row: row.number)

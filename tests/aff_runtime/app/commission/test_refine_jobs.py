@@ -8,7 +8,7 @@ from dataclasses import asdict, replace
 
 import pytest
 
-from aff_runtime.app.commission import refine_jobs, refine_program
+from aff_runtime.app.commission import refine_jobs, refine_program, settings_jobs
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.refine_jobs import (
     OTHER_SITE,
@@ -245,7 +245,8 @@ def proposing(where, plays, monkeypatch):
         asked.append(arguments)
         return SettingsAnswer(changes=("settle_s: 6 s -> 5 s (applies at once)",))
 
-    monkeypatch.setattr(refine_jobs, "ask_settings", ask)
+    for module in (refine_jobs, settings_jobs):
+        monkeypatch.setattr(module, "ask_settings", ask)
     return text, asked
 
 
