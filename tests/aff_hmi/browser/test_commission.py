@@ -138,7 +138,7 @@ def load_cell_is_told_by_moving_it(who: Technician, line: FreshLine, pictures: P
     assert len(rows) > 1
     assert "word 2 " in {found for row in rows for found in WORD.findall(row)}
     who.answer("")
-    page.wait_for_selector("#refused:not(:empty)")  # the question may be away while it is asked anew
+    page.wait_for_selector("#refused:not(:empty)")  # it is asked anew
     assert "no row is taken unasked" in str(page.text_content("#refused"))
     who.screen.picture(pictures / "commission-alike.png")
     page.click('#rows button[data-value="move"]')
