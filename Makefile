@@ -33,10 +33,11 @@ demo: setup
 		--out out/demo-$(if $(filter film,$(LINE)),film-)$(WIRE)
 
 # a hidden cause, drawn by SEED (EFFECT= of the catalogue): recorded by the service, traced, corrected
-# live and proved; at most 8 minutes, page out/demo-loop/page.html (WIRE= modbus or can)
+# live and proved; at most 8 minutes, page out/demo-loop/page.html (WIRE= modbus or can;
+# KILL=recorder ends the recorder by SIGKILL while it writes what the trace reads)
 demo-loop: setup
 	$(BIN)/python -m sim_plant.cli.main demo-loop --effect $(EFFECT) --seed $(SEED) \
-		--wire $(WIRE) --out out/demo-loop
+		--wire $(WIRE) $(if $(KILL),--kill $(KILL)) --out out/demo-loop
 
 # plant, service and screen on loopback: prints the address to look at; ctrl-c ends all three
 # (LINE=, WIRE=, SPEED=, LAW=, SITE=, LIMIT= as of `make demo`)

@@ -7,15 +7,12 @@ disk takes the oldest away. Whole rows are taken, nothing is put in the place of
 from __future__ import annotations
 
 import csv
-import gzip
 import io
 import itertools
 import json
 import math
 import os
 import re
-import zlib
-from array import array
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,24 +22,24 @@ from numpy.typing import NDArray
 
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_files import open_plain, text_of, yaml_values
+from aff_runtime.base.run_files import text_of, yaml_values
+from aff_runtime.base.run_segment import LARGEST_VALUES, first_row, rows_of
 from aff_runtime.base.run_window import HOW_WRITTEN, MARK, RunWindow
 from aff_runtime.base.yaml_section import Section
 
-LARGEST_VALUES = 60_000_000
-"""Numbers that are held at once: 2 hours of 40 columns at 5 ms."""
 LONGEST_RUN_S = 1e9
 """No run lasts 30 years: a later time is no time of a row."""
 LARGEST_NUMBER = 1e30
 """What is larger is no reading; the square of this is still finite."""
 MOST_EVENTS = 100_000
 MOST_EVENT_COLUMNS = 16
+RECORDER_DIED = "RECORDER_DIED"
+"""Event: another recorder goes on in the folder of one that died, and says what neither has."""
 MOST_SAID = 20
 """Sentences of one kind; more of them nobody reads."""
 LONGEST_NAME = 200
 _LARGEST_YAML = _LARGEST_SUMMARY = 1 << 20
 _LARGEST_TEXT = 64 << 20
-_CHUNK = 1 << 20
 _SEGMENT = re.compile(r"signals-(\d{1,9})\.csv\.gz")
 _LOSSES = {
     "rows_lost_to_disk": "{} rows were refused by the disk",
@@ -97,7 +94,7 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
     parts: list[NDArray[np.float64]] = []
     held, to_s = 0, min(window.to_s, LONGEST_RUN_S)
     for path in _within(segments, names, window):
-        rows, said = _rows(path, names, wanted)
+        rows, said = rows_of(path, names, wanted)
         torn += [*said, *_odd_times(path, rows[:, 0])]
         inside = rows[(rows[:, 0] >= window.from_s) & (rows[:, 0] < to_s)]
         inside[~(np.abs(inside) < LARGEST_NUMBER)] = np.nan
@@ -109,14 +106,19 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
         raise AffError(f"{window}: holds no row; {_span(segments, names)}")
     table = np.vstack(parts)
     events, said = _events(folder / "events.csv", window)
+    died = [_of_recorder(row) for row in events if row.get("name") == RECORDER_DIED]
     return RunTable(
         window=window,
         about=about,
         columns={names[k]: np.ascontiguousarray(table[:, i]) for i, k in enumerate(wanted)},
         site_text=text_of(folder / "site.yaml", _LARGEST_YAML),
         events=tuple(events),
-        lost=(*lost, *few(torn), *said),
+        lost=(*lost, *few(torn), *said, *few(died)),
     )
+
+
+def _of_recorder(row: Mapping[str, str]) -> str:
+    return f"at {printable(row.get('time_s') or '?', 20)} s {row.get('text', '')}"
 
 
 def last_event_s(folder: Path, is_it: Callable[[Mapping[str, str]], bool]) -> float:
@@ -144,7 +146,7 @@ def first_rows(folder: Path) -> tuple[Section, tuple[FirstRow, ...]]:
     """
     about = _about(folder)
     names: list[str] = about.data["columns"]
-    found = ((number, _first_row(path, len(names))) for number, path in segments_of(folder))
+    found = ((number, first_row(path, len(names))) for number, path in segments_of(folder))
     return about, tuple(
         FirstRow(number=number, values=dict(zip(names, row, strict=True)))
         for number, row in found
@@ -248,19 +250,8 @@ def _within(
 
 def _first_time(path: Path, n_columns: int) -> float | None:
     """Return the time of a segment's first row, None where there is none."""
-    row = _first_row(path, n_columns)
+    row = first_row(path, n_columns)
     return row[0] if row else None
-
-
-def _first_row(path: Path, n_columns: int) -> list[float]:
-    """Return a segment's first row, empty where there is none."""
-    try:
-        with open_plain(path) as packed, gzip.open(packed) as file:
-            file.readline(_CHUNK)
-            row = [float(cell) for cell in file.readline(_CHUNK).split(b",")]
-        return row if len(row) == n_columns and math.isfinite(row[0]) else []
-    except (EOFError, OSError, zlib.error, ValueError):
-        return []
 
 
 def _span(segments: Sequence[tuple[int, Path]], names: Sequence[str]) -> str:
@@ -268,32 +259,6 @@ def _span(segments: Sequence[tuple[int, Path]], names: Sequence[str]) -> str:
     if not starts:
         return "no segment of the run holds a row"
     return f"the run's segments begin between {min(starts):g} s and {max(starts):g} s"
-
-
-def _rows(
-    path: Path, names: Sequence[str], wanted: Sequence[int]
-) -> tuple[NDArray[np.float64], list[str]]:
-    """Return the whole rows of one segment (rows, wanted), and what is to be said about it."""
-    content, torn = _unpacked(path)
-    head, _, body = content.partition(b"\n")
-    nothing = np.empty((0, len(wanted)))
-    if head and head.decode("utf-8", "replace").split(",") != list(names):
-        return nothing, [f"{path.name}: has other columns than run.yaml; left out"]
-    body = body[: body.rfind(b"\n") + 1]
-    said = [f"{path.name}: ends torn, its last row is whole" if body else ""] if torn else []
-    if not body:
-        return nothing, [f"{path.name}: holds no whole row"]
-    lines = body.count(b"\n")
-    if lines * len(wanted) > LARGEST_VALUES:  # before a number takes 8 bytes where it took 2
-        raise AffError(f"{path.name}: one segment holds too much to be read at once")
-    try:
-        if body.count(b",") != (len(names) - 1) * lines:
-            raise ValueError("a row of another length")
-        rows = _parsed(body, wanted)
-    except ValueError:
-        rows, bad = _good_rows(body, names, wanted)
-        said.append(f"{path.name}: {bad} rows cannot be read; left out")
-    return rows, said
 
 
 def _odd_times(path: Path, time_s: NDArray[np.float64]) -> Iterator[str]:
@@ -305,52 +270,6 @@ def _odd_times(path: Path, time_s: NDArray[np.float64]) -> Iterator[str]:
     if back.size:
         at_s, to_s = (float(time_s[back[0] + k]) for k in (0, 1))
         yield f"{path.name}: its clock goes back, from {at_s:.2f} s to {to_s:.2f} s"
-
-
-def _parsed(body: bytes, wanted: Sequence[int]) -> NDArray[np.float64]:
-    return np.loadtxt(
-        io.BytesIO(body),
-        delimiter=",",
-        usecols=tuple(wanted),
-        ndmin=2,
-        comments=None,
-        encoding="latin1",
-    )
-
-
-def _good_rows(
-    body: bytes, names: Sequence[str], wanted: Sequence[int]
-) -> tuple[NDArray[np.float64], int]:
-    """Return the rows that can be read, one by one, and how many cannot."""
-    found, bad = array("d"), 0
-    for line in io.BytesIO(body):
-        try:
-            if line.count(b",") != len(names) - 1:
-                raise ValueError("a row of another length")
-            cells = line.split(b",")
-            found.extend([float(cells[k]) for k in wanted])
-        except ValueError:
-            bad += 1
-    return np.array(found, dtype=np.float64).reshape(-1, len(wanted)), bad
-
-
-def _unpacked(path: Path) -> tuple[bytes, bool]:
-    """Return what can be unpacked of a segment, and whether its end is missing."""
-    chunks: list[bytes] = []
-    size = 0
-    try:
-        with open_plain(path) as packed, gzip.open(packed) as file:
-            # looked at before: gzip reads zeros behind its end byte by byte
-            if os.fstat(packed.fileno()).st_size > LARGEST_VALUES * 8:
-                raise AffError(f"{path.name}: one segment is too large to be read at once")
-            while chunk := file.read1(_CHUNK):
-                chunks.append(chunk)
-                size += len(chunk)
-                if size > LARGEST_VALUES * 8:
-                    raise AffError(f"{path.name}: one segment is too large to be read at once")
-    except (EOFError, OSError, zlib.error):
-        return b"".join(chunks), True
-    return b"".join(chunks), False
 
 
 def _events(path: Path, window: RunWindow) -> tuple[list[dict[str, str]], list[str]]:

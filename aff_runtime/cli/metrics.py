@@ -12,6 +12,7 @@ from typing import Any
 
 from aff_runtime.app.report.metrics.exposition import exposition
 from aff_runtime.app.report.metrics.readings import readings
+from aff_runtime.app.report.watch_notes import STORE, notes_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError, WireError
 from aff_runtime.base.files import replace_text
@@ -30,6 +31,13 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         metavar="FILE.prom",
         help="file of the textfile collector, replaced whole (default: the terminal)",
     )
+    parser.add_argument(
+        "--watch",
+        type=Path,
+        default=STORE,
+        metavar="STORE",
+        help="of `aff-runtime watch`, to count what it found (default: %(default)s)",
+    )
     parser.set_defaults(command=metrics)
 
 
@@ -45,7 +53,8 @@ def metrics(options: argparse.Namespace) -> int:
     except WireError as error:
         complain(f"aff-runtime: {error}")
         exit_code = error.exit_code
-    text = exposition(readings(answer, MonotonicClock().now_ns()))
+    notes = None if answer is None else notes_of(options.watch, answer.line)
+    text = exposition(readings(answer, MonotonicClock().now_ns(), notes))
     if options.out is not None:
         write(options.out, text)
     else:

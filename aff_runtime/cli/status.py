@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.status import explain, headline
 from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
+from aff_runtime.app.report.watch_notes import STORE, notes_of
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import LATCHED_STATES
 from aff_runtime.cli.service import connect
@@ -25,6 +27,13 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser("status", parents=[service], help="how the service stands")
     parser.add_argument("--json", action="store_true", help="everything, for scripts")
+    parser.add_argument(
+        "--watch",
+        type=Path,
+        default=STORE,
+        metavar="STORE",
+        help="of `aff-runtime watch`, to say what it found (default: %(default)s)",
+    )
     parser.set_defaults(command=status)
 
 
@@ -39,7 +48,7 @@ def status(options: argparse.Namespace) -> int:
     if options.json:
         say_json(said)
     else:
-        for line in lines(answer):
+        for line in (*lines(answer), *watch_lines(options.watch, answer.line)):
             say(line)
     return EXIT_ALARM if is_alarm(answer) else 0
 
@@ -94,6 +103,16 @@ def lines(answer: StatusAnswer) -> Iterator[str]:
     recorder = answer.recorder
     if recorder is not None:
         yield f"record   {recorder.folder} ({_recorder_words(recorder)})"
+
+
+def watch_lines(store: Path, line: str) -> Iterator[str]:
+    """Yield what `aff-runtime watch` found last of this line; nothing where it found nothing."""
+    found = notes_of(store, line)
+    for text in found.notes if found is not None else ():
+        yield f"watch    {text}"
+    if found is not None and found.notes:
+        when = f"{found.looked_utc[:16]} UTC"
+        yield f"         looked at {when}; every trend: aff-runtime watch trend {store}"
 
 
 def block_lines(blocks: Sequence[BlockStatus]) -> Iterator[str]:

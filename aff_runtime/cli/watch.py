@@ -64,12 +64,12 @@ def _add_limits(act: argparse.ArgumentParser) -> None:
 
 def add_runs(options: argparse.Namespace) -> int:
     """Take runs into the store; 1 where none could be read."""
-    from aff_runtime.app.report.watching import findings, sentences, taking  # noqa: PLC0415
+    from aff_runtime.app.report.watching import taking  # noqa: PLC0415 - numpy, pyarrow
 
     limits = _limits(options.limit)
-    taken = taking.take_runs(options.store, list(_runs(options.runs)), say, complain)
-    now = taking.moment(wall_time_iso())
-    for line in sentences.notes(findings.findings(taken.store, limits, now=now)):
+    runs = list(_runs(options.runs))
+    taken = taking.take_runs(options.store, runs, say, complain, limits or None)
+    for line in taken.notes:
         say(line)
     return 1 if taken.refused == taken.runs else 0
 

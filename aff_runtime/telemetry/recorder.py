@@ -19,9 +19,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.run_table import RECORDER_DIED
 from aff_runtime.telemetry.recorder_messages import RecorderReport, RunContext, context_of, note_of
 from aff_runtime.telemetry.ring import RingReader
 from aff_runtime.telemetry.run_folder import RunFolder
+from aff_runtime.telemetry.takeover import Takeover, takeover_of
 
 POLL_S = 0.25
 REPORT_NS = 1_000_000_000
@@ -63,6 +65,14 @@ def record(ring: RingReader, folder: RunFolder, notes: Lines) -> None:
             _report(ring, folder)
     folder.finish(ring_overruns=ring.signals.overrun_count)
     _report(ring, folder)
+
+
+def _take_over(ring: RingReader, folder: RunFolder, taken: Takeover, died: str) -> None:
+    """Go on behind what another recorder wrote, and say what neither has."""
+    kept = ring.signals.read_new()
+    ring.signals.overrun_count = taken.lost(kept)  # what it wrote is overwritten, and not lost
+    folder.add_note(RECORDER_DIED, taken.words(died, kept))
+    folder.add(kept)
 
 
 def _report(ring: RingReader, folder: RunFolder) -> None:
@@ -110,7 +120,10 @@ def main(arguments: list[str]) -> int:
     notes = Lines(0)
     context, rest = _first_words(notes)
     ring = RingReader(ring_path)
-    folder = RunFolder(directory, ring.header, context)
+    taken = takeover_of(context, ring.header)
+    folder = RunFolder(directory, ring.header, context, taken)
+    if taken is not None:
+        _take_over(ring, folder, taken, context.died)
     _keep_notes(rest, folder)
     record(ring, folder, notes)
     return 0

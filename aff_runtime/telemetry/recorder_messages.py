@@ -23,6 +23,8 @@ class RunContext:
     max_MB : all records together. ``segment_s`` : length of one segment.
     wire_files : digests of the files that describe the wire, by name.
     site_text : the site file as it was checked.
+    takes_over : run folder of a recorder of the same ring that died; empty without one.
+    died : how that one ended, in words.
     """
 
     name: str = "line"
@@ -34,6 +36,8 @@ class RunContext:
     segment_s: float = 60.0
     wire_files: Mapping[str, str] = field(default_factory=dict)
     site_text: str = ""
+    takes_over: str = ""
+    died: str = ""
 
     def encode(self) -> bytes:
         """Return the context as one line."""
@@ -63,7 +67,7 @@ NOT_SAID = -1
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RecorderReport:
-    """How recording goes; rows count from the beginning of its run folder.
+    """How recording goes; rows count from where its recorder began.
 
     Attributes
     ----------

@@ -28,7 +28,8 @@ class RunAbout:
     def encode(self) -> str:
         """Return the text of ``run.yaml``; its texts are made printable (``base.printable``)."""
         said = asdict(self.context)
-        del said["site_text"]
+        for name in ("site_text", "takes_over", "died"):
+            del said[name]
         said = _printable({**said, **self.meta.to_json()})
         said["start_utc"] = self.start_utc
         said["columns"] = list(self.columns)

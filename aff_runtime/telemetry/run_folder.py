@@ -19,6 +19,7 @@ from aff_runtime.telemetry.recorder_messages import NOT_SAID, RunContext
 from aff_runtime.telemetry.run_about import RunAbout
 from aff_runtime.telemetry.segments import SegmentWriter
 from aff_runtime.telemetry.summary import RunSummary, Summary
+from aff_runtime.telemetry.takeover import Takeover
 
 EVENT_HEADER = "time_s,tick,code,name,argument,text\n"
 
@@ -31,6 +32,7 @@ class RunFolder:
     directory : folder of all runs.
     header : the ring's header (columns, start time, meta).
     context : what the supervisor knows.
+    taken : what another recorder left of this run; None where it begins.
 
     Attributes
     ----------
@@ -38,25 +40,38 @@ class RunFolder:
     kept_bytes : what they took when the last segment had ended; `NOT_SAID` before.
     """
 
-    def __init__(self, directory: Path, header: RingHeader, context: RunContext) -> None:
-        stamp = re.sub(r"[-:]", "", header.start_utc)[:15] + "Z"
-        safe_name = re.sub(r"[^A-Za-z0-9_-]+", "-", context.name)
-        self.path = _free_name(directory, f"{stamp}_{safe_name}")
+    def __init__(
+        self,
+        directory: Path,
+        header: RingHeader,
+        context: RunContext,
+        taken: Takeover | None = None,
+    ) -> None:
+        self._taken = taken
+        self.path = _new_path(directory, header, context) if taken is None else taken.folder
         self._directory = directory
         self.max_bytes = int(context.max_MB * 1e6)
         self._columns: list[str] = list(header.columns)
         self._summary = RunSummary(self._columns, [state.name for state in State])
-        self._last_s = 0.0
+        self._last_s = 0.0 if taken is None else taken.time_s
         self._missing: dict[str, str] = {}
-        self._is_made = False
+        self._is_made = taken is not None
         self.files_lost = 0
         self.segments_deleted = 0
         self.kept_bytes = NOT_SAID
-        self._make(header, context)
-        self.signals = SegmentWriter(self.path, self._columns, segment_s=context.segment_s)
+        if taken is None:
+            self._make(header, context)
+        self.signals = SegmentWriter(
+            self.path,
+            self._columns,
+            segment_s=context.segment_s,
+            after=0 if taken is None else taken.segment,
+        )
 
     def add(self, records: Sequence[Sequence[float]]) -> None:
-        """Append signal records."""
+        """Append signal records; those that another recorder wrote are left out."""
+        if self._taken is not None:
+            records = self._taken.beyond(records)
         if not records:
             return
         self._last_s = records[-1][0]
@@ -84,6 +99,8 @@ class RunFolder:
             name, text = (event.name, event.text) if event else (f"CODE_{int(code)}", "")
             time_s = f"{(t_ns - start_ns) * 1e-9:.4f}"
             rows.append([time_s, int(tick), int(code), name, f"{argument:.10g}", text])
+        if self._taken is not None:
+            rows = [row for row in rows if not self._taken.is_known(row)]
         self._append_events(rows)
 
     def add_note(self, name: str, text: str) -> None:
@@ -97,6 +114,7 @@ class RunFolder:
         self.signals.close()
         summary = Summary(
             statistics=self._summary.result(),
+            from_s=0.0 if self._taken is None else self._taken.time_s,
             rows_written=self.signals.rows_written,
             rows_lost_to_disk=self.signals.rows_lost,
             files_lost_to_disk=self.files_lost,
@@ -150,6 +168,13 @@ class RunFolder:
             self.files_lost += 1
             return False
         return True
+
+
+def _new_path(directory: Path, header: RingHeader, context: RunContext) -> Path:
+    """Return a path for a run that begins: UTC and line."""
+    stamp = re.sub(r"[-:]", "", header.start_utc)[:15] + "Z"
+    safe_name = re.sub(r"[^A-Za-z0-9_-]+", "-", context.name)
+    return _free_name(directory, f"{stamp}_{safe_name}")
 
 
 def _append_whole(path: Path, added: bytes) -> None:

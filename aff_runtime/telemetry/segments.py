@@ -22,6 +22,7 @@ class SegmentWriter:
     folder : run folder.
     columns : names with units; the first one is ``time_s``.
     segment_s : length of one segment in the time of the rows, s.
+    after : number of the newest segment of the folder that another recorder wrote.
 
     Attributes
     ----------
@@ -29,14 +30,16 @@ class SegmentWriter:
     last_error : text of the last refusal, empty when none.
     """
 
-    def __init__(self, folder: Path, columns: Sequence[str], *, segment_s: float) -> None:
+    def __init__(
+        self, folder: Path, columns: Sequence[str], *, segment_s: float, after: int = 0
+    ) -> None:
         self._folder = folder
         self._header = ",".join(columns) + "\n"
         self._row = ",".join(["%.10g"] * len(columns)) + "\n"
         self._segment_s = segment_s
         self._file: io.BufferedWriter | None = None
         self._gzip: gzip.GzipFile | None = None
-        self._index = 0
+        self._index = after
         self._holds_rows = True  # of the segment ``_index``; so the first one gets number 1
         self._end_s = 0.0
         self.rows_written = 0

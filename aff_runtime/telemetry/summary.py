@@ -32,7 +32,12 @@ class RunStatistics:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Summary:
-    """The contents of ``summary.json``: statistics, and what was kept and lost."""
+    """The contents of ``summary.json``: statistics, and what was kept and lost.
+
+    Attributes
+    ----------
+    from_s : of rows after that time; 0 unless the recorder took over from one that died.
+    """
 
     statistics: RunStatistics
     rows_written: int
@@ -40,6 +45,7 @@ class Summary:
     files_lost_to_disk: int
     segments_deleted: int
     ring_overruns: int
+    from_s: float = 0.0
 
     def encode(self) -> str:
         """Return the text of ``summary.json``."""
@@ -68,6 +74,7 @@ class Summary:
             files_lost_to_disk=said["files_lost_to_disk"],
             segments_deleted=said["segments_deleted"],
             ring_overruns=said["ring_overruns"],
+            from_s=said.get("from_s", 0.0),
         )
 
 

@@ -18,6 +18,9 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     parser.add_argument("--effect", default="eccentric_roller", help="of the catalogue")
     parser.add_argument("--seed", type=int, default=1, help="draws place, size and angle")
     parser.add_argument("--wire", default="modbus", help="modbus or can (by DBC)")
+    parser.add_argument(
+        "--kill", choices=("recorder",), help="by SIGKILL, while it writes what the trace reads"
+    )
     parser.add_argument("--out", type=Path, default=Path("out/demo-loop"))
     parser.set_defaults(run=run)
 
@@ -30,7 +33,11 @@ def run(arguments: argparse.Namespace) -> int:
     from sim_plant.demo.processes import end_as_by_hand  # noqa: PLC0415
 
     plan = Plan(
-        out=arguments.out, effect=arguments.effect, seed=arguments.seed, wire=arguments.wire
+        out=arguments.out,
+        effect=arguments.effect,
+        seed=arguments.seed,
+        wire=arguments.wire,
+        kills_recorder=arguments.kill == "recorder",
     )
     end_as_by_hand()
     story = run_story(plan, say)
@@ -40,6 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
     if proof.reduction_dB is not None:
         gained = f"{proof.before_N:.4f} N before, {proof.after_N:.4f} N after"
         say(f"1x of the hidden roller at the plant: {gained}, {proof.reduction_dB:.1f} dB")
+    if story.loss is not None:
+        say(str(story.loss))
     for text, met in proof.targets:
         say(f"{'met' if met else 'MISSED'}: {text}")
     say(f"page: {page}")

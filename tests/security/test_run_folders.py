@@ -17,7 +17,7 @@ import pytest
 from aff_runtime.app.report.comparison import comparing, page
 from aff_runtime.app.report.comparison.comparing import _leaves
 from aff_runtime.app.report.comparison.window import load_window
-from aff_runtime.base import run_files, run_table
+from aff_runtime.base import run_files, run_segment, run_table
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.run_files import yaml_values
 from aff_runtime.base.run_table import read_table
@@ -183,8 +183,8 @@ def test_rows_that_cannot_be_read_take_no_more_room_than_those_that_can(run):
 
 
 def test_a_segment_with_too_many_rows_is_refused_before_they_are_numbers(run, monkeypatch):
-    monkeypatch.setattr(run_table, "LARGEST_VALUES", 1000)
-    monkeypatch.setattr(run_table, "_parsed", lambda *_: pytest.fail("made numbers of them"))
+    monkeypatch.setattr(run_segment, "LARGEST_VALUES", 1000)
+    monkeypatch.setattr(run_segment, "_parsed", lambda *_: pytest.fail("made numbers of them"))
     write_rows(run, ["0"] * 1001, ("time_s",))
     with pytest.raises(AffError, match="too much to be read at once"):
         read_table(run_window(run))

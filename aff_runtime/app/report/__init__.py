@@ -13,5 +13,6 @@ __all__ = [
     "status",
     "status_answer",
     "tick_row",
+    "watch_notes",
     "watching",
 ]

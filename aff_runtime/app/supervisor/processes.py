@@ -176,10 +176,10 @@ class Processes:
             LOG.error("the recorder died three times within 60 s; nothing is recorded from now on")
             self._recorder_lost = True
             return
-        LOG.error("the recorder died; another one takes over")
+        LOG.error("the recorder died (%s); another one takes over", recorder.how_it_ended())
         recorder.wait(0.0)
         self._recorder = None
-        self._start_recorder(ring)
+        self._start_recorder(ring, report.folder, recorder.how_it_ended())
 
     def _come_back(self) -> None:
         """Plan the next start of the control process, or give up."""
@@ -199,8 +199,11 @@ class Processes:
             self._recorder_lost = False
             self._start_recorder(self.ring)
 
-    def _start_recorder(self, ring: RingReader) -> None:
-        """Begin a new record of ``ring``; the service goes on without one if need be."""
+    def _start_recorder(self, ring: RingReader, takes_over: str = "", died: str = "") -> None:
+        """Begin a new record of ``ring``; the service goes on without one if need be.
+
+        ``takes_over`` : the folder of a recorder that died, to go on in; ``died`` : how it did.
+        """
         recording = self.parameters.site.recording
         directory = self._options.record_directory
         if directory is None:
@@ -215,6 +218,8 @@ class Processes:
             segment_s=recording.segment_s,
             wire_files=self.parameters.wire_digests,
             site_text=self.parameters.site_text,
+            takes_over=takes_over,
+            died=died,
         )
         try:
             self._recorder = RecorderChild(ring, directory, context)

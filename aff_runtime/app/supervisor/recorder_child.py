@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import fcntl
 import os
+import signal
 import subprocess
 from pathlib import Path
 
@@ -47,6 +48,14 @@ class RecorderChild:
     def pid(self) -> int:
         """Process id."""
         return self._process.pid
+
+    def how_it_ended(self) -> str:
+        """Return in words how it ended; empty while it lives."""
+        code = self._process.poll()
+        if code is None:
+            return ""
+        how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit {code}"
+        return f"recorder {self.pid}: {how}"
 
     def note(self, name: str, text: str) -> None:
         """Have a line put into ``events.csv``."""

@@ -16,6 +16,7 @@ from sim_plant.base.order_tracking import order_amplitudes
 from sim_plant.demo.loop.correcting import Decision, correct
 from sim_plant.demo.loop.drawn import Files, Hidden, angle_of, drawn, write_files
 from sim_plant.demo.loop.judging import BlockOrder, Judgement, judged, new_orders
+from sim_plant.demo.loop.recorder_kill import Loss, kill_recorder, loss_of
 from sim_plant.demo.processes import (
     PLANT,
     Bench,
@@ -62,12 +63,13 @@ RESTING = ("FAULT", "BYPASS", "READY", "OFF")
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan:
-    """What to run."""
+    """What to run; ``kills_recorder`` in the middle of what the trace reads."""
 
     out: Path
     effect: str
     seed: int
     wire: str = "modbus"
+    kills_recorder: bool = False
 
 
 @dataclass(slots=True, kw_only=True)
@@ -79,6 +81,7 @@ class Story:
     before, after : windows at the same speed, without and with the block.
     first_run, later_run : what the models are judged on: fitted, and recorded after all.
     diff, history : as the console said them. ``decision`` : about the block; None without one.
+    loss : what the recorder's death cost; None where it was left alone.
     arms : how often the operator armed. ``pauses`` : what the machine lost.
     """
 
@@ -94,6 +97,7 @@ class Story:
     diff: str = ""
     history: str = ""
     decision: Decision | None = None
+    loss: Loss | None = None
     arms: int = 0
     missed_ticks: int = 0
     load: list[float] = field(default_factory=list)
@@ -154,13 +158,19 @@ class _Script:
         self.say("AFF on the unwind; two speeds and a step of tension are recorded")
         self.watch(LEARN_S)
         self.ramp(FAST_M_S, SLOW_M_S)
-        self.watch(SLOW_S)
+        self.watch(SLOW_S / 2.0)
+        if self.story.plan.kills_recorder:
+            self.say(f"SIGKILL to recorder {kill_recorder(self.runtime.process.pid)}")
+        self.watch(SLOW_S / 2.0)
         self.set("tension_ref_N", STEP_N)
         self.watch(STEP_S)
         runs = sorted((out / "runs").iterdir())
         start_s, end_s = _span_s(runs[-1])
         self.story.first_run = f"{runs[-1]}@{start_s + FIRST_S:.0f}..{end_s:.0f}"
         self.story.held_run = str(runs[0])
+        if self.story.plan.kills_recorder:
+            self.story.loss = loss_of(self.story.first_run)
+            self.say(str(self.story.loss))
         self.set("tension_ref_N", TENSION_N)
         self.ramp(SLOW_M_S, FAST_M_S)
         self.refine()

@@ -10,11 +10,14 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from aff_runtime.app.door.client import DoorClient
 from aff_runtime.app.door.messages import DoorMessage, Facts, RingPassed
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.run_table import read_table
+from aff_runtime.base.run_window import run_window
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.ring import RingReader
 from tests.aff_runtime.app.fake_plc import GAIN_N_PER_M_S, READY_STATUS
@@ -189,9 +192,11 @@ def test_a_shadow_run_leaves_fault_by_itself_and_transmits_zero(tmp_path: Path) 
         run.close()
 
 
-def test_a_killed_recorder_is_replaced(service: ServiceRun) -> None:
+def test_a_killed_recorder_is_replaced_and_the_run_goes_on_without_a_hole(
+    service: ServiceRun,
+) -> None:
     until("the recorder writes", lambda: service.status()["recorder"].get("rows", 0) > 0)
-    first = service.status()["recorder"]["folder"]
+    folder = Path(service.status()["recorder"]["folder"])
     children = Path(f"/proc/{service.process.pid}/task/{service.process.pid}/children").read_text()
     (recorder,) = (
         int(pid)
@@ -199,9 +204,15 @@ def test_a_killed_recorder_is_replaced(service: ServiceRun) -> None:
         if b"telemetry.recorder" in Path(f"/proc/{pid}/cmdline").read_bytes()
     )
     kill(recorder)
-    until("another recorder", lambda: service.status()["recorder"].get("folder", first) != first)
+    until("it goes on", (folder / "signals-0002.csv.gz").exists)
+    until("another recorder", lambda: service.status()["recorder"].get("folder") == str(folder))
     assert service.status()["recorder"]["alive"]
-    assert service.said("the recorder died; another one takes over")
+    until("it has written", lambda: service.status()["recorder"].get("rows", 0) > 10)
+    assert service.said(f"the recorder died (recorder {recorder}: killed by SIGKILL); another one")
+    table = read_table(run_window(folder))
+    assert set(np.diff(table.columns["tick"])) == {1.0}
+    (said,) = [text for text in table.lost if "goes on" in text]
+    assert said.endswith("no tick is lost")
 
 
 def test_requests_without_sense_are_refused_and_the_service_lives(service: ServiceRun) -> None:

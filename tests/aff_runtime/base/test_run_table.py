@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from aff_runtime.base import run_table
+from aff_runtime.base import run_segment, run_table
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
@@ -64,8 +64,8 @@ def test_only_the_columns_asked_for_are_kept(run):
 
 
 def test_segments_outside_the_window_are_not_unpacked(run, monkeypatch):
-    unpacked, unpack = [], run_table._unpacked
-    monkeypatch.setattr(run_table, "_unpacked", lambda p: unpacked.append(p.name) or unpack(p))
+    unpacked, unpack = [], run_segment._unpacked
+    monkeypatch.setattr(run_segment, "_unpacked", lambda p: unpacked.append(p.name) or unpack(p))
     read(run, "@1.2..1.8")
     assert unpacked == ["signals-0002.csv.gz"]
 
@@ -80,6 +80,17 @@ def test_a_segment_that_a_crash_left_half_written_gives_its_whole_rows(run):
     assert np.array_equal(ticks, np.arange(ticks.size))
     assert "signals-0003.csv.gz: ends torn, its last row is whole" in table.lost
     assert any("no summary.json" in text for text in table.lost)
+
+
+def test_a_segment_whose_checksum_is_of_other_rows_is_named_and_left_out(run):
+    segment = run / "signals-0002.csv.gz"
+    content = bytearray(segment.read_bytes())
+    content[-8] ^= 1  # the first byte of its checksum
+    segment.write_bytes(content)
+    table = read(run)
+    assert table.columns["tick"].tolist() == [*range(100), *range(200, 300)]
+    assert table.lost == (f"signals-0002.csv.gz: {run_segment.ALTERED}",)
+    assert "copy it anew" in table.lost[0]
 
 
 def test_a_segment_torn_inside_a_row_loses_that_row(run):

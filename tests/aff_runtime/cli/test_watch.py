@@ -10,10 +10,14 @@ import pandas as pd
 import pyarrow.parquet
 import pytest
 
+from aff_runtime.app.report.metrics.readings import readings
 from aff_runtime.app.report.run_export import unit_of_column
+from aff_runtime.app.report.status_answer import StatusAnswer
+from aff_runtime.app.report.watch_notes import FILE, notes_of, read_notes
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
 from aff_runtime.cli.main import main
+from aff_runtime.cli.status import watch_lines
 from tests.doubles.virtual_weeks import Weeks, write_weeks
 
 DAYS = 14
@@ -99,6 +103,44 @@ def test_an_exchange_begins_a_new_life(store, tmp_path, capsys):
     assert "r6 1x stroke, life 2 (unwind_tension_N): 4 readings" in capsys.readouterr().out
     assert main(["watch", "exchange", str(own), "R6", "--on", "2026-01-15"]) == 2
     assert "knows no such roller; it knows healthy, r6" in capsys.readouterr().err
+
+
+def test_what_was_found_is_shown_by_status_and_counted_by_metrics_until_it_is_answered(
+    runs, store, tmp_path, capsys
+):
+    own = shutil.copytree(store, tmp_path / "store")
+    assert next(watch_lines(own, "Weeks")).startswith("watch    r6 1x stroke grows: ")
+    assert list(watch_lines(own, "another line")) == []
+    assert list(watch_lines(tmp_path / "nowhere", "Weeks")) == []
+    assert main(["watch", "add", str(own), str(runs), "--limit", "r6=60 um"]) == 0
+    said = capsys.readouterr().out.splitlines()[-1]
+    assert "reaches 60 um in about " in said
+    shown, when = watch_lines(own, "Weeks")
+    assert shown == f"watch    {said}"
+    assert f"every trend: aff-runtime watch trend {own}" in when
+    assert counted(own) == 1.0
+    assert main(["watch", "exchange", str(own), "r6", "--on", "2026-01-15", "--why", "new"]) == 0
+    assert list(watch_lines(own, "Weeks")) == []
+    assert counted(own) == 0.0
+    notes = read_notes(own)
+    assert notes is not None
+    assert notes.by_roller() == {("r6", "m"): pytest.approx(6e-5)}  # asked about next time too
+
+
+def counted(store):
+    """Return what the metrics say of a store."""
+    answer = StatusAnswer(line="Weeks", state="OFF")
+    found = {s.metric: s.value for s in readings(answer, 0, notes_of(store, answer.line))}
+    assert found["aff_watch_timestamp_seconds"] == read_notes(store).looked_s
+    return found["aff_watch_notes"]
+
+
+@pytest.mark.parametrize(
+    "text", ["", "3", "[", '{"line": "Weeks"}', '{"line": 1, "looked_utc": 2}']
+)
+def test_notes_that_cannot_be_read_are_none(text, tmp_path):
+    (tmp_path / FILE).write_text(text)
+    assert list(watch_lines(tmp_path, "Weeks")) == []
 
 
 @pytest.mark.parametrize("words", [["trend"], ["exchange", "r6", "--on", "2026-01-15"]])

@@ -87,11 +87,13 @@ SUMMARY_ENDS = {
     "files_lost_to_disk": 0,
     "segments_deleted": 0,
     "ring_overruns": 3,
+    "from_s": 0.0,
 }
 CONTEXT_LINE = (
     b'{"name": "Line 1", "site_file": "/etc/aff/site.yaml", "started_by": "uid 7", "site_hash": '
     b'"5e", "learned": {"unwind": {"response": "ab", "shape": "cd"}}, "max_MB": 500.0, '
-    b'"segment_s": 60.0, "wire_files": {"a.dbc": "ef"}, "site_text": "version: 1\\n"}\n'
+    b'"segment_s": 60.0, "wire_files": {"a.dbc": "ef"}, "site_text": "version: 1\\n", '
+    b'"takes_over": "", "died": ""}\n'
 )
 
 

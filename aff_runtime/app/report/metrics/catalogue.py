@@ -73,7 +73,7 @@ OF_SERVICE: tuple[Metric, ...] = (
     Metric("aff_correction_scaled_ratio", GAUGE, ("actuator",), "share left by the limits alone"),
     Metric("aff_next_order_meeting_seconds", GAUGE, ("actuator",), "until two orders meet"),
     Metric("aff_realtime_right_granted", GAUGE, ("right",), "1 for a right that is held"),
-    Metric("aff_recorder_rows_total", COUNTER, (), "rows written since the run folder was made"),
+    Metric("aff_recorder_rows_total", COUNTER, (), "rows written since this recorder began"),
     Metric("aff_recorder_rows_lost_total", COUNTER, (), "rows that no file took"),
     Metric("aff_ring_overruns_total", COUNTER, ("reader",), "rows that a reader was too late for"),
     Metric("aff_recordings_bytes", GAUGE, (), "size of all runs when a segment last ended"),
@@ -108,6 +108,8 @@ OF_SERVICE: tuple[Metric, ...] = (
         ("actuator",),
         "largest bound of its phase error at a point",
     ),
+    Metric("aff_watch_notes", GAUGE, (), "what aff-runtime watch says of rollers over weeks"),
+    Metric("aff_watch_timestamp_seconds", GAUGE, (), "when it last looked, s since 1970"),
 )
 OF_SCREEN: tuple[Metric, ...] = (
     Metric("aff_tick_duration_seconds", HISTOGRAM, (), "whole tick, every tick"),

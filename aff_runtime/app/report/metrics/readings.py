@@ -16,6 +16,7 @@ from aff_runtime.app.report.block_status import SHAPE, at_encoder_zero_deg
 from aff_runtime.app.report.line_facts import VELOCITY, LineFacts, OutputFacts
 from aff_runtime.app.report.status_answer import NOT_SAID, Live, StatusAnswer
 from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.app.report.watch_notes import WatchNotes
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.signals import State, Status
 from aff_runtime.config.revision import SHORT
@@ -56,15 +57,25 @@ class Spread:
     total: float
 
 
-def readings(answer: StatusAnswer | None, now_ns: int) -> tuple[Sample, ...]:
+def readings(
+    answer: StatusAnswer | None, now_ns: int, watch: WatchNotes | None = None
+) -> tuple[Sample, ...]:
     """Return every sample whose value is known now.
 
     Parameters
     ----------
     answer : None when no service answers.
     now_ns : monotonic time, of the machine on which the service runs.
+    watch : what `aff-runtime watch` found of this line; None where it does not look.
     """
-    return tuple(sample for sample in _samples(answer, now_ns) if math.isfinite(sample.value))
+    said = (*_samples(answer, now_ns), *_watched(watch))
+    return tuple(sample for sample in said if math.isfinite(sample.value))
+
+
+def _watched(watch: WatchNotes | None) -> Iterator[Sample]:
+    if watch is not None:
+        yield Sample("aff_watch_notes", (), float(len(watch.notes)))
+        yield Sample("aff_watch_timestamp_seconds", (), watch.looked_s)
 
 
 def _samples(answer: StatusAnswer | None, now_ns: int) -> Iterator[Sample]:

@@ -8,9 +8,12 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
+from aff_runtime.app.report.watch_notes import Limits, WatchNotes, read_notes, write_notes
 from aff_runtime.app.report.watching import sentences
+from aff_runtime.app.report.watching.findings import findings
 from aff_runtime.app.report.watching.run_hours import run_hours
 from aff_runtime.app.report.watching.store import Store, alone, load_store, save_store
+from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.base.printable import printable
@@ -22,15 +25,23 @@ Say = Callable[[str], None]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TakenRuns:
-    """What became of runs: ``refused`` of ``runs`` could not be read."""
+    """What became of runs: ``refused`` of ``runs`` could not be read.
+
+    ``notes`` : what stands out.
+    """
 
     store: Store
     runs: int
     refused: int
+    notes: tuple[str, ...] = ()
 
 
-def take_runs(folder: Path, runs: Iterable[Path], say: Say, complain: Say) -> TakenRuns:
-    """Take what is new of runs into the store in ``folder``, and save it.
+def take_runs(
+    folder: Path, runs: Iterable[Path], say: Say, complain: Say, limits: Limits | None = None
+) -> TakenRuns:
+    """Take what is new of runs into the store in ``folder``, and save it with what stands out.
+
+    ``limits`` : sizes by roller and SI unit; None: those that were given last.
 
     Raises
     ------
@@ -60,9 +71,25 @@ def take_runs(folder: Path, runs: Iterable[Path], say: Say, complain: Say) -> Ta
                 say(f"{shown}: {lost}")
             if taken.new:
                 save_store(folder, store)
+        notes: tuple[str, ...] = ()
         if store.line:
             save_store(folder, store)
-    return TakenRuns(store=store, runs=count, refused=refused)
+            notes = _note(folder, store, limits)
+    return TakenRuns(store=store, runs=count, refused=refused, notes=notes)
+
+
+def _note(folder: Path, store: Store, limits: Limits | None) -> tuple[str, ...]:
+    """Leave what stands out beside the tables, for who does not read them; return it."""
+    if limits is None:
+        before = read_notes(folder)
+        known = set(store.orders["roll"])  # less than before, where a store was begun anew
+        given = {} if before is None else before.by_roller()
+        limits = {key: size for key, size in given.items() if key[0] in known}
+    at = wall_time_iso()
+    found = tuple(sentences.notes(findings(store, limits, now=moment(at))))
+    kept = tuple((roll, unit, size) for (roll, unit), size in limits.items())
+    write_notes(folder, WatchNotes(line=store.line, looked_utc=at, notes=found, limits=kept))
+    return found
 
 
 def exchange(folder: Path, roll: str, on: datetime, why: str) -> None:
@@ -78,6 +105,7 @@ def exchange(folder: Path, roll: str, on: datetime, why: str) -> None:
         store = load_store(folder)
         store.exchange(roll, on, printable(why, 200))
         save_store(folder, store)
+        _note(folder, store, None)
 
 
 def moment(text: str) -> datetime:

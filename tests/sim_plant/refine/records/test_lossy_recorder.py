@@ -1,6 +1,7 @@
 """A recorder that is killed in the middle, or has no disk for a while: what its runs still are."""
 
 import os
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -52,9 +53,12 @@ def run(request, tmp_path_factory):
     return run.end()
 
 
-@pytest.fixture(scope="module")
-def folders(run, tmp_path_factory):
-    """The same rows through a ring to a recorder that is killed, and to the one that follows."""
+@pytest.fixture(scope="module", params=[0, LOST_ROWS], ids=["in time", "too late"])
+def killed(request, run, tmp_path_factory):
+    """The same rows through a ring to a recorder that is killed, and to the one that follows.
+
+    Its folder, how many rows were lost, and what the first one had left of it.
+    """
     table = read_table(run_window(run))
     rows = list(zip(*table.columns.values(), strict=True))
     runs = tmp_path_factory.mktemp("killed")
@@ -65,18 +69,23 @@ def folders(run, tmp_path_factory):
     kill(first.pid)
     until("the recorder is dead", lambda: not first.report().alive)
     first.wait(0.0)
-    unread = at + LOST_ROWS + KEPT_ROWS
+    left = tmp_path_factory.mktemp("left") / "run"
+    shutil.copytree(first.report().folder, left)
+    gone = at + KEPT_ROWS - 1 if request.param else at + KEPT_ROWS // 2
+    unread = gone + request.param
     for row in rows[at:unread]:
         ring.write(row)
-    second = _recorder(reader, runs, table.site_text)
-    until("the other has begun", lambda: second.report().rows >= KEPT_ROWS - 1)
+    died = (first.report().folder, first.how_it_ended())
+    second = _recorder(reader, runs, table.site_text, *died)
+    until("the other goes on", lambda: second.report().rows >= min(unread - at, KEPT_ROWS - 1))
     for row in rows[unread:]:
         ring.write(row)
     ring.close()
     until("the other has ended", lambda: not second.report().alive)
     second.wait(0.0)
     reader.close()
-    return [first.report().folder, second.report().folder]
+    (folder,) = runs.iterdir()
+    return folder, request.param, left
 
 
 def _ring(table):
@@ -84,8 +93,10 @@ def _ring(table):
     return ring, RingReader(ring.open_for_readers())
 
 
-def _recorder(reader, runs, site_text):
-    return RecorderChild(reader, runs, RunContext(name="Euclid", site_text=site_text, max_MB=50))
+def _recorder(reader, runs, site_text, takes_over="", died=""):
+    said = {"takes_over": takes_over, "died": died}
+    context = RunContext(name="Euclid", site_text=site_text, max_MB=50, **said)
+    return RecorderChild(reader, runs, context)
 
 
 def _feed(ring, recorder, rows, fed=0):
@@ -102,25 +113,41 @@ def _taken(report):
     return report.rows + report.rows_lost
 
 
-def test_what_was_written_before_is_a_record_and_it_says_that_its_end_is_missing(run, folders):
-    whole, cut = read_record(run), read_record(folders[0])
+def test_what_was_written_before_is_a_record_and_it_says_that_its_end_is_missing(run, killed):
+    whole, cut = read_record(run), read_record(killed[2])
     assert any("the recorder did not end by itself" in text for text in cut.findings)
     assert cut.duration_s == pytest.approx(KILLED_S, abs=0.05)
     for name, values in cut.columns.items():
         assert values == pytest.approx(whole.columns[name][: cut.samples]), name
 
 
-def test_the_one_that_follows_has_what_the_ring_still_held_and_says_what_it_did_not(run, folders):
-    rest = read_record(folders[1])
-    table = read_table(run_window(run))
-    ticks = table.columns["tick"]
-    found = [read_table(run_window(folder)).columns["tick"] for folder in folders]
-    lost = np.setdiff1d(ticks, np.concatenate(found))
-    assert lost.size == pytest.approx(LOST_ROWS, abs=2)
-    before = int(np.sum(ticks < found[1][0]))  # it cannot know what the one before it wrote
-    assert f"{before} rows were overwritten before the recorder had read them" in rest.findings
-    first_kept_s = KILLED_S + LOST_ROWS * STEP_S
-    assert rest.duration_s == pytest.approx(END_S - first_kept_s, abs=0.05)
+def test_the_one_that_follows_goes_on_in_the_same_run_and_says_what_was_lost(run, killed):
+    folder, lost, _ = killed
+    whole, table = (read_table(run_window(path)) for path in (run, folder))
+    missing = np.setdiff1d(whole.columns["tick"], table.columns["tick"])
+    assert missing.size == lost
+    assert set(np.diff(table.columns["tick"])) == ({1.0, lost + 1.0} if lost else {1.0})
+    (said,) = [text for text in table.lost if "another one goes on" in text]
+    assert "killed by SIGKILL" in said
+    words = f"{lost} ticks are lost, nothing is recorded for {(lost + 1) * STEP_S:.3g} s"
+    assert said.endswith(words if lost else "no tick is lost")
+    counted = [text for text in table.lost if "rows were overwritten before" in text]
+    assert counted == (
+        [f"{lost} rows were overwritten before the recorder had read them"] * bool(lost)
+    )
+
+
+def test_the_record_is_the_same_as_without_a_death_or_what_is_behind_the_hole(run, killed):
+    folder, lost, _ = killed
+    whole, record = read_record(run), read_record(folder)
+    first_s = KILLED_S + lost * STEP_S if lost else 0.0
+    assert record.duration_s == pytest.approx(END_S - first_s, abs=0.05)
+    if not lost:
+        for name, values in record.columns.items():
+            assert values == pytest.approx(whole.columns[name]), name
+        assert record.sha256 == whole.sha256  # so is all that refine makes of it
+        return
+    assert any(f"nothing was read for {(lost + 1) * STEP_S:.3g} s" in t for t in record.findings)
 
 
 @pytest.fixture(scope="module")

@@ -46,7 +46,18 @@ START_NS = 5_000_000_000
 NEED = ["LINE_RUN", "WEB_INTACT"]
 UNITS = ("newtons", "meters", "meters_per_second", "radians_per_second", "radians", "hertz")
 UNITS += ("seconds", "newton_meters", "ratio", "bytes")
-UNITLESS = {"up", "state", "active", "ok", "resting", "granted", "differs", "sessions", "sockets"}
+UNITLESS = {
+    "up",
+    "state",
+    "active",
+    "ok",
+    "resting",
+    "granted",
+    "differs",
+    "sessions",
+    "sockets",
+    "notes",
+}
 
 
 def answer(*, age_s: float = 0.004, state: State = State.ACTIVE) -> StatusAnswer:
