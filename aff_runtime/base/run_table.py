@@ -15,13 +15,14 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.printable import printable
+from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import text_of, yaml_values
 from aff_runtime.base.run_segment import LARGEST_VALUES, first_row, rows_of
 from aff_runtime.base.run_window import HOW_WRITTEN, MARK, RunWindow
@@ -35,6 +36,11 @@ MOST_EVENTS = 100_000
 MOST_EVENT_COLUMNS = 16
 RECORDER_DIED = "RECORDER_DIED"
 """Event: another recorder goes on in the folder of one that died, and says what neither has."""
+PERIODS = "periods_count"
+"""Column: cycles since the row before, one where no tick was missed."""
+FEWEST_OF_A_CYCLE = 20
+SAME_CYCLE_SHARE = 0.1
+"""A segment whose tick differs by more is of another run: a cycle is not changed in one."""
 MOST_SAID = 20
 """Sentences of one kind; more of them nobody reads."""
 LONGEST_NAME = 200
@@ -58,7 +64,7 @@ class RunTable:
     Attributes
     ----------
     window : what was asked for.
-    about : contents of ``run.yaml``.
+    about : contents of ``run.yaml``. ``run_id`` : the same for every copy of the folder.
     columns : one array (rows,) per column name, in the order of the file.
     site_text : the site file as it was when the run began; empty where it is missing.
     events : rows of ``events.csv`` within the window, those without a time among them.
@@ -71,6 +77,7 @@ class RunTable:
     site_text: str
     events: tuple[dict[str, str], ...]
     lost: tuple[str, ...]
+    run_id: str = ""
 
 
 def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> RunTable:
@@ -91,20 +98,28 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
     lost = few(list(_missing([number for number, _ in segments])))
     lost += _summary_losses(folder)
     torn: list[str] = []
-    parts: list[NDArray[np.float64]] = []
+    parts: dict[Path, NDArray[np.float64]] = {}
+    periods_s: dict[Path, float] = {}
+    at = names.index(PERIODS) if PERIODS in names else None
     held, to_s = 0, min(window.to_s, LONGEST_RUN_S)
     for path in _within(segments, names, window):
-        rows, said = rows_of(path, names, wanted)
+        rows, said = rows_of(path, names, wanted if at is None else [*wanted, at])
+        periods_s[path] = _period_s(rows, None if at is None else rows[:, -1])
+        rows = rows[:, : len(wanted)]
         torn += [*said, *_odd_times(path, rows[:, 0])]
         inside = rows[(rows[:, 0] >= window.from_s) & (rows[:, 0] < to_s)]
         inside[~(np.abs(inside) < LARGEST_NUMBER)] = np.nan
         held += inside.size
         if held > LARGEST_VALUES:
             raise AffError(f"{window}: holds too much to be read at once; give a shorter window")
-        parts.append(inside)
+        parts[path] = inside
     if held == 0:
-        raise AffError(f"{window}: holds no row; {_span(segments, names)}")
-    table = np.vstack(parts)
+        why = "; ".join(few([*torn, f"{_span(segments, names)}; give times of the run"]))
+        raise AffError(f"{window}: holds no row; {why}")
+    for path, said_of_it in _of_another_cycle(parts, periods_s):
+        del parts[path]
+        torn.append(said_of_it)
+    table = np.vstack([*parts.values()])
     events, said = _events(folder / "events.csv", window)
     died = [_of_recorder(row) for row in events if row.get("name") == RECORDER_DIED]
     return RunTable(
@@ -114,7 +129,60 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
         site_text=text_of(folder / "site.yaml", _LARGEST_YAML),
         events=tuple(events),
         lost=(*lost, *few(torn), *said, *few(died)),
+        run_id=run_id(folder),
     )
+
+
+def run_id(folder: Path) -> str:
+    """Return what names a run wherever its folder is, by its ``run.yaml``."""
+    return sha256(text_of(folder / MARK, _LARGEST_YAML).encode()).hexdigest()[:16]
+
+
+def other_line(about: Section, site_line: str) -> str:
+    """Return a sentence where a run's site file is of another line than its ``run.yaml``."""
+    by_run, by_site = (" ".join(word(name).split()) for name in (about.get("name"), site_line))
+    if not by_run or not by_site or printable(by_run) == printable(by_site):
+        return ""
+    return (
+        f"its site.yaml is of line {printable(by_site, 100)}, its run.yaml of "
+        f"{printable(by_run, 100)}; put the site file of that run in its place"
+    )
+
+
+def _period_s(rows: NDArray[np.float64], periods: NDArray[np.float64] | None) -> float:
+    """Return the time of a tick in a segment, s, missed ones counted; NaN of a few rows."""
+    with np.errstate(invalid="ignore", over="ignore"):  # a file may hold anything
+        gone_s = np.diff(rows[:, 0])
+        count = np.ones_like(gone_s) if periods is None else periods[1:]
+        usable = (
+            (gone_s > 0.0) & (gone_s < LONGEST_RUN_S) & (count > 0.0) & (count < LARGEST_NUMBER)
+        )
+    if int(np.sum(usable)) < FEWEST_OF_A_CYCLE:
+        return math.nan
+    return float(np.median(gone_s[usable] / count[usable]))
+
+
+def _of_another_cycle(
+    parts: Mapping[Path, NDArray[np.float64]], periods_s: Mapping[Path, float]
+) -> list[tuple[Path, str]]:
+    """Return the segments whose tick is of another length than that of most rows, with words."""
+    known = [path for path in parts if math.isfinite(periods_s[path]) and parts[path].size]
+    if len(known) < 2:
+        return []
+    rows_of_each = np.array([parts[path].shape[0] for path in known])
+    lengths = np.array([periods_s[path] for path in known])
+    order = np.argsort(lengths, kind="stable")
+    half = np.searchsorted(np.cumsum(rows_of_each[order]), 0.5 * rows_of_each.sum())
+    usual_s = float(lengths[order][half])
+    return [
+        (
+            path,
+            f"{path.name}: a tick takes {1e3 * periods_s[path]:.4g} ms in it, "
+            f"{1e3 * usual_s:.4g} ms in the others: it is of another run; left out",
+        )
+        for path in known
+        if abs(periods_s[path] / usual_s - 1.0) > SAME_CYCLE_SHARE
+    ]
 
 
 def _of_recorder(row: Mapping[str, str]) -> str:

@@ -57,9 +57,10 @@ def record(ring: RingReader, folder: RunFolder, notes: Lines) -> None:
     alive = True
     while alive:
         alive = ring.writer_alive()  # asked before reading: what it wrote last is still read
-        _keep_notes(notes.read(POLL_S if alive else 0.0), folder)
-        folder.add(ring.signals.read_new())
+        said = notes.read(POLL_S if alive else 0.0)
+        folder.add(ring.signals.read_new())  # notes get the time of the newest row
         folder.add_events(ring.events.read_new(), start_ns)
+        _keep_notes(said, folder)
         if clock.now_ns() >= next_report_ns:
             next_report_ns += REPORT_NS
             _report(ring, folder)
@@ -124,6 +125,7 @@ def main(arguments: list[str]) -> int:
     folder = RunFolder(directory, ring.header, context, taken)
     if taken is not None:
         _take_over(ring, folder, taken, context.died)
+    folder.add(ring.signals.read_new())
     _keep_notes(rest, folder)
     record(ring, folder, notes)
     return 0

@@ -69,7 +69,7 @@ def shared(fitted: Sequence[Recording], held: Sequence[Recording]) -> list[str]:
     """
     sentences = []
     for one, other in itertools.combinations((*fitted, *held), 2):
-        if one.run is None or other.run is None or _folder(one) != _folder(other):
+        if one.run is None or other.run is None or not _same_run(one, other):
             continue
         both = min(one.run.to_s, other.run.to_s) - max(one.run.from_s, other.run.from_s)
         if both > 0.0:
@@ -80,6 +80,15 @@ def shared(fitted: Sequence[Recording], held: Sequence[Recording]) -> list[str]:
                 "give windows that do not overlap"
             )
     return sentences
+
+
+def _same_run(one: Recording, other: Recording) -> bool:
+    """Return whether both are of one run, be it of two copies of its folder."""
+    assert one.run is not None
+    assert other.run is not None
+    if one.run.run_id:
+        return one.run.run_id == other.run.run_id
+    return _folder(one) == _folder(other)
 
 
 def _folder(record: Recording) -> Path:

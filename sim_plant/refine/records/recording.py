@@ -25,6 +25,7 @@ class RunFacts:
     delivery_known : per actuator, whether the PLC says what it added and when.
     scan_s : period of the PLC's scans.
     from_s, to_s : the piece that is taken, s of the run's ``time_s``; NaN where not known.
+    run_id : the same for every copy of the run's folder; empty where not known.
     """
 
     site: RunSite
@@ -33,6 +34,7 @@ class RunFacts:
     scan_s: float
     from_s: float = math.nan
     to_s: float = math.nan
+    run_id: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

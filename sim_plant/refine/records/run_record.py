@@ -14,7 +14,7 @@ from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.probe_columns import STAGE
-from aff_runtime.base.run_table import RunTable, few, read_table
+from aff_runtime.base.run_table import SAME_CYCLE_SHARE, RunTable, few, other_line, read_table
 from aff_runtime.base.run_window import run_window
 from aff_runtime.base.signals import Status
 from sim_plant.base.arrays import Array
@@ -94,6 +94,8 @@ def read_run_record(path: Path) -> Recording:
         raise PlantError(str(error)) from error
     _refuse_missing_columns(path, table.columns)
     site = run_site(table.site_text, f"{shown}: site.yaml")
+    if other := other_line(table.about, site.name):
+        raise PlantError(f"{shown}: {other}")
     channels = [name for name in site.steps if _is_read(table.columns, name)]
     waited_for = [name for name in channels if name in site.needed]
     try:
@@ -112,7 +114,14 @@ def read_run_record(path: Path) -> Recording:
     grid = _on_grid(table, site, scans, piece, kept)
     said = [_unread(name, table.columns) for name in site.steps if name not in channels]
     said += [f"{n} is left out: {text}" for n, text in lost.items() if text]
-    said += [*table.lost, *few(_edits(table)), *scans.findings, *few(breaks), *counted]
+    said += [
+        *_other_cycle(scans.cycle_s, site.cycle_s),
+        *table.lost,
+        *few(_edits(table)),
+        *scans.findings,
+        *few(breaks),
+        *counted,
+    ]
     if len(pieces) > 1:
         others = ", ".join(few([str(p) for p in pieces if p is not piece]))
         said.append(f"taken is {piece} of the run; left out {others}")
@@ -131,6 +140,7 @@ def read_run_record(path: Path) -> Recording:
             scan_s=scans.scan_s,
             from_s=piece.from_s,
             to_s=piece.to_s,
+            run_id=table.run_id,
         ),
     )
 
@@ -147,6 +157,16 @@ class _Grid:
     activity: Activity
     delivery_known: dict[str, bool]
     said: list[str]
+
+
+def _other_cycle(tick_s: float, cycle_s: float) -> list[str]:
+    """Return a sentence where rows come at another cycle than the site file's (0: not said)."""
+    if cycle_s <= 0.0 or abs(tick_s / cycle_s - 1.0) <= SAME_CYCLE_SHARE:
+        return []
+    return [
+        f"a tick takes {1e3 * tick_s:.4g} ms, its site.yaml says {1e3 * cycle_s:.4g} ms: is it of "
+        "another run?"
+    ]
 
 
 def _refuse_missing_columns(path: Path, columns: Mapping[str, Array]) -> None:

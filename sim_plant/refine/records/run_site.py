@@ -45,7 +45,7 @@ class RunSite:
 
     Attributes
     ----------
-    name : of the line.
+    name : of the line. ``cycle_s`` : its cycle; 0 where it is not said.
     speed : channel of the line speed; ``speed_reference`` that of its set point, or empty.
     rolls : per roll its channels by use (``angle``, ``speed``, ``radius``).
     actuators : by name.
@@ -61,6 +61,7 @@ class RunSite:
     actuators: Mapping[str, RunActuator]
     needed: frozenset[str]
     steps: Mapping[str, float]
+    cycle_s: float = 0.0
 
 
 def run_site(text: str, where: str) -> RunSite:
@@ -79,6 +80,7 @@ def run_site(text: str, where: str) -> RunSite:
         channels, written = gateway["read"]["channels"], gateway["write"]["corrections"]
         return RunSite(
             name=printable(word(line.get("name"))),
+            cycle_s=1e-3 * _number(line.get("cycle_ms"), "ms", 0.0),
             speed=word(line.get("speed"), DEFAULT_SPEED),
             speed_reference=word(line.get("speed_reference")),
             rolls={str(name): _channels(roll) for name, roll in data["rolls"].items()},

@@ -2,7 +2,9 @@
 
 import gzip
 import json
+import shutil
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -11,6 +13,7 @@ from aff_runtime.base import run_segment, run_table
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
+from aff_runtime.base.yaml_section import Section
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import RunFolder
@@ -125,8 +128,64 @@ def test_a_segment_of_another_run_is_left_out(run):
     assert table.lost == ("signals-0002.csv.gz: has other columns than run.yaml; left out",)
 
 
+def stretched(path, by):
+    """Let the rows of a segment come at another cycle, from where it begins on."""
+    head, *rows = gzip.decompress(path.read_bytes()).decode().splitlines()
+    begin_s = float(rows[0].partition(",")[0])
+    for k, row in enumerate(rows):
+        at, _, rest = row.partition(",")
+        rows[k] = f"{begin_s + by * (float(at) - begin_s):.10g},{rest}"
+    path.write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode()))
+
+
+def test_a_segment_of_another_cycle_is_named_with_both_and_left_out(run):
+    stretched(run / "signals-0002.csv.gz", 0.5)
+    table = read(run)
+    assert table.columns["tick"].tolist() == [*range(100), *range(200, 300)]
+    (said,) = table.lost
+    assert said.startswith("signals-0002.csv.gz: a tick takes 5 ms in it, 10 ms in the others")
+
+
+def test_missed_ticks_make_no_other_cycle(tmp_path):
+    columns = ("time_s", "tick", run_table.PERIODS)
+    folder = RunFolder(tmp_path, replace(HEADER, columns=columns), RunContext(segment_s=1.0))
+    every = [
+        *range(100),
+        *range(101, 200, 3),
+        *range(200, 300),
+    ]  # two of three missed in the second
+    rows = [
+        (k * STEP_S, float(n), float(k - b)) for n, (b, k) in enumerate(pairwise([-1, *every]))
+    ]
+    folder.add(rows)
+    folder.finish(ring_overruns=0)
+    table = read(folder.path)
+    assert (table.columns["tick"].size, table.lost) == (len(every), ())
+
+
+def test_a_copy_of_a_run_has_its_name_and_another_run_has_not(run, tmp_path):
+    copy = shutil.copytree(run, tmp_path / "elsewhere" / "copy")
+    assert read(copy).run_id == read(run).run_id == run_table.run_id(run)
+    about = copy / "run.yaml"
+    about.write_text(about.read_text().replace("2026-01-02", "2026-01-03"))
+    assert read(copy).run_id != read(run).run_id
+
+
+@pytest.mark.parametrize(
+    ("by_run", "by_site", "said"),
+    [("Euclid", "Film", True), ("Euclid", "Euclid", False), ("", "Film", False), ("L", "", False)],
+)
+def test_a_site_file_of_another_line_is_told_by_its_name(by_run, by_site, said):
+    text = run_table.other_line(Section({"name": by_run}), by_site)
+    assert bool(text) == said
+    if said:
+        assert text.startswith("its site.yaml is of line Film, its run.yaml of Euclid; put the")
+
+
 def test_a_window_without_rows_says_where_there_are_some(run):
-    with pytest.raises(AffError, match=r"holds no row; the run's segments begin between 0 s"):
+    with pytest.raises(
+        AffError, match=r"holds no row; the run's segments begin between 0 s .* give times"
+    ):
         read(run, "@50..60")
 
 

@@ -16,6 +16,7 @@ from aff_runtime.base.errors import AffError
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingWriter
 from tests.doubles.run_reader import Run, read_run
+from tests.processes import until
 
 pytestmark = pytest.mark.processes
 
@@ -74,6 +75,27 @@ def test_a_run_comes_back_as_it_was_written(tmp_path: Path) -> None:
     spoken = {event["name"]: event for event in run.events}
     assert spoken["SPLICE"]["time_s"] == "0.0100"
     assert spoken["EDIT"]["text"] == "settle_s: 6 -> 9"
+
+
+def test_a_note_has_the_time_of_the_newest_row_from_the_first_one_on(tmp_path: Path) -> None:
+    """A folder that is begun later, with other columns, does not begin at 0."""
+    ring = RingWriter(COLUMNS, meta=RunMeta(start_ns=1000))
+    for k in range(100):
+        ring.write((43.0 + k * 0.005, 8600.0 + k, 4.0, 88.9, 20.0))
+    process = start(ring, tmp_path / "runs")
+    said = b'{"name": "Line 1"}\n{"name": "OPERATOR", "text": "arm"}\n'
+    assert process.stdin is not None
+    process.stdin.write(said)
+    process.stdin.flush()
+    until("it is kept", lambda: b"arm" in b"".join(p.read_bytes() for p in events(tmp_path)))
+    ring.close()
+    process.communicate(timeout=20)
+    (kept,) = read_run(events(tmp_path)[0].parent).events
+    assert (kept["text"], kept["time_s"]) == ("arm", "43.4950")
+
+
+def events(folder: Path) -> list[Path]:
+    return list(folder.glob("runs/*/events.csv"))
 
 
 def test_segments_and_the_copy_of_the_site_file_lie_in_the_folder(tmp_path: Path) -> None:

@@ -292,7 +292,7 @@ def _unlike(pair: tuple[Window, Window], facts: tuple[Facts, Facts]) -> Iterator
     for name in sorted(set(facts[0].mean_N) ^ set(facts[1].mean_N)):
         yield f"{name} is recorded in one of them only"
     first_run, last_run = (w.table.window for w in pair)
-    if first_run.folder.resolve() == last_run.folder.resolve() and (
+    if pair[0].table.run_id == pair[1].table.run_id and (
         first_run.from_s < last_run.to_s and last_run.from_s < first_run.to_s
     ):
         yield "the two windows overlap: what they share does not count twice"

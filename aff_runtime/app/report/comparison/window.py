@@ -13,7 +13,14 @@ from aff_runtime.app.report.comparison.turns import Array, Flags
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.run_files import yaml_values
-from aff_runtime.base.run_table import RunTable, few, read_table
+from aff_runtime.base.run_table import (
+    PERIODS,
+    SAME_CYCLE_SHARE,
+    RunTable,
+    few,
+    other_line,
+    read_table,
+)
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import Outcome, State, StateBits, Status
 from aff_runtime.base.units import UnitError, read_number
@@ -152,6 +159,9 @@ def _odd(window: Window) -> list[str]:
     columns, said = window.table.columns, []
     if not window.site:
         said.append("its site file cannot be read: rolls and orders are not known")
+    if other := other_line(window.table.about, word(window.section("line").get("name"))):
+        said.append(other)
+    said += _other_cycle(window)
     mapped = [
         str(n) for n, _ in window.section("gateway").section("read").section("channels").items()
     ]
@@ -189,6 +199,23 @@ def _odd(window: Window) -> list[str]:
     return said + few(
         [f"the site file was changed at {r.get('time_s')} s: {r.get('text')}" for r in edits]
     )
+
+
+def _other_cycle(window: Window) -> list[str]:
+    """Return a sentence where rows come at another cycle than the site file's."""
+    columns = window.table.columns
+    cycle_s = number(window.section("line").get("cycle_ms"), "ms") * 1e-3
+    gone_s, periods = np.diff(columns["time_s"]), _of(columns, PERIODS, 1.0)[1:]
+    usable = (gone_s > 0.0) & (periods > 0.0)
+    if not cycle_s > 0.0 or not usable.any():
+        return []
+    tick_s = float(np.median(gone_s[usable] / periods[usable]))
+    if abs(tick_s / cycle_s - 1.0) <= SAME_CYCLE_SHARE:
+        return []
+    return [
+        f"a tick takes {1e3 * tick_s:.4g} ms, its site.yaml says {1e3 * cycle_s:.4g} ms: is it of "
+        "another run?"
+    ]
 
 
 def _spread(values: Array) -> float:

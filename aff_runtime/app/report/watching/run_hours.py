@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
-from hashlib import sha256
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +21,15 @@ from aff_runtime.base.order_columns import RESPONSE_RATIO, SIZES, is_part
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.probe_columns import STAGE
 from aff_runtime.base.run_files import text_of, yaml_values
-from aff_runtime.base.run_table import LONGEST_RUN_S, FirstRow, few, first_rows, read_table
+from aff_runtime.base.run_table import (
+    LONGEST_RUN_S,
+    FirstRow,
+    few,
+    first_rows,
+    other_line,
+    read_table,
+    run_id,
+)
 from aff_runtime.base.run_window import MARK, RunWindow
 from aff_runtime.base.yaml_section import Section
 
@@ -34,6 +41,7 @@ READ_S = 150.0
 PLACES = (0.0, 1.0 / 3.0, 2.0 / 3.0)
 """Where in an hour a stretch is looked for, as a share, until one is ``ENOUGH_S`` long."""
 ENOUGH_S = 60.0
+OF_A_SEGMENT = "signals-"
 _LARGEST = 1 << 20  # bytes of a file of the run
 
 
@@ -43,10 +51,11 @@ def _is_needed(column: str) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HourRead:
-    """One hour of a run: its row, and those of its orders."""
+    """One hour of a run: its row, those of its orders, and what is said of its files."""
 
     hour: HourRow
     orders: tuple[OrderRow, ...]
+    lost: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -110,21 +119,25 @@ class RunHours:
     def read(self, one: RecordedHour) -> HourRead:
         """Return what an hour holds, with the longest stretch that was looked at."""
         best: Window | None = None
+        lost: dict[str, None] = {}
         for place in PLACES:
             from_s = one.from_s + place * max(0.0, one.covered_s - READ_S)
-            stretch = self._stretch(from_s, min(from_s + READ_S, one.to_s + 1e-6))
+            stretch = self._stretch(from_s, min(from_s + READ_S, one.to_s + 1e-6), lost)
             if stretch is not None and (best is None or _seconds(stretch) > _seconds(best)):
                 best = stretch
             if (best is not None and _seconds(best) >= ENOUGH_S) or one.covered_s <= READ_S:
                 break
-        return self._read(one, best)
+        return replace(self._read(one, best), lost=tuple(lost))
 
-    def _stretch(self, from_s: float, to_s: float) -> Window | None:
+    def _stretch(self, from_s: float, to_s: float, lost: dict[str, None]) -> Window | None:
         window = RunWindow(folder=self.folder, from_s=from_s, to_s=to_s)
         try:
             table = read_table(window, keep=_is_needed)
-        except AffError:  # a hole in the record
+        except AffError as error:  # a hole in the record, or a segment that cannot be read
+            if OF_A_SEGMENT in str(error):
+                lost[str(error)] = None
             return None
+        lost.update(dict.fromkeys(t for t in table.lost if t.startswith(OF_A_SEGMENT)))
         return steady(table, _speed_name(self.site))
 
     def _read(self, one: RecordedHour, window: Window | None) -> HourRead:
@@ -161,10 +174,11 @@ def run_hours(folder: Path) -> RunHours:
     site = _site(folder)
     times, speeds, lost = _speeds(folder, begins, _speed_name(site))
     segment_s = _segment_s(about)
-    text = text_of(folder / MARK, _LARGEST)
+    if other := other_line(about, word(site.section("line").get("name"))):
+        raise AffError(f"{shown}: {other}")
     return RunHours(
         folder=folder,
-        run_id=sha256(text.encode()).hexdigest()[:16],
+        run_id=run_id(folder),
         config_hash=printable(word(about.get("config_hash")), 64),
         line=printable(word(site.section("line").get("name")) or word(about.get("name")), 100),
         site=site,

@@ -47,13 +47,15 @@ NEVER = np.datetime64("1970-01-01", "us")
 class Taken:
     """What became of a run folder: hours that are new, known already, or older than what is kept.
 
-    ``lacking`` of the new ones have no steady stretch; their web counts.
+    ``lacking`` of the new ones have no steady stretch; their web counts. ``lost`` : what is said
+    of the files of the new ones.
     """
 
     new: int = 0
     known: int = 0
     too_old: int = 0
     lacking: int = 0
+    lost: tuple[str, ...] = ()
 
 
 @dataclass(slots=True, kw_only=True)
@@ -91,6 +93,7 @@ class Store:
         row_of = dict(zip(self.hours["hour"][ours].tolist(), ours.tolist(), strict=True))
         new: list[HourRow] = []
         orders: list[OrderRow] = []
+        lost: dict[str, None] = {}
         known = too_old = 0
         for one in run.hours:
             at = row_of.get(one.hour)
@@ -104,9 +107,14 @@ class Store:
             read = run.read(one)
             new.append(read.hour)
             orders += read.orders
+            lost.update(dict.fromkeys(read.lost))
         self._replace(run.run_id, new, orders)
         return Taken(
-            new=len(new), known=known, too_old=too_old, lacking=sum(bool(one.lacks) for one in new)
+            new=len(new),
+            known=known,
+            too_old=too_old,
+            lacking=sum(bool(one.lacks) for one in new),
+            lost=tuple(lost),
         )
 
     def exchange(self, roll: str, on: datetime, why: str) -> None:

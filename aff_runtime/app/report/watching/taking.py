@@ -17,6 +17,7 @@ from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.base.printable import printable
+from aff_runtime.base.run_table import few
 
 LONGEST_S, MEMORY_BYTES = 600.0, 2 << 30
 """What reading one run may take: its files may be somebody else's."""
@@ -67,7 +68,7 @@ def take_runs(
                 continue
             store = with_run
             say(f"{shown}: {sentences.taken(taken)}")
-            for lost in run.lost if taken.new else ():
+            for lost in few(list(dict.fromkeys((*run.lost, *taken.lost)))) if taken.new else ():
                 say(f"{shown}: {lost}")
             if taken.new:
                 save_store(folder, store)

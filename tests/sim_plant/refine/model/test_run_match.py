@@ -320,6 +320,9 @@ def test_windows_of_one_run_that_overlap_are_named_and_others_are_not():
     apart = [windowed("RUN@40..70", 40.0, 70.0), windowed("LATER@30..70", 30.0, 70.0)]
     assert shared([fitted], apart) == []
     assert shared([fitted], [replace(fitted, run=None)]) == []
+    copy = windowed("COPY/RUN@30..70", 30.0, 70.0)
+    named = [replace(r, run=replace(r.run, run_id="3f9a")) for r in (fitted, copy)]
+    assert shared(named[:1], named[1:]) == [f"{both} of one run: {judged}; {advice}"]
     assert shared([run()], [run()]) == []  # where a piece lies is not known
 
 

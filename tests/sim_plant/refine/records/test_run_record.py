@@ -223,6 +223,38 @@ def test_a_site_file_of_another_run_is_named_by_the_channel_that_is_not_there(ru
     assert said_of(read_record(run), "other_tension_N: its site.yaml maps it, the run has no such")
 
 
+def test_a_site_file_of_another_line_is_refused_with_both_names(run):
+    site = run / "site.yaml"
+    site.write_text(site.read_text().replace("name: Euclid", "name: Film"))
+    with pytest.raises(
+        PlantError, match=r"site.yaml is of line Film, its run.yaml of Euclid; put"
+    ):
+        read_record(run)
+
+
+def test_a_segment_of_another_cycle_is_left_out_and_its_hole_named(run):
+    at_cycle(run, "signals-0002.csv.gz", 0.5)
+    cycle = "signals-0002.csv.gz: a tick takes 5 ms in it, 10 ms in the others"
+    with pytest.raises(PlantError, match=f"{cycle}.*nothing was read for 20 s"):
+        read_record(run)  # no part of 20 s is left
+
+
+def test_a_run_of_another_cycle_than_its_site_file_is_named(run):
+    site = run / "site.yaml"
+    site.write_text(site.read_text().replace("cycle_ms: 10", "cycle_ms: 5"))
+    assert said_of(read_record(run), "a tick takes 10 ms, its site.yaml says 5 ms")
+
+
+def at_cycle(run, name, by):
+    """Let the rows of a segment come at another cycle, from where it begins on."""
+    head, *rows = gzip.decompress((run / name).read_bytes()).decode().splitlines()
+    begin_s = float(rows[0].partition(",")[0])
+    for k, row in enumerate(rows):
+        at, _, rest = row.partition(",")
+        rows[k] = f"{begin_s + by * (float(at) - begin_s):.10g},{rest}"
+    (run / name).write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode()))
+
+
 def test_what_is_no_record_is_refused_with_what_was_meant(run):
     for name, said in (
         (f"{run}@20", r"times of a run are written RUN_DIR@FROM\.\.TO"),

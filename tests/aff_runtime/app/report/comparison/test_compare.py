@@ -136,6 +136,22 @@ def test_a_run_of_another_line_is_compared_and_labelled(made, run):
     assert row(found).before.turns > 10
 
 
+def test_a_site_file_of_another_line_and_of_another_cycle_is_labelled(made, run):
+    site = run / "site.yaml"
+    text = site.read_text().replace("name: Euclid", "name: Film")
+    cycle = re.search(r"cycle_ms: (\d+)", text)
+    site.write_text(text.replace(cycle[0], f"cycle_ms: {2 * int(cycle[1])}"))
+    labels = of(f"{made[0]}{OFF}", f"{run}{ON}").windows[1].labels
+    assert any("its site.yaml is of line Film, its run.yaml of Euclid" in t for t in labels)
+    said = f"a tick takes {cycle[1]} ms, its site.yaml says {2 * int(cycle[1])} ms"
+    assert any(said in text for text in labels)
+
+
+def test_windows_of_two_copies_of_a_run_overlap_as_those_of_one(made, run):
+    assert any("overlap" in t for t in of(f"{made[0]}@5..33", f"{run}@20..60").labels)
+    assert not any("overlap" in t for t in of(f"{made[0]}{OFF}", f"{run}{ON}").labels)
+
+
 DOUBLING = "".join(f"k{n}: &k{n} [*k{n - 1}, *k{n - 1}]\n" for n in range(1, 60))
 """Aliases that unfold to 2^60 texts."""
 

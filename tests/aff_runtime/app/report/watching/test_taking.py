@@ -1,5 +1,7 @@
 """Runs are taken whole or not at all."""
 
+import shutil
+
 import pytest
 
 from aff_runtime.app.report.watching import taking
@@ -57,3 +59,25 @@ def test_a_first_run_that_fails_does_not_give_the_store_its_line(runs, tmp_path,
     found = take(tmp_path / "store", runs[:1], [])
     assert found.refused == 1
     assert found.store.line == ""
+
+
+def test_what_is_wrong_with_the_files_of_an_hour_is_said(runs, tmp_path):
+    run = shutil.copytree(runs[0], tmp_path / "run")
+    first = sorted(run.glob("signals-*"))[0]
+    content = bytearray(first.read_bytes())
+    content[-8] ^= 1  # of its checksum
+    first.write_bytes(content)
+    said = []
+    take(tmp_path / "store", [run], said)
+    assert any(f"{first.name}: its checksum is not that of its rows" in text for text in said)
+
+
+def test_a_run_with_the_site_file_of_another_line_is_left_out(runs, tmp_path):
+    run = shutil.copytree(runs[0], tmp_path / "run")
+    site = run / "site.yaml"
+    site.write_text(site.read_text().replace("name: Weeks", "name: Film"))
+    said = []
+    found = take(tmp_path / "store", [run], said)
+    assert (found.refused, found.store.line) == (1, "")
+    assert "left out: " in said[-1]
+    assert "its site.yaml is of line Film, its run.yaml of Weeks" in said[-1]
