@@ -1,4 +1,4 @@
-"""``aff-runtime setup SITE.yaml``: from a PLC's words to a checked site file; writes no word."""
+"""``aff-runtime setup SITE.yaml``: from a PLC's words or signals to a checked site file."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.setup.bus_files import read_file
+from aff_runtime.app.setup.bus_questions import EDS
 from aff_runtime.app.setup.dialogue import Dialogue, LeftError
 from aff_runtime.app.setup.draft import Draft, read_draft
 from aff_runtime.app.setup.flow import content_of, interview, write
+from aff_runtime.app.setup.questions import AnswerError
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.suggest import meant
@@ -40,6 +43,17 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="forget a kept answer or quantity and ask it again; may be repeated",
     )
+    files = parser.add_mutually_exclusive_group()
+    files.add_argument(
+        "--dbc", metavar="FILE", help="PLC on CAN: begin from this DBC file, beside the site file"
+    )
+    files.add_argument(
+        "--eds",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="PLC and drives on CANopen: begin from this EDS file; may be repeated",
+    )
     add_state_dir(parser)
     parser.set_defaults(command=setup)
 
@@ -52,6 +66,7 @@ def setup(options: argparse.Namespace) -> int:
     draft = read_draft(kept_in)
     for name in options.again:
         draft = _asked_again(draft, name, kept_in)
+    draft = _begun_from(draft, options, kept_in.absolute().parent)
     script = Script(options.answers) if options.answers is not None else None
     dialogue = Dialogue(draft, kept_in, script or Terminal())
     before = content_of(options.site)
@@ -75,6 +90,24 @@ def setup(options: argparse.Namespace) -> int:
         "(docs/technician/first-run.md)"
     )
     return 0
+
+
+def _begun_from(draft: Draft, options: argparse.Namespace, folder: Path) -> Draft:
+    """Return what is kept with the files of the command line as answers."""
+    given = {"dbc": options.dbc} if options.dbc else {}
+    given |= {f"{EDS}.{number}": name for number, name in enumerate(options.eds, 1)}
+    if not given:
+        return draft
+    answers = {"wire": "can_dbc" if options.dbc else "canopen_402"}
+    for name, text in given.items():
+        try:
+            answers[name] = read_file(folder, text)
+        except AnswerError as error:
+            raise ConfigError(f"--{name.partition('.')[0]}: {error}") from None
+    for name, answer in answers.items():
+        if draft.answers.get(name) != answer:
+            draft = draft.without(name).with_answer(name, answer)
+    return draft
 
 
 def _asked_again(draft: Draft, name: str, kept_in: Path) -> Draft:

@@ -60,22 +60,30 @@ def wire_files(site: Site, folder: Path) -> dict[str, str]:
     wanted = [site.gateway.can_dbc.dbc] if site.gateway.can_dbc is not None else []
     if site.gateway.canopen_402 is not None:
         wanted += [node.eds for node in site.gateway.canopen_402.nodes.values()]
-    texts: dict[str, str] = {}
-    for name in wanted:
-        try:
-            texts[name] = _text(read_plain(folder / name))
-        except OSError as error:
-            text = (
-                f"cannot be read ({error.strerror}). Looked for {folder / name}: "
-                "correct the name or put the file there"
-            )
-            raise NamedError(name, text) from None
-        except TooLargeError as error:
-            text = f"{folder / name} {error}. Leave in it what this line needs"
-            raise NamedError(name, text) from None
-        except ValueError as error:
-            raise NamedError(name, f"{folder / name} {error}. Correct the name") from None
-    return texts
+    return {name: wire_text(folder, name) for name in wanted}
+
+
+def wire_text(folder: Path, name: str) -> str:
+    """Return the text of one file that describes a wire; ``name`` counts from ``folder``.
+
+    Raises
+    ------
+    ConfigError
+        It cannot be read.
+    """
+    try:
+        return _text(read_plain(folder / name))
+    except OSError as error:
+        text = (
+            f"cannot be read ({error.strerror}). Looked for {folder / name}: "
+            "correct the name or put the file there"
+        )
+        raise NamedError(name, text) from None
+    except TooLargeError as error:
+        text = f"{folder / name} {error}. Leave in it what this line needs"
+        raise NamedError(name, text) from None
+    except ValueError as error:
+        raise NamedError(name, f"{folder / name} {error}. Correct the name") from None
 
 
 def _text(content: bytes) -> str:

@@ -35,13 +35,7 @@ def listen(
         The bus cannot be opened.
     """
     reader = CanReader(can_map)
-    link = PythonCanLink(lambda: open_bus(interface, channel, bitrate, reader.ids), clock)
-    link.ready()
-    if not link.ready():
-        raise WireError(
-            f"gateway: {interface} {channel} cannot be opened ({link.why_closed}). "
-            f"{_HINTS[interface]}"
-        )
+    link = listener(interface, channel, bitrate, reader.ids, clock)
     heard = HeardFrames(can_map)
     sets = 0
     end_ns = clock.now_ns() + round(span_s * 1e9)
@@ -66,6 +60,26 @@ def listen(
         if not math.isnan(physical) and not field.minimum <= physical <= field.maximum:
             remark = f"  OUTSIDE {field.minimum:g}..{field.maximum:g}: counts as missing"
         yield f"  {reading.name:28} {physical * reading.scale:14.6g}  {field}{remark}"
+
+
+def listener(
+    interface: str, channel: str, bitrate: int, ids: tuple[tuple[int, bool], ...], clock: Clock
+) -> PythonCanLink:
+    """Return an open bus that hears ``ids``: identifiers, and whether each is a long one.
+
+    Raises
+    ------
+    WireError
+        The bus cannot be opened.
+    """
+    link = PythonCanLink(lambda: open_bus(interface, channel, bitrate, ids), clock)
+    link.ready()
+    if not link.ready():
+        raise WireError(
+            f"gateway: {interface} {channel} cannot be opened ({link.why_closed}). "
+            f"{_HINTS[interface]}"
+        )
+    return link
 
 
 def _verdict(can_map: CanMap, heard: HeardFrames) -> str:

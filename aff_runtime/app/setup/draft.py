@@ -27,10 +27,18 @@ SECOND_TENSION = "second.tension"
 STRICT = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
 Key = Annotated[str, StringConstraints(pattern=r"^[A-Za-z][A-Za-z0-9_.]*$", max_length=80)]
 TextLine = Annotated[str, StringConstraints(pattern=r"^[^\x00-\x1f\x7f]*$", max_length=200)]
-ScaleText = Annotated[
-    str,
-    StringConstraints(pattern=r"^-?[0-9.]+([eE][-+]?[0-9]+)?( [A-Za-z/ 0-9]+)?$", max_length=40),
-]
+SCALE = r"^-?[0-9.]+([eE][-+]?[0-9]+)?( [A-Za-z/ 0-9]+)?$"
+ScaleText = Annotated[str, StringConstraints(pattern=SCALE, max_length=40)]
+SIGNAL, SENT = "signal.", "sent."
+"""How the answers begin that say which signal of a bus is read, or written, as what."""
+
+
+_FILES = ("wire", "dbc", "eds", "node")
+"""Answers with which everything goes that was said of signals: other files name others."""
+
+
+def _is_of_signals(key: str) -> bool:
+    return key.startswith((SIGNAL, SENT, "correction_scale")) or key.endswith(".scale")
 
 
 class FoundWord(BaseModel):
@@ -73,6 +81,9 @@ class Draft(BaseModel):
     def without(self, name: str) -> Draft:
         """Return it without a quantity or answer and what depends on it, to be asked again."""
         gone = {name, *self._named(name)}
+        if name.partition(".")[0] in _FILES:
+            gone |= {key for key in self.answers if _is_of_signals(key)}
+        gone |= {f"{kind}{one}" for one in gone for kind in (SIGNAL, SENT)}
         return self.model_copy(
             update={
                 kind: {
@@ -116,6 +127,15 @@ class Draft(BaseModel):
         """Return the driven roller that is corrected beside the unwind; empty without one."""
         name = self.answers.get("second", NONE)
         return "" if name == NONE else name
+
+    @property
+    def found(self) -> frozenset[str]:
+        """Return the channels whose word or signal is known."""
+        return frozenset(self.words) | {
+            name.removeprefix(SIGNAL)
+            for name, kept in self.answers.items()
+            if name.startswith(SIGNAL) and kept != NONE
+        }
 
     @property
     def order(self) -> str:

@@ -6,28 +6,27 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+from aff_runtime.app.setup.asking import ask_drive, ask_further, ask_names
+from aff_runtime.app.setup.bus_flow import bus_interview
 from aff_runtime.app.setup.dialogue import Dialogue
-from aff_runtime.app.setup.draft import MOST_FURTHER, SECOND_TENSION, Draft
+from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.interview import (
     BITS,
     YES_NO,
     angles_of,
     bit_questions,
-    drive_questions,
     first_number,
-    further_question,
+    is_bus,
     law_question,
-    line_questions,
     machine_questions,
     quantities_of,
-    second_question,
     status_questions,
+    wire_question,
     wire_questions,
     word_questions,
 )
 from aff_runtime.app.setup.plc import instead_of, polled, reader_of
-from aff_runtime.app.setup.quantities import further
-from aff_runtime.app.setup.questions import NONE, Question, one_of
+from aff_runtime.app.setup.questions import Question, one_of
 from aff_runtime.app.setup.reading import WordReader
 from aff_runtime.app.setup.site_text import site_text
 from aff_runtime.app.setup.steps import Steps
@@ -55,11 +54,15 @@ def interview(dialogue: Dialogue, reach: Reach | None = None) -> None:
     AffError
         It cannot go on; what was found is kept.
     """
+    kind = dialogue.ask(wire_question())
+    if instead_of(kind):
+        dialogue.keep(dialogue.draft.without("wire"))
+        raise ConfigError(instead_of(kind))
+    if is_bus(dialogue.draft):
+        bus_interview(dialogue)
+        return
     for question in wire_questions():
-        kind = dialogue.ask(question)
-        if instead_of(kind):
-            dialogue.keep(dialogue.draft.without("wire"))
-            raise ConfigError(instead_of(kind))
+        dialogue.ask(question)
     reader = (reach or _on_its_wire)(dialogue.draft)
     try:
         _look(dialogue, Steps(dialogue, reader))
@@ -75,7 +78,7 @@ def _look(dialogue: Dialogue, steps: Steps) -> None:
     steps.survey()
     steps.heartbeat()
     dialogue.ask(first_number(int(dialogue.draft.answers["heartbeat"])))
-    _names(dialogue)
+    ask_names(dialogue)
     for quantity in quantities_of(dialogue.draft):
         steps.quantity(quantity)
     for question in machine_questions(dialogue.draft):
@@ -83,7 +86,7 @@ def _look(dialogue: Dialogue, steps: Steps) -> None:
     for quantity in angles_of(dialogue.draft):
         steps.angle(quantity)
     dialogue.ask(law_question(dialogue.draft))
-    _further(dialogue, steps)
+    ask_further(dialogue, steps.quantity)
     for question in status_questions(partial(_why_not, dialogue, "status.word")):
         dialogue.ask(question)
     if dialogue.draft.answers["status.order"] == "no":
@@ -92,44 +95,13 @@ def _look(dialogue: Dialogue, steps: Steps) -> None:
             steps.find_bit(bit_questions(dialogue.draft, known)[number])
     _words(dialogue)
     if dialogue.draft.answers["law"] == "shape":
-        _drive(dialogue)
+        ask_drive(dialogue)
     block = polled(dialogue.draft)
     if block.count <= MAX_READ_WORDS and not steps.fits_one_read(block):
         dialogue.complain(
             f"warning  the PLC refuses words {block.start} to {block.start + block.count - 1} in "
             "one request, and AFF polls one block. Let the PLC put them together."
         )
-
-
-def _names(dialogue: Dialogue) -> None:
-    """Ask for the names of the line, its second roller and the tension behind that."""
-    before = dialogue.draft.second
-    for question in line_questions():
-        dialogue.ask(question)
-    second = dialogue.draft.second
-    if before not in ("", second):
-        dialogue.keep(dialogue.draft.without(SECOND_TENSION))
-    if second:
-        _channel(dialogue, second_question(second))
-
-
-def _further(dialogue: Dialogue, steps: Steps) -> None:
-    """Find the channels that are only recorded; those that are no longer named are forgotten."""
-    for number in range(1, MOST_FURTHER + 1):
-        channel = _channel(dialogue, further_question(dialogue.draft, number))
-        if channel == NONE:
-            dialogue.keep(dialogue.draft.without_further(number + 1))
-            return
-        steps.quantity(further(channel))
-
-
-def _channel(dialogue: Dialogue, question: Question) -> str:
-    """Return the name of a channel; what was found under its former name is forgotten."""
-    before = dialogue.draft.answers.get(question.name, question.default) or NONE
-    channel = dialogue.ask(question)
-    if before not in (NONE, channel):
-        dialogue.keep(dialogue.draft.without(before))
-    return channel
 
 
 def _words(dialogue: Dialogue) -> None:
@@ -147,14 +119,6 @@ def _words(dialogue: Dialogue) -> None:
         rows = word_questions(dialogue.draft, partial(_why_not, dialogue, name))
         dialogue.ask(next(row for row in rows if row.name == name))
         asked.add(name)
-
-
-def _drive(dialogue: Dialogue) -> None:
-    """Ask for the drive; what is asked depends on earlier answers."""
-    asked: set[str] = set()
-    while left := [row for row in drive_questions(dialogue.draft) if row.name not in asked]:
-        dialogue.ask(left[0])
-        asked.add(left[0].name)
 
 
 def _why_not(dialogue: Dialogue, name: str, address: int) -> str:

@@ -28,7 +28,9 @@ from aff_runtime.app.setup.questions import (
 )
 from aff_runtime.app.setup.reading import MOST_WORDS
 
-WIRES = ("modbus_tcp", "modbus_udp", "modbus_rtu", "can")
+WIRES = ("modbus_tcp", "modbus_udp", "modbus_rtu", "can_dbc", "canopen_402")
+BUSES = ("can_dbc", "canopen_402")
+"""Wires whose DBC or EDS files name every signal: nothing is searched there."""
 YES_NO = ("yes", "no")
 BITS = (
     ("LINE_RUN", "the line runs", True),
@@ -51,15 +53,24 @@ NO_TORQUE = (
 Known = Callable[[int], str]
 
 
+def is_bus(draft: Draft) -> bool:
+    """Return whether the PLC is on a bus whose files name every signal."""
+    return draft.answers.get("wire") in BUSES
+
+
+def wire_question() -> Question:
+    """Return the first question of all."""
+    return Question(
+        name="wire",
+        text=f"How is the PLC reached? {', '.join(WIRES)}",
+        read=one_of(*WIRES),
+        default="modbus_tcp",
+    )
+
+
 def wire_questions() -> tuple[Question, ...]:
-    """Return what is asked before the PLC is spoken to."""
+    """Return what is asked before a PLC on Modbus is spoken to."""
     return (
-        Question(
-            name="wire",
-            text=f"How is the PLC reached? {', '.join(WIRES)}",
-            read=one_of(*WIRES),
-            default="modbus_tcp",
-        ),
         Question(name="host", text="Address of the PLC, such as 192.168.7.10", read=read_text),
         Question(name="port", text="Port", read=whole(1, 65535), default="502"),
         Question(name="device_id", text="Unit identifier", read=whole(0, 255), default="1"),
@@ -258,17 +269,17 @@ def machine_questions(draft: Draft) -> tuple[Question, ...]:
             text="Amplitude of the probe's excitation, m/s; none: chosen from the noise",
             read=number("m/s", 0.0, 0.1),
             default=NONE,
-        ),
-        Question(
-            name="function", text="Function codes", read=one_of("fc23", "fc3_fc16"), default="fc23"
-        ),
+        )
     ]
+    if not is_bus(draft):
+        codes = one_of("fc23", "fc3_fc16")
+        asked.append(Question(name="function", text="Function codes", read=codes, default="fc23"))
     return tuple(asked)
 
 
 def law_question(draft: Draft) -> Question:
     """Return the choice of the law: the roll's shape, where its angle and radius are seen."""
-    seen = {f"{UNWIND}_angle_rad", f"{UNWIND}_radius_m"} <= set(draft.words)
+    seen = {f"{UNWIND}_angle_rad", f"{UNWIND}_radius_m"} <= draft.found
     return Question(
         name="law",
         text="Law: shape, whose drive the probe finds where you do not know it, or blocks",
@@ -346,7 +357,7 @@ def drive_questions(draft: Draft) -> tuple[Question, ...]:
                 name="core", text="Outer radius of the core itself", read=number("m", 0.005, 3.0)
             ),
         ]
-    if "tension_ref_N" not in draft.words:
+    if "tension_ref_N" not in draft.found:
         asked.append(
             Question(name="usual_tension", text="Usual web tension", read=number("N", 0.0, 1e5))
         )

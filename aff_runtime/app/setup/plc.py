@@ -15,12 +15,9 @@ from aff_runtime.fieldbus.modbus.tcp_wire import Wire
 from aff_runtime.fieldbus.modbus.udp_wire import UdpWire
 
 _ADVICE_BY_WIRE = {
-    "can": "setup finds words on Modbus. On CAN the DBC or EDS file names every signal: copy "
-    "config/euclid_can.yaml or config/euclid_canopen.yaml, put your signals in, and look at the "
-    "bus with `aff-runtime probe-map` (docs/technician/can.md).",
     "modbus_rtu": "setup looks over Modbus TCP and UDP. On a serial line begin with "
     "config/euclid.yaml and its modbus_rtu section, and look with `aff-runtime probe-map`; or "
-    "reach the PLC by TCP for setup, and exchange the section afterwards.",
+    "reach the PLC by TCP for setup, and exchange the section afterwards."
 }
 
 

@@ -20,6 +20,7 @@ from aff_runtime.fieldbus.can.layout import (
     FrameLayout,
     applied_readings,
 )
+from aff_runtime.fieldbus.can.named_signal import NamedSignal
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames, WireFileError
 
 # What cantools would print on the terminal is said here, with the file and what to do.
@@ -130,6 +131,38 @@ def can_map(database: Database, names: SignalNames) -> CanMap:
         applied=applied,
         recorded_only=names.recorded_only,
     )
+
+
+def dbc_signals(database: Database) -> tuple[NamedSignal, ...]:
+    """Return every signal of the file that a site could name, in the order of the file.
+
+    What no site file may name is left out: frames of more than 8 bytes, nested pages, selectors of
+    pages, and the sender's ``Counter``, which is taken unasked.
+    """
+    found = []
+    for message in database.messages:
+        try:
+            layout = _layout(message)
+            fields = [
+                (signal, field_of(message, signal))
+                for signal in message.signals
+                if not signal.is_multiplexer and signal.name != COUNTER_NAME
+            ]
+        except ConfigError:
+            continue
+        found += [
+            NamedSignal(
+                name=str(field),
+                field=field,
+                layout=layout,
+                called=signal.name,
+                owner=message.name,
+                unit=signal.unit or "",
+                senders=tuple(message.senders),
+            )
+            for signal, field in fields
+        ]
+    return tuple(found)
 
 
 def field_of(message: Message, signal: Signal) -> Field:

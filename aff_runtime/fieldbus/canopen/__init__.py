@@ -1,3 +1,3 @@
 """CANopen: nodes by EDS."""
 
-__all__ = ["device_402", "link"]
+__all__ = ["device_402", "eds_file", "link"]

@@ -20,6 +20,7 @@ from aff_runtime.fieldbus.can.layout import (
     FrameLayout,
     applied_readings,
 )
+from aff_runtime.fieldbus.can.named_signal import NamedSignal
 from aff_runtime.fieldbus.canopen.eds_file import load_eds
 from aff_runtime.fieldbus.canopen.node import NodePlan, SdoWrite
 from aff_runtime.fieldbus.signal_names import NamedError, SignalNames
@@ -226,6 +227,50 @@ class _Builder:
             f"no {word} of {self._nodes[name].eds} maps this object; mapped are {mapped or 'none'}"
         )
         raise NamedError(signal, text)
+
+
+def mapped_signals(od: ObjectDictionary, node: str) -> tuple[NamedSignal, ...]:
+    """Return every object that a PDO of an EDS maps, as a site names it on node ``node``.
+
+    Objects that the EDS does not describe, and those that are mapped in part, are left out, as no
+    site file may name them.
+    """
+    found = []
+    for pdo in (*_pdos(od, 0x1800, 0x1A00), *_pdos(od, 0x1400, 0x1600)):
+        frame = _frame_name(node, pdo)
+        length = -(-sum(entry & 0xFF for entry in pdo.entries) // 8)
+        shift = 0
+        for entry in pdo.entries:
+            index, subindex, bits = entry >> 16, entry >> 8 & 0xFF, entry & 0xFF
+            place = f"0x{index:04X}" + (f":{subindex:02X}" if subindex else "")
+            try:
+                described = _variable(od, index, subindex)
+                kind = described.data_type
+                _check_entry(place, pdo, kind, bits)
+                field = Field(
+                    name=place,
+                    frame=frame,
+                    shift=shift,
+                    length=bits,
+                    signed=kind in _SIGNED,
+                    is_float=kind in _FLOAT,
+                )
+                layout = FrameLayout(name=frame, can_id=pdo.can_id, extended=False, length=length)
+            except ConfigError:
+                continue
+            finally:
+                shift += bits
+            found.append(
+                NamedSignal(
+                    name=f"{node}.{place}",
+                    field=field,
+                    layout=layout,
+                    called=described.name,
+                    owner=node,
+                    sent_to_us=pdo.com_index >= 0x1800,
+                )
+            )
+    return tuple(found)
 
 
 def _check_entry(signal: str, pdo: _Pdo, kind: int | None, bits: int) -> None:

@@ -13,6 +13,27 @@ from aff_hmi.commission.choices import with_buttons
 from aff_hmi.commission.sentences import LONGEST, PATTERNS, sentence
 from aff_hmi.words import say_in
 from aff_runtime.app.setup import display_steps, flow, look, steps
+from aff_runtime.app.setup.bus_questions import (
+    bus_questions,
+    count_question,
+    dbc_question,
+    listen_question,
+    lost_question,
+    node_question,
+    own_node_question,
+    scale_question,
+    scan_question,
+)
+from aff_runtime.app.setup.bus_roles import (
+    Role,
+    applied_role,
+    complement_role,
+    correction_role,
+    of_quantity,
+    words_read,
+    words_written,
+)
+from aff_runtime.app.setup.bus_steps import which_signal
 from aff_runtime.app.setup.dialogue import RowReader
 from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.interview import (
@@ -25,6 +46,7 @@ from aff_runtime.app.setup.interview import (
     machine_questions,
     second_question,
     status_questions,
+    wire_question,
     wire_questions,
     word_questions,
 )
@@ -44,6 +66,7 @@ def questions() -> list[Question]:
         return ""
 
     return [
+        wire_question(),
         *wire_questions(),
         *line_questions(),
         second_question(SECOND),
@@ -113,6 +136,44 @@ def test_why_no_row_is_taken_unasked_is_told(why: str, german: str) -> None:
     assert sentence(text, ENGLISH) == (
         f"no row is taken unasked: {why}. Write 1 to 4 or “another moment” or “move it”."
     )
+
+
+NODES = Draft(answers={"wire": "canopen_402", "eds.1": "drive.eds"})
+BUS = (
+    *bus_questions(),
+    dbc_question(Path()),
+    own_node_question(),
+    node_question(NODES, Path(), 1),
+    listen_question(),
+    scan_question(5.0),
+    lost_question("unwind_drive"),
+    scale_question("unwind_angle_rad", "rad", "unwind_drive.0x6064"),
+    scale_question("unwind_tension_N", "N", "unwind_drive.0x2010"),
+    count_question("correction_scale.unwind", "unwind_drive.0x60B1"),
+)
+ROLES = (
+    *words_read(),
+    *words_written(),
+    applied_role("unwind"),
+    correction_role("unwind"),
+    complement_role("unwind", 16),
+    *(of_quantity(one, ("unwind", SECOND)) for one in (*quantities(SECOND), *angles(SECOND))),
+)
+
+
+@pytest.mark.parametrize("text", [one.text for one in BUS])
+def test_what_is_asked_of_a_bus_is_asked_in_german_too(text: str) -> None:
+    assert sentence(text, ENGLISH) == text
+    assert sentence(text, GERMAN) != text
+
+
+@pytest.mark.parametrize("role", ROLES, ids=lambda role: role.name)
+def test_which_signal_is_what_is_asked_in_german_to_its_end(role: Role) -> None:
+    text = which_signal(role)
+    said = sentence(text, GERMAN)
+    assert said != text == sentence(text, ENGLISH)
+    assert said.startswith("Welches Signal, das AFF")
+    assert role.asked not in said
 
 
 def refused(read: Callable[[str], str], text: str) -> str:

@@ -337,7 +337,9 @@ def test_again_refuses_a_name_of_which_nothing_is_kept(
     assert "Did you mean radius_m" in error
 
 
-@pytest.mark.parametrize(("wire", "said"), [("can", "euclid_can.yaml"), ("modbus_rtu", "serial")])
+@pytest.mark.parametrize(
+    ("wire", "said"), [("can", "Did you mean can_dbc?"), ("modbus_rtu", "serial")]
+)
 def test_another_wire_is_told_what_to_do_instead(
     wire: str, said: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

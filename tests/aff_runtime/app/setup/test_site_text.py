@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aff_runtime.app.setup.draft import Draft, FoundWord, read_draft, write_draft
-from aff_runtime.app.setup.site_text import register_number, site_text
+from aff_runtime.app.setup.modbus_text import register_number
+from aff_runtime.app.setup.site_text import site_text
 from aff_runtime.config.loader import load_site
 from tests.aff_runtime.config.shipped import EUCLID
 
