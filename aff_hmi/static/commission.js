@@ -161,14 +161,20 @@ function response(one) {
   return made;
 }
 
+// what the commissioner says is lacking beside keys of the site file, and the word for it
+const LACKING = { "a line that runs": "aLineThatRuns", "a speed reference that moves a tension": "aSpeedReference" };
+
 function bound(row, seconds) {
   const size = { amplitude: short(row.amplitude), limit: short(row.limit), unit: row.unit };
   const said = fill(words.bound, { actuator: row.actuator, seconds: number(seconds, 0), ...size });
-  const moved = row.ripple === null ? words.first : words.ripple;
+  const isFirst = row.ripple === null;
+  const moved = !isFirst ? words.ripple : row.first_N === null ? words.first : words.firstKnown;
+  const by = { ripple: short(isFirst ? row.first_N : row.ripple), speed: short(row.speed_m_s) };
+  const lacks = row.lacks.map((one) => words[LACKING[one]] ?? one).join(", ");
   const parts = [
     said,
     row.is_chosen ? words.chosen : words.given,
-    fill(moved, { signal: row.signal, ripple: short(row.ripple), unit: row.signal_unit }),
+    fill(moved, { signal: row.signal, ...by, unit: row.signal_unit, lacks }),
   ];
   if (row.bound_N !== null) {
     parts.push(fill(words.movesN, { signal: row.signal, bound: short(row.bound_N) }));

@@ -44,6 +44,10 @@ _TABLE: dict[str, tuple[str, dict[str, float]]] = {
         "N",
         {"N": 1, "mN": 1e-3, "kN": 1e3, "lbf": _LBF, "ozf": _LBF / 16, "kgf": _KGF, "daN": 10},
     ),
+    "pressure": (
+        "Pa",
+        {"Pa": 1, "kPa": 1e3, "MPa": 1e6, "GPa": 1e9, "N/mm2": 1e6, "psi": _LBF / 0.0254**2},
+    ),
     "torque": (
         "N m",
         {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from aff_runtime.base.channel_units import unit_of_channel
@@ -10,6 +11,10 @@ from aff_runtime.config.models.service import BOUND_SHARE
 
 TIMES_LOUDER = 2.0
 """By which a louder probe is: four times the power, a coherence of 0.5 turns to 0.8."""
+
+
+LINE_SPEED, OF_SPEED_ALONE = "a line that runs", "a speed reference that moves a tension"
+"""What a site file cannot say, and what no site file makes of another output."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,6 +35,51 @@ class ProbeBound:
     key: str
     bound_N: float | None
     share: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FirstRipple:
+    """How far a probe moves a tension before any probe has measured it.
+
+    Attributes
+    ----------
+    ripple_N : at most; None where it is not known. ``speed_m_s`` : of the line, for which it is.
+    lacks : keys of the site file, or what else, that would say it.
+    """
+
+    ripple_N: float | None
+    speed_m_s: float | None
+    lacks: tuple[str, ...]
+
+
+def first_ripple(site: Site, actuator: str, amplitude: float, speed_m_s: float) -> FirstRipple:
+    """Return by how much a probe moves the tension at most, by what the web is.
+
+    The span behind a roller whose speed is off by ``a`` sin(w t) holds a tension of amplitude
+    a E A / |v + i w L|: its length L makes it less, so a E A / v bounds it at every frequency.
+    Neither the drive's overshoot nor the line's own tension loop is in it. From the balance
+    of a span [source 2.20].
+
+    Parameters
+    ----------
+    amplitude : of the probe, m/s. ``speed_m_s`` : of the line now; NaN where it is not known.
+    """
+    row, probe = site.actuators[actuator], site.probe
+    if row.output != "velocity_reference" or unit_of_channel(row.error.signal) != "N":
+        return FirstRipple(ripple_N=None, speed_m_s=None, lacks=(OF_SPEED_ALONE,))
+    declared = row.drive.web_width_m if row.drive is not None else 0.0
+    width_m = probe.web_width_m or declared or None
+    known = {
+        "probe.web_modulus_Pa": probe.web_modulus_Pa,
+        "probe.web_thickness_m": probe.web_thickness_m,
+        "probe.web_width_m": width_m,
+        LINE_SPEED: speed_m_s if speed_m_s > row.active_above_m_s else None,
+    }
+    lacks = tuple(name for name, value in known.items() if value is None)
+    if lacks:
+        return FirstRipple(ripple_N=None, speed_m_s=None, lacks=lacks)
+    stiffness_N = math.prod(v for n, v in known.items() if n != LINE_SPEED and v is not None)
+    return FirstRipple(ripple_N=amplitude * stiffness_N / speed_m_s, speed_m_s=speed_m_s, lacks=())
 
 
 def probe_bound(site: Site, actuator: str) -> ProbeBound:

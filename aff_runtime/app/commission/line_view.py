@@ -26,7 +26,7 @@ from aff_runtime.config.check import MAX_RESPONSE_BYTES, check_site
 from aff_runtime.config.identified_drive import with_identified
 from aff_runtime.config.models import Site
 from aff_runtime.config.plain_file import read_plain
-from aff_runtime.config.probe_bound import TIMES_LOUDER, probe_bound
+from aff_runtime.config.probe_bound import TIMES_LOUDER, first_ripple, probe_bound
 from aff_runtime.core.identified import Estimate, IdentifiedDrive
 from aff_runtime.core.probe.repeats import MOST_REPEAT_ERRORS
 from aff_runtime.core.response import MIN_COHERENCE, Response
@@ -50,15 +50,18 @@ def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
         return LineShown(line=view)
     responses = _responses(site, where)
     proof = None
+    speed_m_s = math.nan
     with contextlib.suppress(AffError):
         status = status_of(where.socket)
+        if status is not None and status.live is not None:
+            speed_m_s = status.live.tick.number(site.line.speed)
         in_use, _ = with_identified(site, responses)
         proof = proof_times(in_use, status) if status is not None else None
     view = replace(
         view,
         orders=tuple(str(one) for one in (*facts.orders, *facts.shapes))[:MOST_MESSAGES],
         limits=tuple(str(one) for one in facts.limits)[:MOST_MESSAGES],
-        probe=_bounds(site, responses),
+        probe=_bounds(site, responses, speed_m_s),
         proof=proof,
         responses=tuple(_response(name, one, site) for name, one in responses.items()),
     )
@@ -77,14 +80,19 @@ def _responses(site: Site, where: Paths) -> dict[str, Response]:
     return responses
 
 
-def _bounds(site: Site, responses: dict[str, Response]) -> ProbeView:
-    """Return what a probe sends at most, and how far the last response says the signal moves."""
+def _bounds(site: Site, responses: dict[str, Response], speed_m_s: float) -> ProbeView:
+    """Return what a probe sends at most, and how far the last response says the signal moves.
+
+    Before a first one what the web is says it, at ``speed_m_s``; NaN where that is not known.
+    """
     rows = []
     for name, actuator in site.actuators.items():
         bound = probe_bound(site, name)
         amplitude = bound.most if bound.given is None else bound.given
         former = responses.get(name)
         ripple = amplitude * _gain_of(former)
+        first = first_ripple(site, name, amplitude, speed_m_s)
+        least_N = math.inf if bound.bound_N is None else bound.bound_N
         rows.append(
             ProbeRow(
                 actuator=name,
@@ -94,6 +102,9 @@ def _bounds(site: Site, responses: dict[str, Response]) -> ProbeView:
                 signal=actuator.error.signal,
                 signal_unit=unit_of_channel(actuator.error.signal) or "1",
                 ripple=_known(ripple if bound.bound_N is None else min(ripple, bound.bound_N)),
+                first_N=min(first.ripple_N, least_N) if first.ripple_N is not None else None,
+                speed_m_s=first.speed_m_s,
+                lacks=first.lacks,
                 is_chosen=bound.given is None,
                 bound_N=bound.bound_N,
                 bound_share=bound.share,

@@ -152,6 +152,8 @@ class ProbeRow:
     bound_N : by how much it may move ``signal`` beyond what that does without it, N.
     bound_share : the same as a share of the signal. None: no such bound.
     ripple : of ``signal`` at that amplitude by the last probe, ``signal_unit``; None before one.
+    first_N : of ``signal`` at most, before a first one, by what the web is and ``speed_m_s``; None
+        where ``lacks`` says what would tell it.
     sent : the amplitude of the last probe.
     louder : what a louder one would send; None where all is heard, or the bound is reached.
     """
@@ -163,6 +165,9 @@ class ProbeRow:
     signal: str
     signal_unit: str
     ripple: float | None
+    first_N: float | None = None
+    speed_m_s: float | None = None
+    lacks: tuple[str, ...] = ()
     is_chosen: bool = False
     bound_N: float | None = None
     bound_share: float | None = None
@@ -266,7 +271,9 @@ class ServiceView:
     ----------
     state : of the guard. ``heard`` : whether the PLC is. ``blocked`` : what stands against arming.
     probed : what came of the last probe.
-    trying : how a try of settings stands. ``tried`` : sha256 of their text; empty without one.
+    trying : which settings are tried, and by whom. ``tried`` : sha256 of their text; both empty
+        without a try. ``trying_left_s`` : until the former ones return; below 0 where none is
+        counted.
     differs : why the file is not what runs. ``learned`` : digests of what was learned.
     """
 
@@ -277,6 +284,7 @@ class ServiceView:
     probing: bool
     probed: str
     trying: str
+    trying_left_s: float
     tried: str
     differs: tuple[str, ...]
     learned: tuple[str, ...]

@@ -10,9 +10,11 @@ from pydantic import Field
 from aff_runtime.config.quantity import (
     Hertz,
     Megabytes,
+    Metres,
     MetresPerSecond,
     NewtonMetres,
     Newtons,
+    Pascals,
     Seconds,
     Section,
     Text,
@@ -65,6 +67,24 @@ class Probe(Section):
         live=True,
         gt=0,
         le=10000,
+    )
+    web_modulus_Pa: Pascals | None = key(
+        "Modulus of elasticity of the web, along it. With width and thickness it says before a "
+        "first probe how far one may move the tension; nothing else asks for it.",
+        default=None,
+        live=True,
+        gt=0,
+        le=1e12,
+    )
+    web_thickness_m: Metres | None = key(
+        "Thickness of the web, for the same.", default=None, live=True, gt=0, le=0.05
+    )
+    web_width_m: Metres | None = key(
+        "Width of the web, for the same. Absent: that of the actuator's drive.",
+        default=None,
+        live=True,
+        gt=0,
+        le=20,
     )
     duration_s: Seconds = key(
         "Time of the whole measurement. Lengthen it when probe reports poor quality.",

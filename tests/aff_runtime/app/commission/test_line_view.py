@@ -2,12 +2,15 @@
 
 import math
 import shutil
+from dataclasses import replace
 
 import pytest
 
+from aff_runtime.app.commission import line_view
 from aff_runtime.app.commission.line_view import line
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.report.status_answer import Live, StatusAnswer
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
@@ -36,6 +39,50 @@ def test_before_the_first_probe_its_bounds_are_known_and_the_ripple_is_not(where
         assert (rows[name]["unit"], rows[name]["signal_unit"]) == ("m/s", "N")
         assert rows[name]["ripple"] is None
     assert (found["responses"], found["proof"]) == ([], None)
+
+
+WEB = "  web_modulus_Pa: 2 GPa\n  web_thickness_m: 0.1 mm\n  web_width_m: 0.5\n"
+AT_2_M_S = StatusAnswer(
+    line="l", state="READY", live=Live(signals={"line_speed_m_s": 2.0, "time_s": 0.0})
+)
+
+
+def first_of(where, monkeypatch, web, status):
+    """Return what is known of the unwind before its first probe."""
+    text = where.site.read_text(encoding="utf-8")
+    where.site.write_text(text.replace("\nprobe:\n", f"\nprobe:\n{web}", 1), encoding="utf-8")
+    monkeypatch.setattr(line_view, "status_of", lambda socket: status)
+    rows = plain(line(where, Request(do="line"), None))["line"]["probe"]["rows"]
+    return next(one for one in rows if one["actuator"] == "unwind")
+
+
+def test_before_the_first_probe_the_web_bounds_how_far_it_moves_the_tension(where, monkeypatch):
+    row = first_of(where, monkeypatch, WEB, AT_2_M_S)
+    # E w h = 2e9 * 0.5 * 1e-4 = 1e5 N: a speed off by a strains the web by a / v
+    assert row["first_N"] == pytest.approx(row["amplitude"] * 1e5 / 2.0)
+    assert (row["speed_m_s"], row["lacks"]) == (2.0, [])
+
+
+def test_no_more_than_the_bound_at_which_a_probe_ends(where, monkeypatch):
+    row = first_of(where, monkeypatch, WEB + "  bound_N: 3\n", AT_2_M_S)
+    assert row["first_N"] == 3.0
+
+
+@pytest.mark.parametrize(
+    ("web", "status", "lacks"),
+    [
+        (WEB, None, ["a line that runs"]),
+        (WEB, replace(AT_2_M_S, live=None), ["a line that runs"]),
+        (WEB.partition("\n")[0] + "\n", AT_2_M_S, ["probe.web_thickness_m", "probe.web_width_m"]),
+        ("", AT_2_M_S,
+         ["probe.web_modulus_Pa", "probe.web_thickness_m", "probe.web_width_m"]),
+    ],
+)  # fmt: skip
+def test_what_is_not_known_before_a_first_probe_says_what_is_lacking(
+    where, monkeypatch, web, status, lacks
+):
+    row = first_of(where, monkeypatch, web, status)
+    assert (row["first_N"], row["speed_m_s"], row["lacks"]) == (None, None, lacks)
 
 
 def test_after_one_the_ripple_is_amplitude_times_the_largest_gain(where):
