@@ -93,6 +93,9 @@ TABLE = {
         role=Role.COMMISSION,
         keys={"base": str, "edits": str, "measured": str, "seconds": int, "reason": str},
     ),
+    "/settings/save": Entry(
+        role=Role.COMMISSION, keys={"base": str, "edits": str, "measured": str, "reason": str}
+    ),
     "/settings/back": Entry(
         role=Role.COMMISSION, keys={"number": int, "base": str, "measured": str, "reason": str}
     ),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
 
 from aff_hmi.commission.choices import called, with_buttons
@@ -27,11 +26,12 @@ from aff_runtime.app.commission.views import (
     JobView,
     LastJob,
     LineView,
+    NoService,
     QuestionView,
+    ServiceView,
     StepView,
 )
 
-_LEFT = re.compile(r": (\d+) s left, ")
 STANDS = {
     "not done": ("—", N_("not done")),
     "open": ("…", N_("open")),
@@ -55,6 +55,7 @@ JOBS = {
     "add_runs": N_("read new runs"),
     "exchange": N_("note an exchange"),
     "try_settings": N_("try other settings"),
+    "save_settings": N_("save other settings"),
     "go_back": N_("go back to a version"),
 }
 # what a probe identifies of a drive: its words, its unit
@@ -152,14 +153,15 @@ def state_in(state: State, say: Say, *, sees_all: bool, is_open: bool) -> ShownS
         else None,
         is_open=is_open,
         may=sees_all,
-        left_s=left_s(state.service.trying) if state.service.answers else None,
+        left_s=_left_s(state.service),
     )
 
 
-def left_s(trying: str) -> int | None:
+def _left_s(service: NoService | ServiceView) -> int | None:
     """Return the seconds of a try that are left; None while none are counted."""
-    found = _LEFT.search(trying)
-    return int(found[1]) if found is not None else None
+    if not service.answers or service.trying_left_s < 0.0:
+        return None
+    return round(service.trying_left_s)
 
 
 def _job(job: JobView, say: Say, *, sees_all: bool) -> ShownJob | JobInShort:

@@ -20,10 +20,11 @@ from aff_hmi.hand import Hand
 from aff_hmi.sessions import Session
 from aff_runtime.app.commission.answers import Answer, Done
 from aff_runtime.app.commission.messages import WORDS, Refusal, Request, Why
-from aff_runtime.app.hand.may import OF_SETTINGS, Action, Code, Reason
+from aff_runtime.app.hand.may import Action, Code, Reason
 
 SEARCH = 9  # the step that tries settings while the correction goes out
 PLAIN = ("begin", "verify", "stop", "close")  # requests with no more than who asks
+OF_A_TRY = (Action.TRY, Action.KEEP, Action.UNDO)
 NO_SENSE = Refusal(why=Why.NO_SENSE)
 Press = Callable[[Commission, Session, Asked], Awaitable[Answer | Reason]]
 """Takes the way to the commissioner, who pressed, and what; returns its answer, or why not."""
@@ -53,6 +54,7 @@ class CommissionPresses:
             "/card/sign": partial(self._answer, _sign),
             "/settings/diff": self._difference,
             "/settings/try": self._changing(Action.TRY, _try_of_edits),
+            "/settings/save": self._changing(Action.SAVE, _saved_edits),
             "/settings/back": self._changing(Action.UNDO, _way_back),
             "/refine/lacks": partial(self._answer, partial(_of_windows, "lacks")),
             "/refine/start": partial(self._answer, partial(_of_windows, "refine")),
@@ -114,7 +116,7 @@ class CommissionPresses:
     ) -> Answer | Reason:
         """Try what a step proposes, keep it, or take it back: it changes what goes out."""
         do = str(asked.said["do"])
-        if do not in OF_SETTINGS:
+        if do not in OF_A_TRY:
             return NO_SENSE
         request = _try_of_step if do == Action.TRY else _end_of_try
         return await self._changes_settings(Action(do), request, commission, session, asked)
@@ -168,6 +170,16 @@ def _try_of_edits(said: Said) -> Request:
         edits=str(said["edits"]),
         measured=str(said["measured"]),
         seconds=int(said["seconds"]),
+        reason=str(said["reason"]),
+    )
+
+
+def _saved_edits(said: Said) -> Request:
+    return Request(
+        do="save_settings",
+        base=str(said["base"]),
+        edits=str(said["edits"]),
+        measured=str(said["measured"]),
         reason=str(said["reason"]),
     )
 

@@ -13,6 +13,7 @@ import re
 from collections.abc import Iterator
 from functools import cache
 
+from aff_hmi.commission.bus_sentences import BUS
 from aff_hmi.commission.choices import all_named
 from aff_hmi.commission.run_sentences import RUNS
 from aff_hmi.commission.setup_sentences import SETUP
@@ -32,6 +33,14 @@ PATTERNS = (
     N_("{thing} (waits for bypass)"),
     N_("the site file is not what runs: look at the alarms, or wait"),
     N_("this is what runs"),
+    N_("what is saved takes effect at the next bypass"),
+    N_("saved as the site file, and runs"),
+    N_("nothing differs from what is saved"),
+    N_("{name}: stands there as no single value; edit the file itself"),
+    N_(
+        "the try has ended already ({why}), and the former settings run. To go back to those "
+        "before them: {rest}"
+    ),
     N_("version {number} is saved as the site file, and runs"),
     N_("the text of version {number} is not there any more"),
     N_("somebody has saved other settings since you looked; look again"),
@@ -71,6 +80,7 @@ PATTERNS = (
     ),
     N_("its process ended without an answer; see the log of the commissioner"),
     *SETUP,
+    *BUS,
     *RUNS,
     *VERDICTS,
 )

@@ -33,8 +33,8 @@ KINDS = {
     "text": N_("a text"),
 }
 AT_ONCE = N_("applies at once, between two ticks, while the correction goes out")
-WAITS = N_("waits for bypass: edit it in the site file; no try can take it back")
-ABSENT = N_("left to its default: write it into the site file first")
+WAITS = N_("takes effect at the next bypass: it is saved, and no try can take it back")
+ELSEWHERE = N_("does not stand in the site file as one value: edit it there")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,7 +88,7 @@ def version_in(view: VersionView, say: Say) -> VersionView:
 
 def _setting(one: SettingView, say: Say) -> ShownSetting:
     help_said = say(one.help)
-    does = ABSENT if one.live and not one.can_edit else AT_ONCE if one.live else WAITS
+    does = ELSEWHERE if not one.can_edit else AT_ONCE if one.live else WAITS
     return ShownSetting(
         path=one.path,
         name=one.name,

@@ -31,7 +31,7 @@ LONGEST = 200  # characters of a value
 MISSED_NS = 60_000_000_000  # between two sentences about ticks that never happened
 _S = 1e-9
 NEEDED, ROLL_ID = ("time_s", "tick", "state"), "roll_id"
-_TRIED_BY = re.compile(r" by (?P<who>.+): ")
+_TRIED_BY = re.compile(r" by (?P<who>.+)")
 ROLL_EVENTS = ("SPLICE", "RADIUS_JUMP")
 
 

@@ -22,9 +22,11 @@ function input(one) {
   const made = document.createElement(isChoice ? "select" : "input");
   if (isChoice) {
     const written = one.choices.includes(one.written) ? [] : [one.written];
-    made.append(...[...written, ...one.choices].map((text) => new Option(text, text)));
+    const named = (text) => new Option(text || fill(words.default, { value: one.default }), text);
+    made.append(...[...written, ...one.choices].map(named));
   } else {
     Object.assign(made, { type: "text", maxLength: 80, autocomplete: "off", spellcheck: false });
+    if (one.written === "") made.placeholder = one.default; // left to it: what is typed is written into the file
   }
   made.name = one.path;
   made.value = edits.get(one.path) ?? one.written;
@@ -38,9 +40,12 @@ function input(one) {
   return made;
 }
 
+/** What can be tried stands first; what takes effect at the next bypass is shown on demand. */
+const canTry = (one) => one.can_edit && one.live;
+
 function setting(one, roll) {
   const box = part("div", "setting");
-  Object.assign(box.dataset, { path: one.path, can: one.can_edit ? "yes" : "no" });
+  Object.assign(box.dataset, { path: one.path, can: canTry(one) ? "yes" : "no", waits: one.live ? "no" : "yes" });
   box.dataset.kind = one.kind;
   box.dataset.words = `${one.path} ${roll} ${one.help}`.toLowerCase();
   if (one.can_edit) {
@@ -65,7 +70,7 @@ function form() {
   byId("sections").replaceChildren(
     ...shown.sections.map((section) => {
       const box = document.createElement("details");
-      box.open = section.settings.some((one) => one.can_edit);
+      box.open = section.settings.some(canTry);
       const of = section.roll ? `, ${fill(words.ofRoll, { name: section.roll })}` : "";
       const settings = section.settings.map((one) => setting(one, section.roll));
       box.append(part("summary", "", `${section.path || "·"}${of}`), ...settings);
@@ -73,8 +78,8 @@ function form() {
     }),
   );
   const all = shown.sections.flatMap((section) => section.settings);
-  const count = all.filter((one) => one.can_edit).length;
-  put(byId("can"), fill(words.can, { count, all: all.length }));
+  const saved = all.filter((one) => one.can_edit && !one.live).length;
+  put(byId("can"), fill(words.can, { count: all.filter(canTry).length, saved, all: all.length }));
   mark();
   filter();
 }
@@ -96,7 +101,9 @@ function mark() {
   }
   said(byId("said"), shown.said.filter((w) => !known.has(w.path)), true);
   byId("difference").hidden = looked === null;
-  byId("try").dataset.ready = looked !== null && !looked.refused && !looked.waits && looked.changes.length ? "yes" : "no";
+  const isGood = looked !== null && !looked.refused && looked.changes.length > 0;
+  byId("try").dataset.ready = isGood && !looked.waits ? "yes" : "no";
+  byId("save").dataset.ready = isGood && looked.waits ? "yes" : "no";
   put(byId("count"), edits.size ? fill(words.edited, { count: edits.size }) : "");
   document.querySelector("[data-edit]").hidden = edits.size === 0;
   openings();
@@ -106,8 +113,10 @@ function mark() {
 function openings() {
   const isFresh = document.documentElement.dataset.settings === "shown";
   const isSame = view !== null && shown !== null && view.sha256 === shown.sha256;
-  const isReady = byId("try").dataset.ready === "yes";
-  byId("try").hidden = !(isOpen && isFresh && isSame && isReady);
+  for (const name of ["try", "save"]) {
+    const isReady = byId(name).dataset.ready === "yes";
+    byId(name).hidden = !(isOpen && isFresh && isSame && isReady);
+  }
   byId("back").hidden = !(isOpen && isFresh && byId("back").dataset.ready === "yes");
   byId("changed").hidden = isSame || edits.size === 0;
   byId("edit").querySelector("[type=submit]").disabled = !(isFresh && isSame);
@@ -149,6 +158,11 @@ byId("try").onsubmit = (event) => {
   event.preventDefault();
   const asked = { base: shown.sha256, edits: lines(), measured: looked.sha256 };
   post("/settings/try", { ...asked, seconds: Number(byId("try-seconds").value), reason: byId("try-why").value });
+};
+byId("save").onsubmit = (event) => {
+  event.preventDefault();
+  const asked = { base: shown.sha256, edits: lines(), measured: looked.sha256 };
+  post("/settings/save", { ...asked, reason: byId("save-why").value });
 };
 byId("drop").onclick = () => {
   edits.clear();
@@ -215,7 +229,7 @@ async function show(number, focuses = true) {
   byId("version-back").hidden = back === null;
   byId("back-changes").replaceChildren(...(back ? difference(back) : []));
   Object.assign(byId("back").dataset, {
-    ready: back !== null && !back.refused && back.changes.length ? "yes" : "no",
+    ready: back !== null && !back.refused && back.lines.length ? "yes" : "no", // a comment may be all
     measured: back?.sha256 ?? "",
     base: running, // of what the difference is against, and not of what runs by now
   });

@@ -9,12 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.check.limits import ANSWER_S, PATIENCE_S
-from aff_runtime.app.commission.saving import await_saved, raw, save
+from aff_runtime.app.commission.saving import asked_of, await_saved, raw, save
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.errors import ConfigError, RefusedError, WireError
+from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.cli.service import connect
 from aff_runtime.cli.terminal import say
 
@@ -77,17 +76,13 @@ def settings(word: str, options: argparse.Namespace) -> int:
 
 def _ask(client: ServiceClient, options: argparse.Namespace, **arguments: Any) -> SettingsAnswer:
     try:
-        answer = client.ask("settings", timeout_s=PATIENCE_S + ANSWER_S, **arguments)
+        return asked_of(client, **arguments)
     except RefusedError as error:
         if "text" in arguments and _PLACE.search(str(error)):
             refused = RefusedError(f"{error}\nlines and columns are those of {options.file}")
             refused.exit_code = error.exit_code
             raise refused from None
         raise
-    try:
-        return SettingsAnswer.from_json(answer)
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise WireError("the answer cannot be read; is the service of another release?") from None
 
 
 def _show(answer: SettingsAnswer) -> None:
@@ -123,11 +118,13 @@ def _keep_or_undo(
     asked = {"version": options.version} if word == "undo" else {}
     answer = ask(act=word, why=options.why, **asked)
     if not answer.text:
-        say("undone; the former settings run")
+        ended = "; ".join(answer.remarks)
+        say(f"the former settings run; the try ended: {ended}")
         return
     save(options.site, answer)
-    await_saved(lambda: ask(act="state"), answer.text, MonotonicClock())
-    say(f"{'kept' if word == 'keep' else 'undone'}; saved in {options.site}")
+    runs = await_saved(lambda: ask(act="state"), answer.text, MonotonicClock())
+    when = "" if runs else "; it takes effect at the next bypass"
+    say(f"{'kept' if word == 'keep' else 'undone'}; saved in {options.site}{when}")
 
 
 def _text(path: Path) -> str:

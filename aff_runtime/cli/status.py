@@ -76,7 +76,7 @@ def lines(answer: StatusAnswer) -> Iterator[str]:
     for text in answer.config_differs:
         yield f"         differs: {text}"
     if answer.trying:
-        yield f"trying   {answer.trying}"
+        yield f"trying   {answer.try_sentence}"
     if answer.live is not None:
         tick = answer.live.tick
         timing = tick.timing

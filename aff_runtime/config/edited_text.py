@@ -1,11 +1,13 @@
-"""Single values of a site file's text replaced where they stand; every other byte stays."""
+"""Single values of a site file's text replaced or added; every other byte stays."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from functools import cached_property
 
 from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.config.added_key import Place, place_of
 from aff_runtime.config.findings import KeyPath, dotted
 from aff_runtime.config.yaml_marks import Mark, MarkedTree, Tree, parse_marked
 
@@ -36,16 +38,53 @@ class EditedText:
         found = self._token(path)
         return found[1:-1] if found is not None and found[0] in "\"'" else found
 
+    def can_add(self, path: KeyPath) -> bool:
+        """Return whether a key that is not in the file can be written into it."""
+        return self._place(path) is not None
+
     def with_values(self, values: Mapping[KeyPath, str]) -> str:
-        """Return the text with other values in it.
+        """Return the text with other values in it; keys that are not in it are added.
 
         Raises
         ------
         ConfigError
-            A value does not stand in the file itself, in one line.
+            A value stands in the file, but not in one line, or has no place in it.
         RefusedError
             What is to be written is no single value.
         """
+        standing = {path: new for path, new in values.items() if path in self._tree.marks}
+        text = self._replaced(standing)
+        for path in [one for one in values if one not in standing]:
+            text = EditedText(text).with_key(path, values[path])
+        return text
+
+    def with_key(self, path: KeyPath, new: str) -> str:
+        """Return the text with a key that it did not have; errors as in `with_values`."""
+        place = self._place(path)
+        if place is None:
+            raise ConfigError(f"{dotted(path)}: write it into the site file first")
+        _refuse_more_than_a_value(path, new, is_list=new.startswith("["))
+        at, lines = 2 * (place.line - 1), list(self._lines)
+        line_end = self._lines[1] if len(self._lines) > 1 else "\n"
+        if place.column >= 0:
+            line = lines[at]
+            lines[at] = line[: place.column] + place.text(new, "") + line[place.column :]
+        elif at >= len(lines) or (at == len(lines) - 1 and lines[at] == ""):
+            ends = len(lines) > 1 and lines[-1] == ""
+            lines.append(("" if ends else line_end) + place.text(new, line_end))
+        else:
+            lines[at] = place.text(new, line_end) + lines[at]
+        text = self._order_mark + "".join(lines)
+        self._refuse_other_changes(text, {path[: len(path) - len(place.names) + 1]: new})
+        return text
+
+    def _place(self, path: KeyPath) -> Place | None:
+        if path in self._tree.marks:
+            return None
+        return place_of(self._tree, self._lines[::2], path, self._own)
+
+    def _replaced(self, values: Mapping[KeyPath, str]) -> str:
+        """Return the text with other values in the places of those that stand in it."""
         places = []
         for path, new in values.items():
             old = self._token(path)
@@ -65,7 +104,7 @@ class EditedText:
     def _token(self, path: KeyPath) -> str | None:
         """Return what stands there, with its quotes; None for what is no value in one line."""
         mark = self._tree.marks.get(path)
-        if mark is None or not self._is_own(path, mark):
+        if mark is None or path not in self._own:
             return None
         rest = self._lines[2 * (mark.line - 1)][mark.column - 1 :]
         for pattern in (_LIST, _QUOTED):
@@ -74,19 +113,24 @@ class EditedText:
                 return found[0] if is_it else None
         return mark.written if mark.written and rest.startswith(mark.written) else None
 
-    def _is_own(self, path: KeyPath, mark: Mark) -> bool:
-        """Return whether it stands there for this path alone, not for an alias of it, too."""
-        place = (mark.line, mark.column)
-        there = [one for one, its in self._tree.marks.items() if (its.line, its.column) == place]
-        return not any(one[: len(path)] != path and path[: len(one)] != one for one in there)
+    @cached_property
+    def _own(self) -> dict[KeyPath, Mark]:
+        """The marks of what stands in its place for one path alone, not for an alias of it."""
+        there: dict[tuple[int, int], list[KeyPath]] = {}
+        for path, mark in self._tree.marks.items():
+            there.setdefault((mark.line, mark.column), []).append(path)
+        return {
+            path: mark
+            for path, mark in self._tree.marks.items()
+            if all(
+                one[: len(path)] == path or path[: len(one)] == one
+                for one in there[mark.line, mark.column]
+            )
+        }
 
     def _refuse_other_changes(self, text: str, values: Mapping[KeyPath, str]) -> None:
         """Refuse a text that says something else beside the values that were to be changed."""
-        before, after = dict(_flat(self._tree)), dict(_flat(_parsed(text)))
-        for path in values:
-            for found in (before, after):
-                for below in [one for one in found if one[: len(path)] == path]:
-                    del found[below]
+        before, after = _flat(self._tree, values), _flat(_parsed(text), values)
         if before != after:
             raise RefusedError("this would change more than these values; edit the file itself")
 
@@ -103,13 +147,15 @@ def _parsed(text: str) -> MarkedTree:
     return parse_marked(text.encode("utf-8"), _FILE)
 
 
-def _flat(tree: MarkedTree) -> list[tuple[KeyPath, object]]:
-    """Return every value by its path; of a section or list its kind."""
+def _flat(tree: MarkedTree, but: Collection[KeyPath]) -> list[tuple[KeyPath, object]]:
+    """Return every value by its path, but for some of them; of a section or list its kind."""
     found: list[tuple[KeyPath, object]] = []
 
     def walk(value: Tree, path: KeyPath) -> None:
+        if path in but:
+            return
         if isinstance(value, dict):
-            found.append((path, tuple(value)))
+            found.append((path, tuple(name for name in value if (*path, name) not in but)))
             for name, inner in value.items():
                 walk(inner, (*path, name))
         elif isinstance(value, tuple):

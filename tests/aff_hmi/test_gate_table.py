@@ -81,6 +81,10 @@ PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
         },
         (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
     ),
+    "/settings/save": (
+        {"base": "0" * 64, "edits": "a: 1", "measured": "0" * 64, "reason": "the PLC is slow"},
+        (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
+    ),
     "/settings/back": (
         {"number": 1, "base": "0" * 64, "measured": "0" * 64, "reason": "it was better"},
         (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),

@@ -50,6 +50,12 @@ GOOD: dict[str, dict[str, Any]] = {
         "seconds": 60,
         "reason": "it is better",
     },
+    "/settings/save": {
+        "base": "0" * 64,
+        "edits": "a: 1",
+        "measured": "0" * 64,
+        "reason": "the PLC is slow",
+    },
     "/settings/back": {
         "number": 1,
         "base": "0" * 64,

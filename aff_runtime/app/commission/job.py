@@ -54,6 +54,7 @@ JOBS: dict[str, Job] = {
     "settings_version": settings_form_jobs.version,
     "settings_diff": settings_form_jobs.difference,
     "try_settings": settings_form_jobs.try_edited,
+    "save_settings": settings_form_jobs.save_edited,
     "go_back": settings_form_jobs.go_back,
 }
 NICE = 10

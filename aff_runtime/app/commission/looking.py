@@ -83,6 +83,7 @@ class Looking:
             probing=now.probing,
             probed=now.probed,
             trying=now.trying,
+            trying_left_s=now.trying_left_s,
             tried=now.tried,
             differs=now.config_differs,
             learned=now.learned,
@@ -122,8 +123,7 @@ class Looking:
         if now is not None:
             roll = now.live.tick.number("roll_id") if now.live is not None else -1.0
             goes_out = now.state in (State.ARMED.name, State.ACTIVE.name)
-            trying = now.trying.rpartition(":")[0]  # without the seconds that are left
-            service = (now.site_hash, now.config_hash, f"{roll:.0f}", trying, goes_out)
+            service = (now.site_hash, now.config_hash, f"{roll:.0f}", now.trying, goes_out)
         card, site = _of_file(self._where.card / CARD), _of_file(self._where.site)
         return (card, site, service, self._jobs_ended)
 

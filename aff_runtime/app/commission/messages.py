@@ -219,6 +219,7 @@ TABLE: Mapping[str, Keys] = {
     "settings_version": {"number": _whole, "back": _flag},
     "settings_diff": _EDITS,
     "try_settings": {**_PERSON, **_EDITS, "measured": _digest, "seconds": _whole, "reason": _text},
+    "save_settings": {**_PERSON, **_EDITS, "measured": _digest, "reason": _text},
     "go_back": {
         **_PERSON,
         "number": _whole,

@@ -1,4 +1,7 @@
-"""Saves what the service hands out as its site file, with the rights of whoever runs this."""
+"""Asks the service about settings, and saves the site file that it hands out.
+
+With the rights of whoever runs this: the service itself never writes its site file.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +9,12 @@ import hashlib
 import os
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+from aff_runtime.app.check.limits import ANSWER_S, PATIENCE_S
+from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
-from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.errors import ConfigError, RefusedError, WireError
 from aff_runtime.base.files import replace_text
 from aff_runtime.base.ports import Clock
 from aff_runtime.config.plain_file import read_plain
@@ -16,6 +22,23 @@ from aff_runtime.config.yaml_marks import MAX_BYTES
 
 SAVED_PATIENCE_NS = 10_000_000_000  # until the service runs on what was saved
 LOOK_NS = 100_000_000  # between two questions whether it does
+
+
+def asked_of(client: ServiceClient, **arguments: Any) -> SettingsAnswer:
+    """Return what the service answers to a request about settings.
+
+    ``act`` : try, keep, save, undo, diff or history, or state: what runs, and how a try stands.
+
+    Raises
+    ------
+    AffError
+        None answers, or it refuses.
+    """
+    answer = client.ask("settings", timeout_s=PATIENCE_S + ANSWER_S, **arguments)
+    try:
+        return SettingsAnswer.from_json(answer)
+    except (ValueError, KeyError, TypeError, AttributeError):
+        raise WireError("the answer cannot be read; is the service of another release?") from None
 
 
 def save(site: Path, answer: SettingsAnswer) -> None:
@@ -41,8 +64,8 @@ def save(site: Path, answer: SettingsAnswer) -> None:
         ) from None
 
 
-def await_saved(state: Callable[[], SettingsAnswer], text: str, clock: Clock) -> None:
-    """Wait until the service runs on what was saved.
+def await_saved(state: Callable[[], SettingsAnswer], text: str, clock: Clock) -> bool:
+    """Wait until the service runs on what was saved; return False where that waits for bypass.
 
     Raises
     ------
@@ -53,8 +76,10 @@ def await_saved(state: Callable[[], SettingsAnswer], text: str, clock: Clock) ->
     end_ns = clock.now_ns() + SAVED_PATIENCE_NS
     while clock.now_ns() < end_ns:
         now = state()
-        if now.running == wanted and not now.trying:
-            return
+        if now.running == wanted and not now.trying and not now.waiting:
+            return True
+        if now.waiting == wanted:
+            return False
         clock.sleep_until_ns(clock.now_ns() + LOOK_NS)
     raise RefusedError("it is saved and does not run yet; see `aff-runtime status`")
 

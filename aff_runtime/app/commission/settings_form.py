@@ -51,6 +51,16 @@ def _roll_of(path: KeyPath, rolls: Mapping[KeyPath, str]) -> str:
     return next((rolls[one] for one in above if one in rolls), "")
 
 
+def _can_edit(leaf: Leaf, edited: EditedText) -> bool:
+    """Return whether a setting stands in the file as one value, or can be written into it."""
+    if edited.written(leaf.path) is not None:
+        return True
+    item = leaf.declared.item
+    is_value = leaf.declared.section is None and not leaf.declared.is_table
+    is_value = is_value and (item is None or item.section is None)
+    return is_value and edited.can_add(leaf.path)
+
+
 def _setting(leaf: Leaf, edited: EditedText) -> SettingView:
     declared, written = leaf.declared, edited.written(leaf.path)
     return SettingView(
@@ -64,7 +74,7 @@ def _setting(leaf: Leaf, edited: EditedText) -> SettingView:
         shown=leaf.shown,
         written=written or "",
         live=declared.live,
-        can_edit=declared.live and written is not None,
+        can_edit=_can_edit(leaf, edited),
         help=declared.description,
     )
 
@@ -104,21 +114,19 @@ def text_with_edits(site: Site, text: str, lines: str) -> str:
     Raises
     ------
     AffError
-        One is no setting that may change while a correction goes out, does not stand in the file,
-        or what is to be written is no single value.
+        One is no setting, has no place in the file as one value, or what is to be written is no
+        single value.
     """
-    declared: dict[str, tuple[KeyPath, bool]] = {
-        dotted(leaf.path): (leaf.path, leaf.declared.live) for leaf in leaves(site)
-    }
+    edited = EditedText(text)
+    declared = {dotted(leaf.path): leaf for leaf in leaves(site)}
     values: dict[KeyPath, str] = {}
     for path, value in edits_in(lines).items():
         if path not in declared:
             raise RefusedError(f"{path}: this site file has no such setting")
-        where, live = declared[path]
-        if not live:
-            raise RefusedError(f"{path}: waits for bypass, so it is edited in the site file")
-        values[where] = value
-    return EditedText(text).with_values(values)
+        if not _can_edit(declared[path], edited):
+            raise RefusedError(f"{path}: stands there as no single value; edit the file itself")
+        values[declared[path].path] = value
+    return edited.with_values(values)
 
 
 def said_in(findings: Iterable[str]) -> tuple[SaidOfSetting, ...]:

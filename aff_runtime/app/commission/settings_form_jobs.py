@@ -10,6 +10,7 @@ from aff_runtime.app.commission.answers import (
     VersionShown,
 )
 from aff_runtime.app.commission.messages import Refusal, Request, Why
+from aff_runtime.app.commission.saving import raw
 from aff_runtime.app.commission.settings_form import (
     WAITS,
     is_finding,
@@ -36,6 +37,8 @@ from aff_runtime.base.errors import AffError, ConfigError, RefusedError
 
 MOST_VERSIONS = 100  # newest of the history
 NOT_WHAT_RUNS = "the site file is not what runs: look at the alarms, or wait"
+WAITS_SAVED = "what is saved takes effect at the next bypass"
+SAVED = "saved as the site file, and runs"
 RUNS = "this is what runs"
 
 
@@ -54,7 +57,7 @@ def form(where: Paths, asked: Request, talk: Talk) -> Answer:
         said = said_in(str(error).splitlines())
     sha256 = digest(record.site_text) if record is not None else ""
     if not against and sha256 != answer.running and not answer.trying:
-        against = NOT_WHAT_RUNS
+        against = WAITS_SAVED if sha256 == answer.waiting != "" else NOT_WHAT_RUNS
     view = SettingsView(
         site=str(where.site),
         sha256=sha256,
@@ -87,6 +90,20 @@ def try_edited(where: Paths, asked: Request, talk: Talk) -> Answer:
     return try_text(where, asked, talk, text, by_screen(asked), asked.base)
 
 
+def save_edited(where: Paths, asked: Request, talk: Talk) -> Answer:
+    """Save an edit as the site file: what waits for bypass can be tried by nobody."""
+    record = parameters_of(where.site, where.state)
+    if digest(record.site_text) != asked.base:
+        return Refusal(why=Why.CHANGED)
+    text = text_with_edits(record.site, record.site_text, asked.edits)
+    if digest(text) != asked.measured:
+        return Refusal(why=Why.CHANGED)
+    answer = ask_settings(where, act="save", text=text, why=by_screen(asked), base=asked.base)
+    if digest(answer.text) != asked.measured:
+        return Refusal(why=Why.CHANGED)
+    return Done(text=SAVED if save_handed_out(where, answer) else WAITS_SAVED)
+
+
 def version(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return one version: its difference to the one before, and to what runs."""
     history = ask_settings(where, act="history")
@@ -100,13 +117,13 @@ def version(where: Paths, asked: Request, talk: Talk) -> Answer:
         against = f"the text of version {found.number} is not there any more"
     elif history.trying:
         against = WORDS[Code.TRYING]
-    elif found.sha256 == history.running:
-        against = RUNS
+    elif found.sha256 == (history.waiting or history.running):
+        against = WAITS_SAVED if history.waiting else RUNS
     elif not asked.back:
         against = WORDS[Code.SETTINGS_ROLE]
     else:
-        running = next(one for one in reversed(history.versions) if one.sha256 == history.running)
-        back = _difference(where, _text(where, running), text, history.running)
+        saved = raw(where.site).decode("utf-8", "replace")
+        back = _difference(where, saved, text, history.running)
     lines = lines_between(former, text) if text and former else ()
     view = VersionView(
         version=found, lines=lines, back=back, running=history.running, against=against
@@ -129,8 +146,9 @@ def go_back(where: Paths, asked: Request, talk: Talk) -> Answer:
     answer = ask_settings(where, act="undo", version=asked.number, why=why, base=asked.base)
     if digest(answer.text) != asked.measured:
         return Refusal(why=Why.CHANGED)
-    save_handed_out(where, answer)
-    return Done(text=f"version {asked.number} is saved as the site file, and runs")
+    if save_handed_out(where, answer):
+        return Done(text=f"version {asked.number} is saved as the site file, and runs")
+    return Done(text=WAITS_SAVED)
 
 
 def _refuse_what_cannot_run(found: DifferenceView) -> None:

@@ -9,17 +9,16 @@ from typing import Any
 
 from aff_runtime.app.card.measure.search import text_with
 from aff_runtime.app.card.work import CardFile
-from aff_runtime.app.check.limits import ANSWER_S, PATIENCE_S
 from aff_runtime.app.commission.answers import Answer, Done
 from aff_runtime.app.commission.messages import Refusal, Request, Why
-from aff_runtime.app.commission.saving import await_saved, save
+from aff_runtime.app.commission.saving import asked_of, await_saved, save
 from aff_runtime.app.commission.sources import Paths, parameters_of
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.app.link.settings_request import reason_of
 from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.errors import RefusedError, WireError
+from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.findings import KeyPath
 
 # KEY.KEY: NUMBER  # remark
@@ -93,8 +92,10 @@ def undo(where: Paths, asked: Request, talk: Talk) -> Answer:
     return Done(text="undone; the former settings run")
 
 
-def save_handed_out(where: Paths, answer: SettingsAnswer) -> None:
-    """Save what the service hands out as its site file; return when it runs.
+def save_handed_out(where: Paths, answer: SettingsAnswer) -> bool:
+    """Save what the service hands out as its site file; return whether it runs, or waits.
+
+    What waits for bypass runs after one.
 
     Raises
     ------
@@ -102,7 +103,7 @@ def save_handed_out(where: Paths, answer: SettingsAnswer) -> None:
         It cannot be saved, or does not run yet.
     """
     save(where.site, answer)
-    await_saved(partial(ask_settings, where, act="state"), answer.text, MonotonicClock())
+    return await_saved(partial(ask_settings, where, act="state"), answer.text, MonotonicClock())
 
 
 def by_screen(asked: Request, of: str = "") -> str:
@@ -122,21 +123,9 @@ def by_screen(asked: Request, of: str = "") -> str:
 
 
 def ask_settings(where: Paths, **arguments: Any) -> SettingsAnswer:
-    """Return what the service answers to a request about settings.
-
-    ``act`` : try, keep, undo or diff, or state: what runs, and how a try stands.
-
-    Raises
-    ------
-    AffError
-        None answers, or it refuses.
-    """
+    """Return what the service answers to a request about settings; as `asked_of`."""
     client = ServiceClient(where.socket)
     try:
-        answer = client.ask("settings", timeout_s=PATIENCE_S + ANSWER_S, **arguments)
+        return asked_of(client, **arguments)
     finally:
         client.close()
-    try:
-        return SettingsAnswer.from_json(answer)
-    except (ValueError, KeyError, TypeError, AttributeError):
-        raise WireError("the answer cannot be read; is the service of another release?") from None

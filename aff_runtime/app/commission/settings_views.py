@@ -26,8 +26,9 @@ class SettingView:
     unit : of a bare number. ``allowed`` : its bounds in words. ``choices`` : what may be written.
     default : in words. ``shown`` : present value with its unit. ``written`` : as it stands in the
         file; empty where it is left to its default.
-    live : may change while a correction goes out. ``can_edit`` : a form may change it and have it
-        tried: it is live, and stands in the file as one value.
+    live : may change while a correction goes out, so that it can be tried; another one takes
+        effect at the next bypass. ``can_edit`` : it stands in the file as one value, or can be
+        written into it.
     help : what it does and when to change it.
     """
 
@@ -88,7 +89,7 @@ class DifferenceView:
     ----------
     sha256 : of the text. ``changes`` : with units, and when each applies.
     said : new warnings; of a text that is refused, why. ``refused`` : it cannot run.
-    waits : it cannot be tried, as something in it waits for bypass.
+    waits : it cannot be tried, as something in it waits for bypass; it can be saved.
     lines : of the text, with what is around them.
     """
 

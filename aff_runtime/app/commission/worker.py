@@ -32,6 +32,7 @@ KEEPS = (
     "try_refined",
     "exchange",
     "try_settings",
+    "save_settings",
     "go_back",
 )
 """Jobs that may have changed what lasts before they said so: a file, the settings that run."""

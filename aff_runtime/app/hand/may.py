@@ -28,11 +28,12 @@ class Action(StrEnum):
     FORGET = "forget"
     TRY = "try"
     KEEP = "keep"
+    SAVE = "save"
     UNDO = "undo"
 
 
 PROBES = (Action.PROBE, Action.PROBE_LOUDER)
-OF_SETTINGS = (Action.TRY, Action.KEEP, Action.UNDO)
+OF_SETTINGS = (Action.TRY, Action.KEEP, Action.SAVE, Action.UNDO)
 """What a screen asks of the commissioner, and that of the service; the hand hears all others."""
 BY_HAND = tuple(action for action in Action if action not in OF_SETTINGS)
 
@@ -236,15 +237,15 @@ def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...
 def against_settings(action: Action, now: Circumstances) -> tuple[Reason, ...]:
     """Return what stands against a try, or its end, whoever asks; the service asks it, too.
 
-    In remote the line is the PLC's: nothing else is tried and nothing is kept. The way back stays
-    open, and a try that is not kept ends by itself.
+    In remote the line is the PLC's: nothing else is tried, and nothing is kept or saved. The way
+    back stays open, and a try that is not kept ends by itself.
     """
-    is_try = action is Action.TRY
+    is_try, begins = action is Action.TRY, action in (Action.TRY, Action.SAVE)
     against = {
         Code.SILENT: is_try and now.state is None,
         Code.REMOTE: now.remote and not (action is Action.UNDO and now.trying),
-        Code.PROBING: is_try and now.probing,
-        Code.TRYING: is_try and now.trying,
+        Code.PROBING: begins and now.probing,
+        Code.TRYING: begins and now.trying,
         Code.NO_TRY: action is Action.KEEP and not now.trying,
     }
     return tuple(Reason(code=code) for code, stands in against.items() if stands)

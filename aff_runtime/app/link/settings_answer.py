@@ -9,6 +9,8 @@ from typing import Any
 RIPPLE_OF = "ripple of"
 """How the reason begins for which a try is taken back because ripple rose."""
 SAVED_MEANWHILE = "somebody has saved other settings since you looked; look again"
+UNDONE_BY = "undone by "
+"""How the reason begins for which a try is taken back because somebody wants it."""
 RETURNED = "returned"
 """Verb of the version that runs again after a try."""
 
@@ -48,6 +50,11 @@ class Version:
         return cls(**{**row, "number": int(said["number"])})  # type: ignore[arg-type]
 
     @property
+    def ended_by_itself(self) -> bool:
+        """Whether it runs again because a try ended that nobody took back."""
+        return self.verb == RETURNED and not self.why.startswith(UNDONE_BY)
+
+    @property
     def ripple_rose(self) -> bool:
         """Whether it runs again because ripple rose under what was tried."""
         return self.verb == RETURNED and self.why.startswith(f"{RIPPLE_OF} ")
@@ -61,7 +68,8 @@ class SettingsAnswer:
     ----------
     site : path of the site file.
     running : sha256 of the text that runs.
-    trying : how a try stands, in words; empty without one.
+    trying : which settings are tried, and by whom; empty without a try.
+    waiting : sha256 of a saved text that is taken at the next bypass; empty where none waits.
     changes : lines of a diff. ``remarks`` : warnings of the check.
     text : to be saved as the site file, or of a version.
     replaces : sha256 of the site file that ``text`` is to replace.
@@ -71,6 +79,7 @@ class SettingsAnswer:
     site: str = ""
     running: str = ""
     trying: str = ""
+    waiting: str = ""
     changes: tuple[str, ...] = ()
     remarks: tuple[str, ...] = ()
     text: str = ""
@@ -95,6 +104,7 @@ class SettingsAnswer:
             site=said.get("site", ""),
             running=said.get("running", ""),
             trying=said.get("trying", ""),
+            waiting=said.get("waiting", ""),
             changes=tuple(said.get("changes", ())),
             remarks=tuple(said.get("remarks", ())),
             text=base64.b64decode(said.get("text", ""), validate=True).decode("utf-8"),

@@ -9,7 +9,7 @@ from typing import Any
 
 from aff_runtime.base.errors import RefusedError
 
-ACTS = ("state", "diff", "try", "keep", "undo", "history")
+ACTS = ("state", "diff", "try", "keep", "save", "undo", "history")
 KEYS = ("act", "text", "seconds", "why", "version", "base", "tried")
 START = b'{"do": "settings"'
 """How a line begins that may hold a whole site file."""
@@ -25,11 +25,12 @@ class SettingsRequest:
     Attributes
     ----------
     act : one of ``ACTS``.
-    text : of a whole site file, for ``diff`` and ``try``.
+    text : of a whole site file, for ``diff``, ``try`` and ``save``.
     seconds : of a try, until the former settings return.
-    why : the caller's reason, for ``try``, ``keep`` and ``undo``.
+    why : the caller's reason, for ``try``, ``keep``, ``save`` and ``undo``.
     version : of the history, for ``undo`` and ``history``; 0: the one before, or all.
-    base : sha256 of the running text that ``try`` or ``undo`` was decided on; empty: any.
+    base : sha256 of the text that ``try``, ``save`` or ``undo`` was decided on: of what runs, or
+        for ``save`` of what is saved and waits for bypass; empty: any.
     tried : sha256 of the tried text that ``keep`` or ``undo`` is about, and of nothing else;
         empty: of whatever is tried, and ``undo`` without a try is of what was kept last.
     """
@@ -54,7 +55,8 @@ def settings_request(said: Any) -> SettingsRequest:
     act = said.get("act")
     if act not in ACTS:
         raise RefusedError(f"act: one of {', '.join(ACTS)} is needed")
-    needs_text, needs_why = act in ("diff", "try"), act in ("try", "keep", "undo")
+    needs_text = act in ("diff", "try", "save")
+    needs_why = act in ("try", "keep", "save", "undo")
     return SettingsRequest(
         act=act,
         text=_text(said.get("text")) if needs_text else "",

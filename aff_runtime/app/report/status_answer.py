@@ -93,8 +93,9 @@ class StatusAnswer:
     config_differs : why the file is not what runs. ``learned`` : digests of what was learned.
     control_pid : 0 while no control process runs, `NOT_SAID` in an answer that leaves it open.
     probed : what came of the last probe; empty before one.
-    trying : how a try of other settings stands; empty without one. ``tried`` : sha256 of their
-        text.
+    trying : which other settings are tried, and by whom; empty without a try. ``tried`` : sha256
+        of their text. ``trying_left_s`` : until the former ones return; `NOT_SAID` where none is
+        counted.
     control_restarts : how often a control process that had died was started anew; `NOT_SAID` in
         an answer of an older service.
     audit_records : number of the newest line of the audit; `NOT_SAID` where none is kept.
@@ -117,6 +118,7 @@ class StatusAnswer:
     probing: bool = False
     probed: str = ""
     trying: str = ""
+    trying_left_s: float = NOT_SAID
     tried: str = ""
     recorder: RecorderReport | None = None
     control_restarts: int = NOT_SAID
@@ -135,6 +137,15 @@ class StatusAnswer:
     def blocks(self) -> tuple[BlockStatus, ...]:
         """Every order of every law; empty before the first record."""
         return self.live.blocks if self.live is not None else ()
+
+    @property
+    def try_sentence(self) -> str:
+        """How a try stands, in words; empty without one."""
+        if not self.trying:
+            return ""
+        is_counted = self.trying_left_s >= 0.0
+        left = f"{self.trying_left_s:.0f} s left, then the former return"
+        return f"{self.trying}: {left if is_counted else 'not yet'}"
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values for JSON: what is live is added to the rest."""
@@ -158,6 +169,7 @@ def read_answer(said: Any) -> StatusAnswer:
         probing=said.get("probing", False),
         probed=said.get("probed", ""),
         trying=said.get("trying", ""),
+        trying_left_s=said.get("trying_left_s", NOT_SAID),
         tried=said.get("tried", ""),
         recorder=RecorderReport.from_json(recorder) if recorder else None,
         control_restarts=said.get("control_restarts", NOT_SAID),

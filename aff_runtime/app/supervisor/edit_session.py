@@ -36,7 +36,8 @@ class EditSession:
     findings : warnings about the file whose settings run, as its check said them.
     held : saved files are not checked, as other settings are being tried.
     saved_meanwhile : something was saved while held.
-    accepted : called with every record that has become the running one.
+    accepted : called with every record that has become the running one. ``deferred`` : with one
+        that waits for bypass.
     """
 
     def __init__(
@@ -61,11 +62,18 @@ class EditSession:
         self.differs: tuple[str, ...] = ()
         self.held = self.saved_meanwhile = False
         self.accepted: Callable[[ParameterRecord], None] = _nobody_listens
+        self.deferred: Callable[[ParameterRecord], None] = _nobody_listens
 
     @property
     def is_busy(self) -> bool:
         """Whether a check or a hand-over is under way."""
         return self._check is not None or self._handing_over
+
+    @property
+    def waiting(self) -> str:
+        """Text of a saved site file that is taken at the next bypass; empty where none waits."""
+        parameters = self._waiting.parameters if self._waiting is not None else None
+        return parameters.site_text if parameters is not None else ""
 
     def step(self) -> None:
         """Look at the file; take the result of a check that has ended."""
@@ -118,6 +126,7 @@ class EditSession:
             self._accept(parameters, result.findings)  # the next start takes it
         elif waits and self._processes.is_live():
             self._waiting = result
+            self.deferred(parameters)
             self._refuse(f"{what}; waits for bypass" for what in waits)
         elif may_apply_while_active(changes) and not wire:
             if changes or exchanged:

@@ -299,8 +299,7 @@ class Supervisor:
         """Return the answer to a status request."""
         processes, parameters = self._processes, self._processes.parameters
         standing = self._standing()
-        state, live = standing.state, None
-        latest = processes.latest()
+        state, live, latest = standing.state, None, processes.latest()
         if processes.ring is not None and latest is not None:
             guard_state, live = live_status(latest, parameters.permissives, parameters.site)
             state = guard_state.name
@@ -337,6 +336,7 @@ class Supervisor:
             probing=self._probes.is_under_way,
             probed=self._probes.said,
             trying=self._settings.trying,
+            trying_left_s=self._settings.trying_left_s,
             tried=self._settings.tried,
             recorder=processes.recorder_report(),
             control_restarts=processes.restarts,

@@ -177,7 +177,7 @@ def test_what_is_proposed_is_tried_with_the_hand_and_kept_with_a_reason(
     tried = told.said[-1]
     assert (tried.do, tried.number, tried.measured) == ("try_refined", 8, PROPOSAL.sha256)
     assert (tried.seconds, tried.reason) == (120, "the idler is named")
-    told.trying = "settings 3f3f3f3f3f3f by carl: 87 s left, then the former return"
+    told.trying = "settings 3f3f3f3f3f3f by carl"
     calm = stage.watch.moment
     assert calm.facts is not None
     status = replace(calm.facts.status, trying=told.trying)

@@ -26,6 +26,7 @@ WIDTHS = {360: 740, 768: 1024, 1280: 800, 1920: 1080}
 START_S = 180.0
 KEY = "actuators.unwind.soft_start_s"
 OTHER = "actuators.unwind.active_above_m_s"
+SEGMENT = "recording.segment_s"  # left to its default; waits for bypass
 FIELD = f'.setting [name="{KEY}"]'
 
 
@@ -132,7 +133,8 @@ def test_settings_are_edited_tried_kept_undone_and_gone_back_to(
     assert page.is_hidden('.setting[data-path="line.cycle_ms"]')
     page.check("#all")
     page.fill("#find", "line.cycle_ms")
-    assert "waits for bypass" in who.screen.text('.setting[data-path="line.cycle_ms"]')
+    waits = who.screen.text('.setting[data-path="line.cycle_ms"]')
+    assert "takes effect at the next bypass" in waits
     page.uncheck("#all")
     page.fill("#find", "")
     who.open()
@@ -211,6 +213,42 @@ def test_settings_are_edited_tried_kept_undone_and_gone_back_to(
     assert said.count('"commissioning: try_settings"') == 6  # asked and done, three times
     assert said.count('"commissioning: go_back"') == 2
     assert [text for text in who.screen.complaints if "409" not in text] == []
+    page.click("#release")
+    page.click("#close-work")
+    who.screen.close()
+
+
+def test_what_waits_for_bypass_says_so_is_saved_and_added_at_its_place(
+    chromium, line: RunningLine, pictures: Path
+) -> None:
+    who = Tuner(chromium, line, viewport={"width": 1280, "height": 800})
+    page = who.page
+    who.settings()
+    who.open()
+    who.take_the_hand()
+    before = line.text()
+    page.check("#all")
+    page.fill("#find", SEGMENT)
+    field = f'.setting [name="{SEGMENT}"]'
+    assert page.input_value(field) == ""
+    assert page.get_attribute(field, "placeholder") == "60 s"
+    who.edit("0", field)
+    who.look()
+    assert page.is_visible(f'.setting[data-path="{SEGMENT}"] .of li')
+    assert page.is_hidden("#save")
+    who.edit("30", field)
+    assert f"{SEGMENT}: 60 s -> 30 s (waits for bypass)" in who.look()
+    assert page.is_hidden("#try")
+    assert "takes effect at the next bypass" in who.screen.text("#save")
+    who.screen.picture(pictures / "settings-save.png")
+    page.fill("#save-why", "a crash loses less")
+    page.click("#save button[type=submit]:not([disabled])")
+    who.last("saved as the site file, and runs")  # no correction goes out
+    who.newest("edited in the file", "a crash loses less (demo at the screen)")
+    lines = line.text().split("\n")
+    lines.remove("  segment_s: 30")
+    assert lines == before.split("\n")
+    page.wait_for_selector("[data-edit][hidden]", state="attached")
     page.click("#release")
     page.click("#close-work")
     who.screen.close()

@@ -144,6 +144,7 @@ SERVICE = views.ServiceView(
     probing=False,
     probed="measured",
     trying="",
+    trying_left_s=-1,
     tried="",
     differs=(),
     learned=(),
@@ -202,7 +203,12 @@ class Told(Commission):
         return State(
             by=self.by,
             site=views.SiteView(path="/site.yaml", there=True, sha256="0" * 64),
-            service=replace(SERVICE, trying=self.trying, tried=TRIED if self.trying else ""),
+            service=replace(
+                SERVICE,
+                trying=self.trying,
+                trying_left_s=87.0 if self.trying else -1,
+                tried=TRIED if self.trying else "",
+            ),
             card=False,
             job=self.job,
             last=None,

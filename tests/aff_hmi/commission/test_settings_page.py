@@ -9,12 +9,12 @@ import pytest
 
 pytest.importorskip("starlette")
 
-from aff_hmi.commission.in_language import left_s
 from aff_runtime.app.hand.may import WORDS, Code, Place, Role
 from aff_runtime.app.hand.messages import Welcome
 from aff_runtime.app.link.settings_answer import SAVED_MEANWHILE
 from aff_runtime.app.link.settings_request import reason_of
-from aff_runtime.app.supervisor.settings.desk import ANOTHER_TRY, BEING_CHECKED, TAKEN_BACK
+from aff_runtime.app.supervisor.settings.desk import ANOTHER_TRY, TAKEN_BACK
+from aff_runtime.app.supervisor.settings.text_checks import BEING_CHECKED
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import State, Status
 from tests.aff_hmi.commission.test_presses import SITE, STATE, Heard, commissioned
@@ -38,7 +38,7 @@ SETTLE = {
     "can_edit": True,
     "help": HELP,
 }
-WAITS = SETTLE | {"path": "line.name", "live": False, "can_edit": False, "help": "<b>"}
+WAITS = SETTLE | {"path": "line.name", "live": False, "help": "<b>"}
 ABSENT = SETTLE | {"path": "a.settle_s", "written": "", "can_edit": False}
 VERSION = {
     "number": 4,
@@ -69,6 +69,7 @@ DIFFERENCE = {
 }
 EDIT = {"base": "1" * 64, "edits": f"{SETTLE['path']}: 12"}
 TRY = EDIT | {"measured": "2" * 64, "seconds": 60, "reason": "hunting at 1x"}
+SAVE = EDIT | {"measured": "2" * 64, "reason": "the PLC is slow"}
 BACK = {"number": 3, "base": "1" * 64, "measured": "2" * 64, "reason": "as in spring"}
 
 
@@ -102,9 +103,9 @@ def test_a_setting_says_in_the_readers_words_what_changing_it_does(at: Pressed) 
     assert settle["does"].startswith("gilt sofort")
     assert settle["help"].startswith("Zeit, in der sich die Welligkeit beruhigt")
     assert (settle["is_english"], settle["kind_word"]) == (False, "eine Zahl")
-    assert waits["does"].startswith("wartet auf Bypass")
+    assert waits["does"].startswith("gilt ab dem nächsten Bypass")
     assert (waits["help"], waits["is_english"]) == ("<b>", True)
-    assert absent["does"].startswith("auf seiner Vorgabe belassen")
+    assert absent["does"].startswith("steht nicht als ein Wert")
     assert view["against"].startswith("die Anlagendatei ist nicht, was läuft")
     (row,) = view["versions"]
     assert (row["verb_word"], row["why"]) == (
@@ -157,15 +158,21 @@ def test_a_try_and_a_way_back_carry_key_place_base_and_what_was_seen(
     carl.post("/commission/open", {"password": PASSWORD, "over": False})
     carl.take()
     assert carl.post("/settings/try", TRY).status == 200
+    assert carl.post("/settings/save", SAVE).status == 200
     assert carl.post("/settings/back", BACK).status == 200
     person = {"key": "k" * 43, "place": "panel"}
     assert heard.said[1:] == [
         {"do": "try_settings", **person, **TRY},
+        {"do": "save_settings", **person, **SAVE},
         {"do": "go_back", **person, **BACK},
     ]
 
 
-PRESSES: list[tuple[str, dict[str, Any]]] = [("/settings/try", TRY), ("/settings/back", BACK)]
+PRESSES: list[tuple[str, dict[str, Any]]] = [
+    ("/settings/try", TRY),
+    ("/settings/save", SAVE),
+    ("/settings/back", BACK),
+]
 
 
 @pytest.mark.parametrize(("path", "said"), PRESSES)
@@ -190,6 +197,7 @@ def test_nothing_else_is_tried_while_something_is(at: Pressed, heard: Heard) -> 
     carl.take()
     at.tries(True)
     assert carl.post("/settings/try", TRY).code == "trying"
+    assert carl.post("/settings/save", SAVE).code == "trying"
     assert heard.said == []
 
 
@@ -201,17 +209,17 @@ def test_a_session_that_went_idle_asks_nothing(at: Pressed, heard: Heard) -> Non
 
 
 @pytest.mark.parametrize(
-    ("trying", "left"),
+    ("trying", "left_s", "left"),
     [
-        ("", None),
-        ("settings 0123 by carl: at 9 s left: 55 s left, then the former return", 55),
-        ("settings 0123 by carl: not yet", None),
+        ("", -1, None),
+        ("settings 0123 by carl: at 9 s left", 54.6, 55),
+        ("settings 0123 by carl", 0.0, 0),
+        ("settings 0123 by carl", -1, None),
     ],
 )
 def test_the_seconds_that_are_left_are_counted_for_everybody(
-    at: Pressed, heard: Heard, trying: str, left: int | None
+    at: Pressed, heard: Heard, trying: str, left_s: float, left: int | None
 ) -> None:
-    assert left_s(trying) == left
     service = {
         "answers": True,
         "state": "ACTIVE",
@@ -220,6 +228,7 @@ def test_the_seconds_that_are_left_are_counted_for_everybody(
         "probing": False,
         "probed": "",
         "trying": trying,
+        "trying_left_s": left_s,
         "tried": "0" * 64 if trying else "",
         "differs": [],
         "learned": [],

@@ -193,7 +193,7 @@ def test_who_commands_on_the_console_is_told_with_the_time_of_it_and_once(told: 
 
 def test_a_try_names_who_began_it(told: Told) -> None:
     told.look()
-    told.look(seen(facts=facts(trying="settings 0123 by carl: at the panel: 60 s left")))
+    told.look(seen(facts=facts(trying="settings 0123 by carl: at the panel")))
     assert [e.who for e in told.said(kind="settings")] == ["carl: at the panel"]
 
 

@@ -1,4 +1,4 @@
-"""Requests about settings: compare, try, keep, undo, history.
+"""Requests about settings: compare, try, keep, save, undo, history.
 
 The service never writes the site file: whoever may write it saves the text that is handed out,
 and the service takes it for what it was announced as. Until it is saved nothing is kept.
@@ -23,26 +23,32 @@ from aff_runtime.app.link.answers import Done
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.request_socket import Asked
-from aff_runtime.app.link.settings_answer import RETURNED, SAVED_MEANWHILE, SettingsAnswer, Version
+from aff_runtime.app.link.settings_answer import (
+    RETURNED,
+    SAVED_MEANWHILE,
+    UNDONE_BY,
+    SettingsAnswer,
+    Version,
+)
 from aff_runtime.app.link.settings_request import SettingsRequest
+from aff_runtime.app.report.status_answer import NOT_SAID
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.processes import Processes
-from aff_runtime.app.supervisor.response_exchange import exchanged_responses, exchanged_wire_files
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.settings.history import SiteHistory, digest, history_folder
 from aff_runtime.app.supervisor.settings.listening import hear
 from aff_runtime.app.supervisor.settings.record import SettingsRecord
 from aff_runtime.app.supervisor.settings.ripple_rise import RippleRise
 from aff_runtime.app.supervisor.settings.settings_try import Plan, SettingsTry
+from aff_runtime.app.supervisor.settings.text_checks import TextChecks
+from aff_runtime.app.supervisor.settings.waits import what_waits
 from aff_runtime.app.supervisor.validation import Validation
-from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 from aff_runtime.config.diff import Change, diff_sites
 from aff_runtime.config.plain_file import read_plain
 
-Checked = Callable[[Asked, CheckResult], None]
-BEING_CHECKED = "other settings are being checked; try again"
 TAKEN_BACK = "the correction was taken back meanwhile; look again"
 ANOTHER_TRY = "other settings are being tried than those that you saw; look again"
 
@@ -70,22 +76,25 @@ class SettingsDesk:
         history = SiteHistory(history_folder(options.site, options.state_directory))
         self._record = SettingsRecord(processes, history, self._site, clock)
         self._ripple = RippleRise()
-        self._check: tuple[Asked, Validation, Checked] | None = None
+        self._checks = TextChecks(lambda text: Validation(self._site, self._state, text=text))
         self._tried: SettingsTry | None = None
         self._undo_asked: list[Asked] = []
-        edits.accepted = self._accepted
+        edits.accepted, edits.deferred = self._accepted, self._record.hold
         self._record.see(processes.parameters, "started")
 
     @property
     def trying(self) -> str:
-        """How a try stands, in words; empty without one."""
+        """Which settings are tried, and by whom; empty without a try."""
         tried = self._tried
         if tried is None or tried.is_over:
             return ""
-        how = f"{tried.left_s:.0f} s left, then the former return" if tried.runs else "not yet"
-        return (
-            f"settings {digest(tried.plan.parameters.site_text)[:12]} by {tried.plan.who}: {how}"
-        )
+        return f"settings {digest(tried.plan.parameters.site_text)[:12]} by {tried.plan.who}"
+
+    @property
+    def trying_left_s(self) -> float:
+        """Seconds until the former settings return; `NOT_SAID` where none are counted."""
+        tried = self._tried
+        return tried.left_s if tried is not None and tried.runs else NOT_SAID
 
     @property
     def tried(self) -> str:
@@ -112,13 +121,17 @@ class SettingsDesk:
         self._refuse_what_may_not(request.act)
         match request.act:
             case "diff":
-                self._begin_check(asked, request.text, self._tell_diff)
+                self._checks.begin(asked, request.text, self._tell_diff)
             case "try":
                 self._check_file()
                 base = self._check_base(request)
-                self._make_room()
+                self._checks.make_room()
                 was_live = self._processes.is_live()
-                self._begin_check(asked, request.text, partial(self._try, base, was_live))
+                self._checks.begin(asked, request.text, partial(self._try, base, was_live))
+            case "save":
+                base = self._check_saved(request)
+                self._checks.make_room()
+                self._checks.begin(asked, request.text, partial(self._save, base))
             case "keep":
                 self._keep(asked, request)
             case "undo":
@@ -138,21 +151,12 @@ class SettingsDesk:
     @property
     def _is_trying(self) -> bool:
         """Whether a try runs or is checked for; a look at a difference is none."""
-        return self._tried is not None or (self._check is not None and self._is_for_try)
-
-    @property
-    def _is_for_try(self) -> bool:
-        request = self._check[0].request.settings if self._check is not None else None
-        return request is not None and request.act == "try"
+        return self._tried is not None or self._checks.is_for_change
 
     def step(self, latest: TickRow | None) -> None:
         """Do what time brings: a check that has ended, ripple, the end of a try."""
         hear(self._processes.ring, self._processes.parameters.site, self._ripple)
-        if self._check is not None:
-            asked, check, then = self._check
-            if (result := check.result()) is not None:
-                self._check = None
-                self._judge(asked, result, then)
+        self._checks.step()
         if (tried := self._tried) is not None:
             if not self._was_saved(tried):
                 tried.step(latest)
@@ -167,38 +171,12 @@ class SettingsDesk:
 
     def close(self) -> None:
         """End with the service; its next start takes the former settings, which the file says."""
-        if self._check is not None:
-            asked, check, _ = self._check
-            check.abandon()
-            asked.answer(Done(ok=False, message="the service stops"))
+        self._checks.close()
         if self._tried is not None:
             self._tried.is_over = True
             self._ended("the service stops")
 
     # --- checks -------------------------------------------------------------------------------
-
-    def _make_room(self) -> None:
-        """End a look at a difference: nobody who looks holds up a try."""
-        if self._check is not None and not self._is_for_try:
-            (asked, check, _), self._check = self._check, None
-            check.abandon()
-            asked.answer(Done(ok=False, message=BEING_CHECKED))
-
-    def _begin_check(self, asked: Asked, text: str, then: Checked) -> None:
-        if self._check is not None:
-            raise RefusedError(BEING_CHECKED)
-        try:
-            check = Validation(self._site, self._state, text=text)
-        except OSError as error:
-            raise RefusedError(f"cannot be checked now: {error.strerror}; try again") from None
-        self._check = (asked, check, then)
-
-    def _judge(self, asked: Asked, result: CheckResult, then: Checked) -> None:
-        try:
-            result.checked()
-            then(asked, result)
-        except (ConfigError, RefusedError) as error:
-            asked.refuse(error)
 
     def _changes(self, parameters: ParameterRecord) -> tuple[Change, ...]:
         return diff_sites(self._processes.parameters.site, parameters.site)
@@ -228,12 +206,7 @@ class SettingsDesk:
         changes = self._changes(parameters)
         if not changes:
             raise RefusedError("nothing differs from what runs")
-        waits = [str(change) for change in changes if not change.may_change_while_active]
-        running = self._processes.parameters
-        exchanged = exchanged_responses(running, parameters, self._processes.probed)
-        waits += [f"{one} (changed on the disk as well)" for one in exchanged]
-        waits += [what for what, _ in exchanged_wire_files(running, parameters)]
-        if waits:
+        if waits := what_waits(self._processes, parameters, changes):
             raise RefusedError(
                 "\n".join([*waits, "to be saved in the site file: no try can take it back"])
             )
@@ -256,7 +229,7 @@ class SettingsDesk:
             if not reply.ok:
                 self._tried = None
                 asked.answer(Done(ok=False, message=reply.message, exit_code=4))
-                self._tell_undone()
+                self._tell_undone(reply.message)
                 return
             self._record.say("tried", parameters, plan.who, f"{plan.seconds:g} s: {plan.why}")
             for change in changes:
@@ -281,25 +254,43 @@ class SettingsDesk:
         self._record.announce(text, "kept", asked.who, request.why)
         asked.answer(self._answer(text=text, replaces=digest(former)))
 
+    def _save(self, base: str, asked: Asked, result: CheckResult) -> None:
+        """Hand a text out that runs as any edit does, what may not change at once after bypass."""
+        parameters, request = result.checked(), asked.request.settings
+        assert request is not None
+        self._refuse_what_may_not("save", trying=False)  # a check takes a second
+        if self._check_saved(request) != base:
+            raise RefusedError(SAVED_MEANWHILE)
+        if digest(parameters.site_text) == base:
+            raise RefusedError("nothing differs from what is saved")
+        changes = tuple(map(str, self._changes(parameters)))
+        self._record.announce(parameters.site_text, "edited", asked.who, request.why)
+        remarks = self._new_remarks(result)
+        said = self._answer(changes=changes, remarks=remarks, text=parameters.site_text)
+        asked.answer(replace(said, replaces=base))
+
     def _undo(self, asked: Asked, request: SettingsRequest) -> None:
         self._refuse_another(request)
         tried = self._tried
-        if tried is not None:
+        if tried is not None and not tried.is_over:
             if request.version:
                 raise RefusedError("a try runs: end it first, by `undo` without a version")
             self._record.announced = None
             self._undo_asked.append(asked)
-            tried.end(f"undone by {asked.who}: {request.why}")
+            tried.end(f"{UNDONE_BY}{asked.who}: {request.why}")
             return
+        self._tried = None
         self.refuse_while_trying()
-        self._check_file()
+        saved = self._check_saved(replace(request, base=""))
         self._check_base(request)
         running = self._processes.parameters.site_text
-        version = self._record.before(digest(running), request.version)
-        text = self._record.text(version)
-        why = f"{request.why} (version {version.number})"
+        if saved != digest(running) and not request.version:
+            text, why = running, f"{request.why} (what waited for bypass is taken back)"
+        else:
+            version = self._record.before(digest(running), request.version)
+            text, why = self._record.text(version), f"{request.why} (version {version.number})"
         self._record.announce(text, "undone", asked.who, why)
-        asked.answer(self._answer(text=text, replaces=digest(running)))
+        asked.answer(self._answer(text=text, replaces=saved))
 
     def _check_file(self, expected: str | None = None) -> None:
         """Refuse while the site file says something else than what runs, or ran."""
@@ -308,6 +299,20 @@ class SettingsDesk:
             raise RefusedError(
                 f"{self._site} is not what runs: somebody has saved it; see `aff-runtime status`"
             )
+
+    def _check_saved(self, request: SettingsRequest) -> str:
+        """Return the digest of what the site file says: what runs, or what waits for bypass.
+
+        Raises
+        ------
+        RefusedError
+            It says something else, or a request was decided on another text.
+        """
+        saved = self._edits.waiting or self._processes.parameters.site_text
+        self._check_file(saved)
+        if request.base not in ("", digest(saved)):
+            raise RefusedError(SAVED_MEANWHILE)
+        return digest(saved)
 
     def _check_base(self, request: SettingsRequest) -> str:
         """Refuse what was decided on other settings than those that run; return their digest."""
@@ -343,13 +348,13 @@ class SettingsDesk:
         """Put on record that the former settings run again; tell those who wanted that."""
         self._record.announced = None
         self._record.say(RETURNED, self._processes.parameters, "the service", why)
-        self._tell_undone()
+        self._tell_undone(why)
 
-    def _tell_undone(self) -> None:
-        """Tell those who asked for the former settings that they run."""
+    def _tell_undone(self, why: str) -> None:
+        """Tell those who asked for the former settings that they run, and what ended the try."""
         asked, self._undo_asked = self._undo_asked, []
         for one in asked:
-            one.answer(self._answer())
+            one.answer(self._answer(remarks=(why,)))
 
     # --- record -------------------------------------------------------------------------------
 
@@ -378,6 +383,7 @@ class SettingsDesk:
             site=str(self._site),
             running=digest(self._processes.parameters.site_text),
             trying=self.trying,
+            waiting=digest(self._edits.waiting) if self._edits.waiting else "",
             changes=changes,
             remarks=remarks,
             text=text,

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import sys
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from aff_runtime.app.link.parameter_record import ParameterRecord
@@ -60,6 +61,16 @@ class SettingsRecord:
         until_ns = self._clock.now_ns() + int(ANNOUNCED_S * 1e9)
         sha256 = digest(text)
         self.announced = Announced(sha256=sha256, verb=verb, who=who, why=why, until_ns=until_ns)
+
+    def hold(self, record: ParameterRecord) -> None:
+        """Keep an announcement whose text was saved in time, and waits for bypass."""
+        announced = self.announced
+        if (
+            announced is not None
+            and announced.sha256 == digest(record.site_text)
+            and announced.until_ns > self._clock.now_ns()
+        ):
+            self.announced = replace(announced, until_ns=sys.maxsize)
 
     def see(self, record: ParameterRecord, verb: str) -> None:
         """Put on record what runs now; whatever was announced is used up by it.
@@ -123,10 +134,22 @@ class SettingsRecord:
         Raises
         ------
         RefusedError
-            When there is none.
+            When there is none; or when a try has ended by itself and nothing was done since: who
+            asks then may mean that try, and not the version before it.
         """
         if number:
             return self.numbered(number)
+        last = self.versions[-1] if self.versions else None
+        found = self._last_that_stood(running_sha256)
+        if last is not None and last.ended_by_itself:
+            raise RefusedError(
+                f"the try has ended already ({last.why}), and the former settings run. To go back "
+                f"to those before them: `aff-runtime settings undo SITE.yaml {found.number} "
+                "--why ...`"
+            )
+        return found
+
+    def _last_that_stood(self, running_sha256: str) -> Version:
         for version in reversed(self.versions):
             if version.verb not in ("tried", RETURNED) and version.sha256 != running_sha256:
                 return version

@@ -124,7 +124,7 @@ class SettingsTry:
 
     def end(self, why: str) -> None:
         """Have the former settings return; may be called again, also while they return."""
-        self._returning = why
+        self._returning = self._returning or why  # what came first
         if self._waits or not self.runs:
             return
         if self._processes.control is None:

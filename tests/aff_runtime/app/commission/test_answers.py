@@ -127,6 +127,7 @@ SERVICE = views.ServiceView(
     probing=False,
     probed="",
     trying="",
+    trying_left_s=-1,
     tried="",
     differs=("x",),
     learned=(),

@@ -37,7 +37,7 @@ def test_a_setting_has_unit_bounds_default_and_what_is_written(settings) -> None
     assert (one.allowed, one.live, one.can_edit) == ("1 to 300 s", True, True)
     assert "Time in which the ripple settles" in one.help
     cycle = settings["line.cycle_ms"]
-    assert (cycle.live, cycle.can_edit, cycle.unit) == (False, False, "ms")
+    assert (cycle.live, cycle.can_edit, cycle.unit) == (False, True, "ms")
     word = settings["gateway.word_order"]
     assert (word.kind, word.choices) == ("choice", ("high_first", "low_first"))
     orders = settings["actuators.unwind.blocks[0].orders"]
@@ -46,10 +46,10 @@ def test_a_setting_has_unit_bounds_default_and_what_is_written(settings) -> None
     assert orders.can_edit
 
 
-def test_what_is_left_to_its_default_is_shown_and_not_edited(settings) -> None:
+def test_what_is_left_to_its_default_is_shown_and_can_be_edited(settings) -> None:
     one = settings["actuators.unwind.blocks[0].enabled"]
     assert (one.kind, one.written, one.shown, one.default) == ("flag", "", "true", "true")
-    assert (one.choices, one.live, one.can_edit) == (("true", "false"), True, False)
+    assert (one.choices, one.live, one.can_edit) == (("true", "false"), True, True)
 
 
 def test_no_two_settings_have_one_path_and_a_section_is_of_one_path(site) -> None:
@@ -66,7 +66,21 @@ def test_every_setting_that_can_be_edited_can_be_written_anew_as_it_stands(site,
     editable = [one for one in settings.values() if one.can_edit]
     assert len(editable) > 10
     for one in editable:
-        assert text_with_edits(site, TEXT, f"{one.path}: {one.written}") == TEXT
+        if one.written:
+            assert text_with_edits(site, TEXT, f"{one.path}: {one.written}") == TEXT
+
+
+def test_a_section_that_is_not_there_is_not_edited_as_if_it_were_a_value(settings) -> None:
+    drive = settings["actuators.unwind.drive"]
+    assert (drive.written, drive.can_edit) == ("", False)
+
+
+def test_an_edit_of_what_was_left_to_its_default_adds_its_line_alone(site) -> None:
+    text = text_with_edits(site, TEXT, "probe.offset_Hz: 0.2\nrecording.segment_s: 30")
+    gone = [one for one in text.split("\n") if one not in ("  offset_Hz: 0.2", "  segment_s: 30")]
+    assert gone == TEXT.split("\n")
+    above = text.split("\n")[text.split("\n").index("  offset_Hz: 0.2") - 1]
+    assert above == "  #offset_Hz: 0.15"
 
 
 def test_an_edit_changes_its_value_alone(site) -> None:
@@ -83,8 +97,8 @@ def test_an_edit_changes_its_value_alone(site) -> None:
         ("settle_s", "a line PATH: VALUE"),
         (f"{SETTLE}: 1\n{SETTLE}: 2", "a line PATH: VALUE"),
         ("actuators.unwind.no_such: 1", "no such setting"),
-        ("line.cycle_ms: 10", "waits for bypass"),
-        ("actuators.unwind.blocks[0].enabled: false", "write it into the site file first"),
+        ("actuators.unwind.drive: 10", "stands there as no single value"),
+        ("probe.offset_Hz: 1, bound_N: 2", "one value"),
         (f"{SETTLE}: 1, amp_limit_m_s: 9", "one value"),
     ],
 )

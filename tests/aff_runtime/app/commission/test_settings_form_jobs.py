@@ -14,6 +14,7 @@ from aff_runtime.app.commission.settings_form_jobs import (
     difference,
     form,
     go_back,
+    save_edited,
     try_edited,
     version,
 )
@@ -39,7 +40,8 @@ class Service:
 
     def __init__(self, *texts):
         self.texts = texts
-        self.trying = ""
+        self.trying = self.waiting = ""
+        self.changes = (f"{SETTLE}: 6 s -> 12 s (applies at once)",)
         self.asked = []
         self.refuses = self.refuses_diff = None
         self.saved_meanwhile = ""  # between two questions
@@ -50,15 +52,20 @@ class Service:
         if asked["act"] not in ("history", "state"):
             self.asked.append(asked)
         state = SettingsAnswer(
-            running=digest(self.texts[-1]), trying=self.trying, versions=self.versions
+            running=digest(self.texts[-1]),
+            trying=self.trying,
+            waiting=self.waiting,
+            versions=self.versions,
         )
+        if asked["act"] == "save":
+            return replace(state, text=asked["text"], replaces="r")
         match asked["act"]:
             case "diff" if self.refuses_diff is not None:
                 raise self.refuses_diff
             case "diff" if self.saved_meanwhile:
                 return replace(state, running=digest(self.saved_meanwhile))
             case "diff":
-                return replace(state, changes=(f"{SETTLE}: 6 s -> 12 s (applies at once)",))
+                return replace(state, changes=self.changes)
             case "history" if asked.get("version"):
                 return replace(state, text=self.texts[asked["version"] - 1])
             case "undo":
@@ -177,6 +184,64 @@ def test_another_text_than_was_shown_is_not_tried(where, text, service):
     assert service.asked == []
 
 
+LIMIT = "line.cycle_ms"
+
+
+def saving(text, **more):
+    wanted = text.replace("cycle_ms: 5", "cycle_ms: 10", 1)
+    said = {"base": digest(text), "edits": f"{LIMIT}: 10", "measured": digest(wanted), **more}
+    return Request(do="save_settings", reason="the PLC scans every 10 ms", account="carl", **said)
+
+
+@pytest.mark.parametrize(
+    ("runs", "told"),
+    [(True, "saved as the site file, and runs"),
+     (False, "what is saved takes effect at the next bypass")],
+)  # fmt: skip
+def test_what_waits_for_bypass_is_saved_with_who_and_why(
+    where, text, service, monkeypatch, runs, told
+):
+    saved = []
+    monkeypatch.setattr(
+        settings_form_jobs, "save_handed_out", lambda w, a: saved.append(a.text) or runs
+    )
+    assert save_edited(where, saving(text), Talk()).text == told
+    (sent,) = service.asked
+    wanted = text.replace("cycle_ms: 5", "cycle_ms: 10", 1)
+    assert sent == {
+        "act": "save",
+        "text": wanted,
+        "why": "the PLC scans every 10 ms (carl at the screen)",
+        "base": digest(text),
+    }
+    assert saved == [wanted]
+
+
+@pytest.mark.parametrize("wrong", [{"base": "0" * 64}, {"measured": "0" * 64}])
+def test_another_text_than_was_shown_is_not_saved(where, text, service, wrong):
+    assert plain(save_edited(where, saving(text, **wrong), Talk())) == CHANGED
+    assert service.asked == []
+
+
+def test_a_saved_text_that_waits_is_told_and_can_be_taken_back(where, text, service):
+    waiting = text.replace("cycle_ms: 5", "cycle_ms: 10", 1)
+    where.site.write_text(waiting, encoding="utf-8")
+    service.waiting = digest(waiting)
+    view = form(where, Request(do="settings"), Talk()).settings
+    assert view.against == "what is saved takes effect at the next bypass"
+    running = version(where, Request(do="settings_version", number=2, back=True), Talk()).version
+    assert running.against == ""
+    assert [one for one in running.back.lines if one.startswith("-")] == ["-  cycle_ms: 10"]
+
+
+def test_a_version_that_differs_in_a_comment_alone_can_be_gone_back_to(where, text, service):
+    service.texts = (text + "# as in spring\n", text)
+    service.changes = ()
+    found = version(where, Request(do="settings_version", number=1, back=True), Talk()).version
+    assert found.back.changes == ()
+    assert [one for one in found.back.lines if one[0] in "+-"] == ["+# as in spring"]
+
+
 def test_a_version_says_what_it_changed_and_what_going_back_would(where, text, service):
     found = version(where, Request(do="settings_version", number=1, back=True), Talk()).version
     assert found.lines == ()  # none ran before it
@@ -186,7 +251,7 @@ def test_a_version_says_what_it_changed_and_what_going_back_would(where, text, s
     newest = version(where, Request(do="settings_version", number=2, back=True), Talk()).version
     assert [line for line in newest.lines if "settle_s: 20" in line and line[0] == "-"]
     assert (newest.back, newest.against) == (None, "this is what runs")
-    service.trying = "settings 01 by carl: 9 s left, then the former return"
+    service.trying = "settings 01 by carl"
     during = version(where, Request(do="settings_version", number=1, back=True), Talk()).version
     assert (during.back, during.against[:27]) == (None, "settings are being tried; k")
     with pytest.raises(RefusedError, match="no version 9"):
@@ -201,7 +266,9 @@ def test_who_may_not_go_back_has_the_service_check_nothing(where, text, service)
 
 def test_going_back_saves_what_was_shown_and_nothing_else(where, text, service, monkeypatch):
     saved = []
-    monkeypatch.setattr(settings_form_jobs, "save_handed_out", lambda w, a: saved.append(a.text))
+    monkeypatch.setattr(
+        settings_form_jobs, "save_handed_out", lambda w, a: saved.append(a.text) is None
+    )
     old = service.texts[0]
     said = Request(
         do="go_back",
@@ -216,7 +283,7 @@ def test_going_back_saves_what_was_shown_and_nothing_else(where, text, service, 
     assert saved == []
     assert "version 1 is saved" in go_back(where, said, Talk()).text
     assert saved == [old]
-    service.trying = "settings 01 by carl: 9 s left, then the former return"
+    service.trying = "settings 01 by carl"
     with pytest.raises(RefusedError, match="being tried"):
         go_back(where, said, Talk())
 
@@ -225,7 +292,9 @@ def test_a_version_that_the_check_refuses_by_now_is_not_gone_back_to(
     where, text, service, monkeypatch
 ):
     saved = []
-    monkeypatch.setattr(settings_form_jobs, "save_handed_out", lambda w, a: saved.append(a.text))
+    monkeypatch.setattr(
+        settings_form_jobs, "save_handed_out", lambda w, a: saved.append(a.text) is None
+    )
     service.refuses_diff = ConfigError(f"{where.site}:60:40  {SETTLE}: 1 to 300 s is allowed")
     old = service.texts[0]
     seen = {"base": digest(text), "measured": digest(old), "reason": "as in spring"}

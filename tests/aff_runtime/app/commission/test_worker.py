@@ -42,7 +42,7 @@ def test_an_answer_that_was_given_counts_though_a_stop_came_later(where, monkeyp
 
 
 LASTING = ["begin", "step", "sign", "words", "try", "keep", "undo", "try_refined", "exchange"]
-LASTING += ["try_settings", "go_back"]
+LASTING += ["try_settings", "save_settings", "go_back"]
 """Jobs that write the card, the site file, answers of the setup or a life, or change what runs."""
 OF_RUNS = {"refining", "refined", "refined_page", "lacks", "refine", "maintenance", "add_runs"}
 OF_SETTINGS = {"settings", "settings_diff", "settings_version"}

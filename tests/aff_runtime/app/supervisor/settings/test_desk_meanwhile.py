@@ -33,7 +33,9 @@ def test_taking_back_a_try_that_has_ended_hands_out_no_earlier_version(rig):
     for act in ("undo", "keep"):
         said = rig.ask(act=act, why="web flutters", tried=digest(text))
         assert said.json["message"] == "no settings are being tried"
-    assert rig.ask(act="undo", why="web flutters").text == rig.former  # the console's own
+    said = rig.ask(act="undo", why="web flutters").json["message"]  # the console's own
+    assert said.startswith("the try has ended already (its time is up)")
+    assert rig.ask(act="undo", why="web flutters", version=1).text == rig.former
 
 
 @pytest.mark.parametrize("act", ["keep", "undo"])
