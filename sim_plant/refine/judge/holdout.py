@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -10,9 +11,9 @@ from scipy.optimize import minimize
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.fit.start_angles import costs_of, start_angles, with_turned
+from sim_plant.refine.fit.start_angles import costs_of, phased, start_angles, with_turned
 from sim_plant.refine.fit.start_states import changes_by_starts, with_start_state
-from sim_plant.refine.judge.moments import with_moments
+from sim_plant.refine.judge.moments import has_moments, with_moments
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
@@ -88,16 +89,10 @@ def evaluate(
     declared, noisy = runs[0][0], runs[1][0]
     model = declared_noise(twin, (noisy - declared)[None])
     first = model.first
-    angles: dict[str, float] = {}
-    unwound: dict[str, float] = {}
-    final = tuple(effects)
-    moments: dict[str, float] = {}
+    found = OwnState(case=Case(effects=tuple(effects), shifts=shifts))
     if find_angles:
-        final, moments = with_moments(pool, measured, Case(effects=final, shifts=shifts), model)
-        final, angles = start_angles(pool, measured, Case(effects=final, shifts=shifts), model)
-        final, unwound = with_unwound_lengths(
-            pool, measured, Case(effects=final, shifts=shifts), model
-        )
+        found = at_its_own_state(pool, measured, found.case, model)
+    final = found.case.effects
     changed = Case(effects=final, shifts=shifts, quick=False)
     amended = pool.one(changed)[0] if final or shifts else declared
     point = replace(changed, quick=True)
@@ -113,11 +108,54 @@ def evaluate(
         declared=declared,
         amended=amended,
         effects=final,
-        angles_rad=angles,
-        unwound_m=unwound,
-        moments=moments,
+        angles_rad=found.angles_rad,
+        unwound_m=found.unwound_m,
+        moments=found.moments,
         first=first,
         travel_m=np.cumsum(np.abs(twin.speed_m_s)) * twin.declaration.sample_time_s,
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OwnState:
+    """The effects of a case as one record has them; the attributes as of ``Evaluation``."""
+
+    case: Case
+    angles_rad: dict[str, float] = field(default_factory=dict)
+    unwound_m: dict[str, float] = field(default_factory=dict)
+    moments: dict[str, float] = field(default_factory=dict)
+
+
+def at_its_own_state(
+    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
+) -> OwnState:
+    """Return the effects with what differs from record to record found anew.
+
+    A moment is sought beside rolls that stand as in this record: of a roll at another angle more
+    is left than of the event. So where there is both, the rolls are turned before that, and once
+    more beside the events at their moments.
+    """
+    first = OwnState(case=case)
+    if has_moments(case) and any(phased(effect) for effect in case.effects):
+        first = _with_rolls(pool, measured, first, model)
+    effects, moments = with_moments(pool, measured, first.case, model)
+    found = replace(first, case=replace(case, effects=effects), moments=moments)
+    return _with_rolls(pool, measured, found, model)
+
+
+def _with_rolls(
+    pool: SimulationPool, measured: Array, found: OwnState, model: NoiseModel
+) -> OwnState:
+    """Return the state with start angles and ages of rolls found anew; angles add up."""
+    effects, more = start_angles(pool, measured, found.case, model)
+    case = replace(found.case, effects=effects)
+    effects, unwound = with_unwound_lengths(pool, measured, case, model)
+    angles = {
+        place: math.remainder(angle + found.angles_rad.get(place, 0.0), 2.0 * math.pi)
+        for place, angle in more.items()
+    }
+    return replace(
+        found, case=replace(case, effects=effects), angles_rad=angles, unwound_m=unwound
     )
 
 

@@ -57,6 +57,12 @@ def with_moments(
     return case.effects, moments
 
 
+def has_moments(case: Case) -> bool:
+    """Return whether an effect of the case begins at a moment."""
+    onsets = ((event, BY_NAME[event.effect].onset) for event in case.effects)
+    return any(onset is not None and _begins_later(event, onset) for event, onset in onsets)
+
+
 def _takes_power(
     pool: SimulationPool, measured: Array, model: NoiseModel, with_event: Case, rest: Case
 ) -> bool:

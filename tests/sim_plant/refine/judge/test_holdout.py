@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sim_plant.refine.fit.start_angles import with_turned
 from sim_plant.refine.judge.holdout import evaluate, with_unwound_lengths
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import noise_model
@@ -79,3 +80,32 @@ def test_how_the_line_of_a_run_held_out_began_counts_as_no_error(rested):
     else:
         assert found.after[0] == pytest.approx(found.floor[0], rel=0.05)
     assert found.before[0] == found.after[0]  # nothing is claimed
+
+
+def lump_and_drag(case):
+    """A roll of 40 N at 0.8 Hz, and a drag that takes 3 N from its moment on, at 100 Hz."""
+    force = np.zeros((1, SAMPLES))
+    for added in case.effects:
+        given = dict(added.parameters)
+        if added.effect == "bearing_drag":
+            force += 30.0 * given["constant_N_m"] * (0.01 * np.arange(SAMPLES) >= given["from_s"])
+        else:
+            force += 40.0 * np.cos(0.05 * np.arange(SAMPLES) + given["angle_rad"])
+    return force
+
+
+def test_a_moment_is_found_beside_a_roll_that_stood_elsewhere():
+    """The roll at the fitted angle would leave up to 80 N, in which 3 N have no moment."""
+    twin = formula_twin(lump_and_drag, ["unwind_tension_N"], SAMPLES)
+    roll = profile()
+    drag = Added("bearing_drag", "R7", (("constant_N_m", 0.1), ("from_s", 31.0)), record=0)
+    true = (with_turned((roll,), "unwind", 2.9)[0], with_begin(drag, 22.7))
+    measured = twin.simulate(Case(effects=true)) + white((1, SAMPLES), 11)
+    found = evaluate(pool_of(twin), measured, (roll, drag), find_angles=True)
+    assert found.moments["bearing_drag at R7"] == pytest.approx(22.7, abs=0.05)
+    assert found.angles_rad["unwind"] == pytest.approx(2.9, abs=0.01)
+    assert found.after[0] == pytest.approx(found.floor[0], rel=0.05)
+
+
+def with_begin(drag, from_s):
+    return replace(drag, parameters=(*drag.parameters[:1], ("from_s", from_s)))
