@@ -153,8 +153,9 @@ def at_its_start_angles(recorded: Recorded) -> Recorded:
     """Return the record with declared effects at its own start angles, which its findings name."""
     twin, angles = at_start_angles(recorded.twin, recorded.measured)
     text = tuple(
-        f"what is declared at {place} begins {angle_rad:+.3g} rad further on than declared"
-        for place, angle_rad in angles.items()
+        f"{what if ' at ' in what else f'what is declared at {what}'} begins {angle_rad:+.3g} rad "
+        "further on than declared"
+        for what, angle_rad in angles.items()
     )
     record = replace(recorded.record, findings=(*recorded.record.findings, *text))
     return Recorded(record=record, twin=twin)
@@ -248,11 +249,18 @@ def imitating(
 
     It can be one where it takes less away on the record held out than all effects leave there,
     and that is surely more than noise. A lone effect, or one beside something unknown, is not
-    looked at.
+    looked at; nor is an event that the record held out does not have: of that it says nothing.
     """
     if selection.unknown or len(selection.accepted) < 2 or not leaves_much(evaluation):
         return None
-    at = min(range(len(selection.accepted)), key=lambda k: selection.accepted[k].score)
+    shown = [
+        k
+        for k, accepted in enumerate(selection.accepted)
+        if not accepted.hypothesis.moment or str(accepted.hypothesis.key) in evaluation.moments
+    ]
+    if not shown:
+        return None
+    at = min(shown, key=lambda k: selection.accepted[k].score)
     fewer = without_accepted(selection, at)
     without = judge(judged, fewer, workers, progress, held_out=True)
     if not takes_little(evaluation, without):

@@ -330,12 +330,6 @@ class FreeTermCriteria:
         "at most, in which the size of a free term may change",
         NOT_RECORDED,
     )
-    whole_order_share: float = criterion(
-        0.02,
-        "1",
-        "a spectral line this close to a whole order of a roll frees all orders of that roll",
-        NOT_RECORDED,
-    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -7,6 +7,7 @@ every harmonic. What an effect does at a roll's angle can only be found in step 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -15,8 +16,9 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, case_of, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.model.nuisances import effective_radius_of
-from sim_plant.refine.model.twin import Twin
+from sim_plant.refine.model.nuisances import declared_nuisances, effective_radius_of
+from sim_plant.refine.model.simulation_pool import SimulationPool
+from sim_plant.refine.model.twin import Case, Twin
 
 ROUNDS = 4
 """Simulations, each from the radii that the one before asks for."""
@@ -52,6 +54,33 @@ def synchronised(objective: Objective, fit: Fit) -> Fit:
     if shifts == fit.shifts:
         return fit
     return gauss_newton_fit(objective, fit.hypotheses, fit.values, shifts, rounds=0, quick=False)
+
+
+def shifts_in_step(
+    pool: SimulationPool, measured: Array, case: Case, first: int
+) -> tuple[tuple[str, float], ...]:
+    """Return the shifts of ``case`` with effective radii at which its rolls turn as measured.
+
+    As ``synchronising_shifts``, of the first record of the pool, without an objective.
+
+    Parameters
+    ----------
+    measured : (channels, samples) in channel units.
+    first : index of the first judged sample.
+    """
+    twin, moved = pool.twins[0], dict(case.shifts)
+    recorded = recorded_angles(twin, measured)
+    known = {n.name for n in declared_nuisances(twin.declaration)} & set(recorded)
+    for _ in range(ROUNDS if known else 0):
+        run = pool.one(replace(case, shifts=tuple(sorted(moved.items())), quick=False))[0]
+        simulated = recorded_angles(twin, run)
+        moves = {k: _slope_error(simulated[k][first:], recorded[k][first:]) for k in known}
+        if not any(moves.values()) or not np.isfinite(list(moves.values())).all():
+            break
+        for name in sorted(moves):
+            if moves[name]:
+                moved[name] = moved.get(name, 0.0) + moves[name]
+    return tuple(sorted(moved.items()))
 
 
 def recorded_angles(twin: Twin, channels: Array) -> dict[str, Array]:

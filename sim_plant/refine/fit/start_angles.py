@@ -12,6 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.refine.model.hypotheses import turned
@@ -28,6 +29,12 @@ ZOOM_PARTS = (-0.5, -0.25, 0.0, 0.25, 0.5)
 """Tries of such a grid, in parts of its width."""
 NARROWING = 0.3
 """Width of the next such grid over that of the one before."""
+MOST_PASSES = 6
+"""Passes over pairs of bodies, and steps of all bodies together; each ends when nothing is won."""
+STEP_RAD = 0.005
+"""Angle over which a slope is taken: at order 12 a thirtieth of what changes its sign."""
+MOST_RAD = 0.1
+"""Longest step of all bodies together, some 6 deg: slopes hold no further at order 12."""
 
 
 def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]]:
@@ -92,10 +99,25 @@ def turned_effect(effect: Added, angle_rad: float) -> Added:
     return replace(effect, parameters=tuple(values.items()))
 
 
-def with_turned(effects: tuple[Added, ...], location: str, angle_rad: float) -> tuple[Added, ...]:
-    """Return the effects, those with an angle at ``location`` turned: one body, one angle."""
+def turns_with(effect: Added) -> str:
+    """Return what an effect's angle belongs to, by name: a body, or the effect alone.
+
+    What repeats in time, and what turns along at a ratio of its own (its orders change with the
+    body's radius), has an angle of its own, wherever it is.
+    """
+    shows = BY_NAME[effect.effect].shows
+    values = {**BY_NAME[effect.effect].parameters, **dict(effect.parameters)}
+    if isinstance(shows, Frequency) or (
+        isinstance(shows, Orders) and shows.at(values, 1.0) != shows.at(values, 2.0)
+    ):
+        return f"{effect.effect} at {effect.location}"
+    return effect.location
+
+
+def with_turned(effects: tuple[Added, ...], body: str, angle_rad: float) -> tuple[Added, ...]:
+    """Return the effects, those with an angle that ``turns_with`` this body turned."""
     return tuple(
-        turned_effect(e, angle_rad) if e.location == location and phased(e) else e for e in effects
+        turned_effect(e, angle_rad) if phased(e) and turns_with(e) == body else e for e in effects
     )
 
 
@@ -121,50 +143,154 @@ def costs_of(
     measured : (channels, samples) in channel units.
     model : the noise of that twin, with the first judged sample.
     """
-    zero = np.array([name.endswith("_angle_rad") for name in pool.twins[0].channels])
-    found = []
-    for run in pool.run(cases, keep=False):
-        residual = measured - run[0]
-        residual[zero] -= residual[zero, model.first :].mean(axis=1, keepdims=True)
-        white = model.whiten(residual)
-        white -= white.mean(axis=1, keepdims=True)
-        found.append(float(np.sum(white**2)))
-    costs = np.array(found)
+    costs = np.array(
+        [
+            float(np.sum(_white(pool, model, measured - run[0]) ** 2))
+            for run in pool.run(cases, keep=False)
+        ]
+    )
     costs[np.isnan(costs)] = np.inf  # a line that does not run with this
     return costs
 
 
-def _turns(case: Case, location: str, tries: Array) -> list[Case]:
-    """Return the case with the effects at ``location`` turned by each try."""
-    return [replace(case, effects=with_turned(case.effects, location, float(a))) for a in tries]
+def _white(pool: SimulationPool, model: NoiseModel, residual: Array) -> Array:
+    """Return a residual (channels, samples) whitened, without means; see ``costs_of``."""
+    zero = np.array([name.endswith("_angle_rad") for name in pool.twins[0].channels])
+    residual[zero] -= residual[zero, model.first :].mean(axis=1, keepdims=True)
+    white = model.whiten(residual)
+    white -= white.mean(axis=1, keepdims=True)
+    return white
 
 
 def start_angles(
     pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
-    """Return the effects at this record's start angles, and the angles, rad per location.
+    """Return the effects at this record's start angles, and the angles, rad by ``turns_with``.
 
-    One location after the other, each with those before it already turned: a grid round the turn,
-    then narrower ones about the best. Angles lie within +-pi and count from those in ``case``.
+    A grid round the turn, all bodies together; then narrower ones about the best, one body after
+    the other; in the end all together once more. Angles lie within +-pi and count from those in
+    ``case``.
 
     Parameters
     ----------
     pool, measured, model : as for ``costs_of``.
     case : the effects, and what else is on the line, as simulated.
     """
-    angles: dict[str, float] = {}
-    for location in dict.fromkeys(e.location for e in case.effects if phased(e)):
-        width = 2.0 * math.pi / COARSE_ANGLES
-        grid: Array = np.arange(COARSE_ANGLES, dtype=np.float64) * width
-        costs = costs_of(pool, measured, model, _turns(case, location, grid))
-        best = float(grid[int(np.argmin(costs))])
-        for _ in range(ZOOMS):
-            grid = best + width * np.array(ZOOM_PARTS)
-            best = _lowest(grid, costs_of(pool, measured, model, _turns(case, location, grid)))
-            width *= NARROWING
-        angles[location] = math.remainder(best, 2.0 * math.pi)
-        case = replace(case, effects=with_turned(case.effects, location, best))
-    return case.effects, angles
+    bodies = list(dict.fromkeys(turns_with(e) for e in case.effects if phased(e)))
+    if not bodies:
+        return case.effects, {}
+    angles = _on_grid(pool, measured, case, model, bodies)
+    width = 2.0 * math.pi / COARSE_ANGLES
+    for _ in range(ZOOMS):
+        for k, body in enumerate(bodies):
+            grid = angles[k] + width * np.array(ZOOM_PARTS)
+            here = _turned(case, bodies, angles)
+            costs = costs_of(
+                pool,
+                measured,
+                model,
+                [_turned(here, [body], [float(a) - angles[k]]) for a in grid],
+            )
+            angles[k] = _lowest(grid, costs)
+        width *= NARROWING
+    if len(bodies) > 1:
+        angles = _together(pool, measured, case, model, bodies, angles)
+    found = _turned(case, bodies, angles)
+    within = [math.remainder(angle, 2.0 * math.pi) for angle in angles]
+    return found.effects, dict(zip(bodies, within, strict=True))
+
+
+def _turned(case: Case, bodies: Sequence[str], angles: Sequence[float]) -> Case:
+    """Return the case with every body turned by its angle, rad."""
+    for body, angle in zip(bodies, angles, strict=True):
+        case = replace(case, effects=with_turned(case.effects, body, angle))
+    return case
+
+
+def _on_grid(
+    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, bodies: Sequence[str]
+) -> list[float]:
+    """Return the angles, rad, of a grid round the turn at which all bodies together cost least.
+
+    Their responses are added up: each is simulated alone, at every angle of the grid.
+    """
+    grid = np.arange(COARSE_ANGLES) * (2.0 * math.pi / COARSE_ANGLES)
+    still = tuple(e for e in case.effects if not phased(e))
+    tries = [replace(case, effects=still)]
+    for body in bodies:
+        own = tuple(e for e in case.effects if phased(e) and turns_with(e) == body)
+        tries += [replace(case, effects=(*still, *with_turned(own, body, float(a)))) for a in grid]
+    base, *runs = (run[0] for run in pool.run(tries, keep=False))
+    rows = np.stack([_white(pool, model, run - base).ravel() for run in runs])
+    runs_through = np.isfinite(rows).all(axis=1)
+    rows[~runs_through] = 0.0
+    alone = np.where(runs_through, 0.0, np.inf)
+    alone -= 2.0 * rows @ _white(pool, model, measured - base).ravel()
+    shape = (len(bodies), COARSE_ANGLES)
+    found = _least_together(alone.reshape(shape), (rows @ rows.T).reshape(shape * 2))
+    return [float(grid[k]) for k in found]
+
+
+def _least_together(alone: Array, products: Array) -> list[int]:
+    """Return per body the try of least cost together.
+
+    Equation: sum_i alone[i, a_i] + sum_ij products[i, a_i, j, a_j], two bodies at a time over all
+    their tries, until that changes none.
+
+    Parameters
+    ----------
+    alone : (bodies, tries), infinite for one that does not run.
+    products : of responses (bodies, tries, bodies, tries).
+    """
+    count = len(alone)
+    own = alone + np.einsum("iaia->ia", products)
+    found = [int(k) for k in np.argmin(own, axis=1)]
+    pairs = [(i, j) for i in range(count) for j in range(i)]
+    for _ in range(MOST_PASSES):
+        before = list(found)
+        for i, j in pairs:
+            beside = [k for k in range(count) if k not in (i, j)]
+            cost_i, cost_j = (
+                own[m] + 2.0 * sum(products[m, :, k, found[k]] for k in beside) for m in (i, j)
+            )
+            both = cost_i[:, None] + cost_j[None, :] + 2.0 * products[i, :, j, :]
+            found[i], found[j] = (int(k) for k in divmod(int(np.argmin(both)), both.shape[1]))
+        if found == before:
+            break
+    return found
+
+
+def _together(
+    pool: SimulationPool,
+    measured: Array,
+    case: Case,
+    model: NoiseModel,
+    bodies: Sequence[str],
+    angles: list[float],
+) -> list[float]:
+    """Return the angles after steps of all together, each as long as the cost falls.
+
+    Bodies that act nearly alike lie in a narrow valley: steps of one alone end on its wall.
+    """
+    before, cost = angles, math.inf
+    for _ in range(MOST_PASSES):
+        moved = [
+            [a + STEP_RAD * (k == m) for m, a in enumerate(angles)] for k in range(len(bodies))
+        ]
+        tries = [_turned(case, bodies, each) for each in (angles, *moved)]
+        base, *runs = (run[0] for run in pool.run(tries, keep=False))
+        left = _white(pool, model, measured - base).ravel()
+        now = float(left @ left)
+        if not now < cost:
+            return before
+        before, cost = angles, now
+        slopes = np.stack([_white(pool, model, run - base).ravel() for run in runs]) / STEP_RAD
+        if not np.isfinite(slopes).all():
+            return angles
+        step = np.linalg.lstsq(slopes.T, left, rcond=None)[0]
+        steps = np.clip(step, -MOST_RAD, MOST_RAD)
+        angles = [float(a) for a in np.array(angles) + steps]
+    return before
 
 
 def _lowest(grid: Array, values: Array) -> float:

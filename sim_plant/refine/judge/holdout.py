@@ -11,7 +11,14 @@ from scipy.optimize import minimize
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.fit.start_angles import costs_of, phased, start_angles, with_turned
+from sim_plant.refine.fit.roll_synchronisation import shifts_in_step
+from sim_plant.refine.fit.start_angles import (
+    costs_of,
+    phased,
+    start_angles,
+    turns_with,
+    with_turned,
+)
 from sim_plant.refine.fit.start_states import changes_by_starts, with_start_state
 from sim_plant.refine.judge.moments import has_moments, with_moments
 from sim_plant.refine.model.simulation_pool import SimulationPool
@@ -37,9 +44,9 @@ class Evaluation:
     measured, declared, amended : (channels, samples): the record, and its simulation without and
         with the effects found.
     effects : those found, with the start angles of this record.
-    angles_rad, unwound_m : states of rolls estimated on this record, per location: start angles,
-        and the age of a profile, the length of web that has left the roll since it was formed; all
-        else is as fitted.
+    angles_rad, unwound_m : states of rolls estimated on this record: start angles, by what turns
+        (``turns_with``), and per location the age of a profile, the length of web that has left
+        the roll since it was formed; all else is as fitted.
     moments : when events begin in this record, s or m of web, by "effect at location".
     first : index of the first judged sample.
     travel_m : length of web that has passed, from the speed reference (samples,).
@@ -92,7 +99,7 @@ def evaluate(
     found = OwnState(case=Case(effects=tuple(effects), shifts=shifts))
     if find_angles:
         found = at_its_own_state(pool, measured, found.case, model)
-    final = found.case.effects
+    final, shifts = found.case.effects, found.case.shifts
     changed = Case(effects=final, shifts=shifts, quick=False)
     amended = pool.one(changed)[0] if final or shifts else declared
     point = replace(changed, quick=True)
@@ -133,8 +140,10 @@ def at_its_own_state(
 
     A moment is sought beside rolls that stand as in this record: of a roll at another angle more
     is left than of the event. So where there is both, the rolls are turned before that, and once
-    more beside the events at their moments.
+    more beside the events at their moments. Before all that, rolls whose angle is recorded are
+    brought into step: the radii that another record asks for held its own start radius too.
     """
+    case = replace(case, shifts=shifts_in_step(pool, measured, case, model.first))
     first = OwnState(case=case)
     if has_moments(case) and any(phased(effect) for effect in case.effects):
         first = _with_rolls(pool, measured, first, model)
@@ -190,7 +199,7 @@ def _with_best_age(
         known = {**values, age: min(max(0.01 * float(x[1]), row.low), row.high)}
         new = replace(effect, parameters=tuple(known.items()))
         effects = (*case.effects[:at], new, *case.effects[at + 1 :])
-        return replace(case, effects=with_turned(effects, effect.location, float(x[0])))
+        return replace(case, effects=with_turned(effects, turns_with(effect), float(x[0])))
 
     def cost(x: Array) -> float:
         return float(costs_of(pool, measured, model, [moved(x)])[0])

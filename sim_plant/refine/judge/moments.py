@@ -20,6 +20,8 @@ from sim_plant.refine.spectra.onset_filter import best_moments, moment_axis, par
 EVENTS = CRITERIA.search.events
 FINEST = (-0.02, -0.01, 0.0, 0.01, 0.02)
 """Steps, s or m, of the last grid of moments around the best one."""
+MOST_PASSES = 4
+"""Passes over several events; one that helps ends with all moments within the finest step."""
 
 
 def with_moments(
@@ -30,37 +32,75 @@ def with_moments(
     Moments are by "effect at location". An event that this record does not have is left out. One
     that began before the judged part is constant there, and channels' free zeros explain it as
     well: so it also stays where it takes power from the plain residual (``_takes_power``).
+
+    Several events are gone through again until none moves: the first one was sought beside the
+    others at the moments of another record.
     """
+    at = [k for k, effect in enumerate(case.effects) if _is_event(effect)]
+    found = case.effects
+    for _ in range(MOST_PASSES if len(at) > 1 else 1):
+        before = found
+        for k in at:
+            found = _replaced(found, k, _at_best(pool, measured, case, found, k, model))
+        if found == before:
+            break
     moments: dict[str, float] = {}
-    for event in case.effects:
-        onset = BY_NAME[event.effect].onset
-        if onset is None or not _begins_later(event, onset):
-            continue
-        others = tuple(e for e in case.effects if e is not event)
-        rest = replace(case, effects=others)
-        tries = [
-            event,
-            *_before(pool, event, onset, model),
-            *_tries(pool, measured, rest, event, onset, model),
-        ]
-        best, cost = _best(pool, measured, rest, tries, model)
-        for grid in (EVENTS.coarse_grid, EVENTS.fine_grid, FINEST):
-            near = [_at(best, onset, _moment(best, onset) + d) for d in grid]
-            best, cost = _best(pool, measured, rest, near, model)
-        with_event = replace(case, effects=tuple(best if e is event else e for e in case.effects))
-        without = float(costs_of(pool, measured, model, [rest])[0])
+    absent = []
+    for k in at:
+        with_event = replace(case, effects=_without(found, absent))
+        rest = replace(case, effects=_without(found, [*absent, k]))
+        cost, without = costs_of(pool, measured, model, [with_event, rest])
         if cost < without or _takes_power(pool, measured, model, with_event, rest):
-            moments[f"{event.effect} at {event.location}"] = _moment(best, onset)
-            case = with_event
+            event = found[k]
+            onset = BY_NAME[event.effect].onset
+            assert onset is not None  # _is_event
+            moments[f"{event.effect} at {event.location}"] = _moment(event, onset)
         else:
-            case = rest
-    return case.effects, moments
+            absent.append(k)
+    return _without(found, absent), moments
+
+
+def _at_best(
+    pool: SimulationPool,
+    measured: Array,
+    case: Case,
+    effects: tuple[Added, ...],
+    k: int,
+    model: NoiseModel,
+) -> Added:
+    """Return event ``k`` of ``effects`` at the moment of least cost beside the others."""
+    event, rest = effects[k], replace(case, effects=_without(effects, [k]))
+    onset = BY_NAME[event.effect].onset
+    assert onset is not None  # _is_event
+    tries = [
+        event,
+        *_before(pool, event, onset, model),
+        *_tries(pool, measured, rest, event, onset, model),
+    ]
+    best = _best(pool, measured, rest, tries, model)
+    for grid in (EVENTS.coarse_grid, EVENTS.fine_grid, FINEST):
+        near = [_at(best, onset, _moment(best, onset) + d) for d in grid]
+        best = _best(pool, measured, rest, near, model)
+    return best
+
+
+def _replaced(effects: tuple[Added, ...], k: int, effect: Added) -> tuple[Added, ...]:
+    return (*effects[:k], effect, *effects[k + 1 :])
+
+
+def _without(effects: tuple[Added, ...], absent: Sequence[int]) -> tuple[Added, ...]:
+    return tuple(effect for k, effect in enumerate(effects) if k not in absent)
+
+
+def _is_event(effect: Added) -> bool:
+    """Return whether an effect begins at a moment."""
+    onset = BY_NAME[effect.effect].onset
+    return onset is not None and _begins_later(effect, onset)
 
 
 def has_moments(case: Case) -> bool:
     """Return whether an effect of the case begins at a moment."""
-    onsets = ((event, BY_NAME[event.effect].onset) for event in case.effects)
-    return any(onset is not None and _begins_later(event, onset) for event, onset in onsets)
+    return any(_is_event(effect) for effect in case.effects)
 
 
 def _takes_power(
@@ -129,9 +169,7 @@ def _tries(
 
 def _best(
     pool: SimulationPool, measured: Array, rest: Case, tries: Sequence[Added], model: NoiseModel
-) -> tuple[Added, float]:
-    """Return which of ``tries``, beside the ``rest``, costs least, and that cost."""
+) -> Added:
+    """Return which of ``tries``, beside the ``rest``, costs least."""
     cases = [replace(rest, effects=(*rest.effects, event)) for event in tries]
-    costs = costs_of(pool, measured, model, cases)
-    best = int(np.argmin(costs))
-    return tries[best], float(costs[best])
+    return tries[int(np.argmin(costs_of(pool, measured, model, cases)))]

@@ -74,12 +74,15 @@ def read_record(path: str | Path) -> Recording:
         _finite(path, name, values)
     columns, counted = unwrapped(columns)
     sample_time_s, columns, findings = even_grid(path, time_s, columns)
+    zeros_rad = {n: float(v[0]) for n, v in columns.items() if n.endswith("_angle_rad")}
+    columns = {**columns, **{name: columns[name] - zero for name, zero in zeros_rad.items()}}
     return Recording(
         path=path,
         sha256=hashlib.sha256(payload).hexdigest(),
         sample_time_s=sample_time_s,
         columns=columns,
         findings=(*said, *counted, *findings, *oddities(columns)),
+        zeros_rad=zeros_rad,
     )
 
 

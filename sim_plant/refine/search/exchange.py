@@ -166,7 +166,7 @@ def pruned(objective: Objective, selection: Selection, progress: Progress) -> Se
 
 
 def _elsewhere(objective: Objective, h: Hypothesis, accepted: AcceptedEffect) -> list[EffectAt]:
-    """Return other places of the same effect worth a try: near by, and those that came close."""
+    """Return other places of the same effect worth a try: near by, close, or named with it."""
     line = objective.pool.twins[0].declaration
     names = [roller.name for roller in line.rollers]
     near: list[EffectAt] = []
@@ -178,7 +178,8 @@ def _elsewhere(objective: Objective, h: Hypothesis, accepted: AcceptedEffect) ->
             EffectAt(h.effect.name, r.name) for r in line.rollers[first:end] if r.kind in kinds
         ]
     close = [p for p, _ in accepted.rejected if p.effect == h.effect.name][: EXCHANGE.close]
-    return [p for p in dict.fromkeys([*close, *near]) if p != h.key]
+    alike = [p for p in accepted.ambiguous if p.effect == h.effect.name]
+    return [p for p in dict.fromkeys([*close, *alike, *near]) if p != h.key]
 
 
 def _within_reach(line: Declaration, at: int, *, whole_zone: bool) -> tuple[int, int]:

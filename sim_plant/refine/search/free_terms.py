@@ -28,8 +28,8 @@ def free_term_basis(lines: Sequence[Unknown], travel: Travel) -> Array:
     """Return orthonormal columns (judged samples, terms) of spectral lines and their harmonics.
 
     Each may grow with speed, and change slowly with time: that takes up a coordinate that is a
-    fraction of a bin off, and a resonance that the line's speed crosses. One at a whole order of
-    a roll frees all orders of that roll.
+    fraction of a bin off, and a resonance that the line's speed crosses. One at a low whole order
+    of a roll frees all low orders of that roll; whole is what the slow changes reach from there.
     """
     nyquist = 0.5 / travel.sample_time_s
     half_turn = np.linspace(0.0, np.pi, travel.time_s.size)
@@ -85,6 +85,6 @@ def _coordinate_of(item: Unknown, travel: Travel) -> tuple[Array, float]:
     names = [r.name for r in travel.declaration.rollers]
     turns: Array = travel.angles_rad[names.index(str(where["roll"]))] / TWO_PI
     order = float(where["order"])
-    return turns, 1.0 if abs(order - round(order)) < FREE_TERMS.whole_order_share * max(
-        1.0, order
-    ) else order
+    off_cycles = abs(order - round(order)) * float(np.ptp(turns))
+    among = round(order) <= FREE_TERMS.harmonics[item.kind]
+    return turns, 1.0 if among and off_cycles < 0.5 * FREE_TERMS.half_waves else order

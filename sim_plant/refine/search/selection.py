@@ -159,24 +159,24 @@ def score(
 
     ``chi2_without`` gives by how much the cost rises without the last effect of a fit. The first
     that may be accepted so, and those within the margin of it, are weighed in this way, so that a
-    margin is between like and like; the scores of all others are no higher than theirs.
+    margin is between like and like; the scores of all others are no higher than theirs. Looks go
+    on until one passes: several imitations of one thing hide nothing behind them.
     """
     ranked = rank(fitted)
     looked_at: list[FittedCandidate] = []
-    best = 0.0
+    best, passed = 0.0, False
     for c in ranked:
         h = c.hypothesis
         least = least_score(selection, h, c.told, settles=c.settles)
-        if (
-            c.score < max(least, best - ACCEPTANCE.margin)
-            or len(looked_at) == ACCEPTANCE.most_looks
-        ):
+        enough = passed and len(looked_at) >= ACCEPTANCE.most_looks
+        if enough or c.score < max(least, best - ACCEPTANCE.margin):
             break
         seen = c
         if c.score < ACCEPTANCE.beyond_doubt:
             seen = c.at_most(chi2_without(c.fit) - c.penalty)
             if seen.score < least:
                 progress(f"  {h.key}: not missed when all else is fitted again")
+        passed = passed or seen.score >= least
         looked_at.append(seen)
         best = max(best, seen.score)
     rest = [c.at_most(best) if looked_at else c for c in ranked[len(looked_at) :]]

@@ -25,6 +25,7 @@ from sim_plant.refine.search.wandering import wander_changes
 from sim_plant.refine.spectra.coordinates import orders_of, shown_Hz
 
 ACCEPTANCE = CRITERIA.search.acceptance
+LOW_ORDERS = CRITERIA.search.free_terms.harmonics["angle"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -120,7 +121,11 @@ def wanders(found: AcceptedEffect) -> bool:
 
 
 def own_spectral_lines(selection: Selection) -> Sequence[Unknown]:
-    """Return spectral lines of the accepted effects: all orders of a body, or a frequency."""
+    """Return spectral lines of the accepted effects: the orders of a body, or a frequency.
+
+    Of a body all low orders, and each one of the effect that is not among those: a fine one, or
+    one that is not whole.
+    """
     bodies = [roller.name for roller in selection.travels[0].declaration.rollers]
     lines: list[Unknown] = []
     for accepted in selection.accepted:
@@ -130,6 +135,12 @@ def own_spectral_lines(selection: Selection) -> Sequence[Unknown]:
             lines.append(_line("time", {"frequency_Hz": in_time}))
         elif orders_of(h, 1.0) and h.location in bodies:
             lines.append(_line("angle", {"roll": h.location, "order": 1.0}))
+            at = selection.travels[0].declaration.rollers[bodies.index(h.location)]
+            lines += [
+                _line("angle", {"roll": h.location, "order": order})
+                for order in orders_of(h, at.radius_m)
+                if h.effect.profiles is None and not (order.is_integer() and order <= LOW_ORDERS)
+            ]
     return lines
 
 

@@ -1,8 +1,20 @@
 import numpy as np
 import pytest
 
-from sim_plant.refine.fit.roll_synchronisation import recorded_angles, synchronising_shifts
-from tests.sim_plant.refine.small import STEP_S, formula_twin, line_with, objective_of, white
+from sim_plant.refine.fit.roll_synchronisation import (
+    recorded_angles,
+    shifts_in_step,
+    synchronising_shifts,
+)
+from sim_plant.refine.model.twin import Case
+from tests.sim_plant.refine.small import (
+    STEP_S,
+    formula_twin,
+    line_with,
+    objective_of,
+    pool_of,
+    white,
+)
 
 SAMPLES, FIRST = 4000, 1000
 CHANNELS = ("unwind_angle_rad", "unwind_speed_rad_s", "rewind_speed_rad_s", "line_speed_m_s")
@@ -56,3 +68,17 @@ def test_an_angle_word_goes_before_an_added_up_speed():
     found = recorded_angles(twin(), line(0.0, 0.0) + np.array([[5.0], [0.0], [0.0], [0.0]]))
     assert set(found) == {UNWIND, REWIND}
     assert found[UNWIND][0] > 5.0
+
+
+def test_a_record_held_out_is_brought_into_step_from_what_another_asked_for():
+    case = Case(shifts=((UNWIND, -0.004), ("web.EA_N", 0.01)))
+    found = dict(shifts_in_step(pool_of(twin()), line(-0.0035, 0.002), case, FIRST))
+    ours, theirs = line(found[UNWIND], found[REWIND]), line(-0.0035, 0.002)
+    assert np.ptp((ours - theirs)[0, FIRST:]) < 0.02
+    assert found[REWIND] == pytest.approx(0.002, rel=0.02)
+    assert found["web.EA_N"] == 0.01
+
+
+def test_a_record_held_out_that_is_in_step_asks_for_nothing():
+    case = Case(shifts=((UNWIND, -0.004),))
+    assert shifts_in_step(pool_of(twin()), line(-0.004, 0.0), case, FIRST) == case.shifts

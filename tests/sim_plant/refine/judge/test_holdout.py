@@ -1,3 +1,4 @@
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -109,3 +110,49 @@ def test_a_moment_is_found_beside_a_roll_that_stood_elsewhere():
 
 def with_begin(drag, from_s):
     return replace(drag, parameters=(*drag.parameters[:1], ("from_s", from_s)))
+
+
+def two_idlers(case):
+    """Two idlers of one radius that act nearly alike on two cells, 10 N each, at 100 Hz."""
+    force = np.zeros((2, SAMPLES))
+    turns_rad = 0.13 * np.arange(SAMPLES)
+    for added in case.effects:
+        given = dict(added.parameters)
+        shares = {"R6": (1.0, 0.9), "R7": (0.9, 1.0)}[added.location]
+        if added.effect == "mains_hum":
+            shares, turned = (0.0, 0.6), 0.47 * np.arange(SAMPLES) + given["phase_rad"]
+        else:
+            turned = turns_rad + given["angle_rad"]
+        force += 10.0 * np.outer(shares, np.cos(turned))
+    return force
+
+
+def idler(location, angle_rad):
+    return Added(
+        "eccentric_roller", location, (("eccentricity_m", 1e-4), ("angle_rad", angle_rad))
+    )
+
+
+@pytest.mark.parametrize("turned", [(0.0, 3.14), (0.5, 3.0), (2.2, 2.4), (-1.0, 1.1)])
+def test_idlers_that_act_nearly_alike_are_turned_together(turned):
+    twin = formula_twin(two_idlers, ["unwind_tension_N", "pullroll_tension_N"], SAMPLES)
+    fitted = (idler("R6", 0.4), idler("R7", -0.7))
+    true = (idler("R6", 0.4 + turned[0]), idler("R7", -0.7 + turned[1]))
+    measured = twin.simulate(Case(effects=true)) + white((2, SAMPLES), 3)
+    found = evaluate(pool_of(twin), measured, fitted, find_angles=True)
+    for place, angle in zip(("R6", "R7"), turned, strict=True):
+        assert math.remainder(found.angles_rad[place] - angle, 2.0 * math.pi) == pytest.approx(
+            0.0, abs=0.03
+        )
+    assert found.after == pytest.approx(found.floor, rel=0.05)
+
+
+def test_hum_at_a_cell_has_a_phase_of_its_own_beside_its_roller():
+    hum = Added("mains_hum", "R7", (("amplitude_N", 6.0), ("phase_rad", 0.2)))
+    twin = formula_twin(two_idlers, ["unwind_tension_N", "pullroll_tension_N"], SAMPLES)
+    true = (idler("R7", 2.0), replace(hum, parameters=(*hum.parameters[:1], ("phase_rad", 1.7))))
+    measured = twin.simulate(Case(effects=true)) + white((2, SAMPLES), 3)
+    found = evaluate(pool_of(twin), measured, (idler("R7", 0.0), hum), find_angles=True)
+    assert found.angles_rad["R7"] == pytest.approx(2.0, abs=0.01)
+    assert found.angles_rad["mains_hum at R7"] == pytest.approx(1.5, abs=0.05)
+    assert found.after == pytest.approx(found.floor, rel=0.05)

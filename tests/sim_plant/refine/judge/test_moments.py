@@ -79,3 +79,33 @@ def test_what_began_before_the_judged_part_is_known_by_its_steady_force(there):
     else:
         left = twin.simulate(Case(effects=effects))[0]
         assert np.all(left[model.first : -20] == 0.0)
+
+
+def two_steps(case):
+    """Drags of two idlers take force from two channels, R5 little of it and R7 much."""
+    force = np.zeros((2, SAMPLES))
+    for added in case.effects:
+        given = dict(added.parameters)
+        begun = STEP_S * np.arange(SAMPLES) >= given["from_s"]
+        shares = (20.0, 8.0) if added.location == "R5" else (8.0, 20.0)
+        force += given["constant_N_m"] * np.outer(shares, begun)
+    return force
+
+
+def drag_at(roller, constant_N_m, from_s):
+    given = (("constant_N_m", constant_N_m), ("from_s", from_s))
+    return Added("bearing_drag", roller, given, record=0)
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_two_events_are_found_whichever_is_looked_for_first(order):
+    """At 25 and 44 s, 4 and 10 N in their own channel; fitted where the other one is there."""
+    fitted = (drag_at("R5", 0.2, 44.0), drag_at("R7", 0.5, 26.0))
+    true = (drag_at("R5", 0.2, 25.0), drag_at("R7", 0.5, 44.0))
+    twin = formula_twin(two_steps, CHANNELS, SAMPLES)
+    measured = twin.simulate(Case(effects=true)) + white((2, SAMPLES), 8)
+    model = objective_of(twin, measured).whitening.noise[0]
+    given = Case(effects=tuple(fitted[k] for k in order))
+    _, moments = with_moments(pool_of(twin), measured, given, model)
+    assert moments["bearing_drag at R5"] == pytest.approx(25.0, abs=0.06)
+    assert moments["bearing_drag at R7"] == pytest.approx(44.0, abs=0.06)

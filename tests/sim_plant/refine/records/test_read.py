@@ -149,3 +149,15 @@ def test_a_number_that_no_sensor_reads_is_refused(tmp_path):
     path.write_text(text(change=lambda k, row: [*row[:2], "1e300"] if k == 30 else row))
     with pytest.raises(PlantError, match=r"1 values are too large for a reading, .* line 32"):
         read_record(path)
+
+
+def test_an_angle_counts_from_its_first_row_and_keeps_what_was_taken_off(tmp_path):
+    """An encoder that has counted for weeks: only its steps say something of this record."""
+    path = tmp_path / "angle.csv"
+    angles = [3000.25 + 0.25 * k for k in range(120)]
+    rows = "\n".join(f"{0.01 * k},{angle},89.0" for k, angle in enumerate(angles))
+    path.write_text(f"time_s,unwind_angle_rad,unwind_tension_N\n{rows}\n", encoding="utf-8")
+    record = read_record(path)
+    assert record.columns["unwind_angle_rad"] == pytest.approx([0.25 * k for k in range(120)])
+    assert record.zeros_rad == {"unwind_angle_rad": 3000.25}
+    assert record.columns["unwind_tension_N"] == pytest.approx(89.0)

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -166,3 +168,29 @@ def test_a_constant_drag_is_named_at_every_idler_of_its_zone_that_no_reading_par
     )
     (found,) = exchanged(objective, selection, lambda _text: None).accepted
     assert {found.hypothesis.location, *(p.location for p in found.ambiguous)} == set(zone)
+
+
+def test_a_place_far_off_that_was_named_is_tried_again_beside_the_others():
+    """R1 and R9 act alike on both cells: R9 is no neighbour, and was named as the other answer."""
+    first, far = (hypothesis(BY_NAME["eccentric_roller"], at, line=LINE) for at in ("R1", "R9"))
+
+    def alike(case):
+        moved = [replace(added, location="R1") for added in case.effects]
+        return turning(replace(case, effects=tuple(moved)))
+
+    twin = formula_twin(alike, ("pullroll_tension_N", "unwind_tension_N"), SAMPLES, line=LINE)
+    true = twin.simulate(Case(effects=(first.added((2e-4, 1e-4)),)))
+    objective = objective_of(twin, true + white((2, SAMPLES), 8))
+    accepted = AcceptedEffect(
+        hypothesis=first, score=1.0, runner_up=None, margin=1.0, rejected=(), ambiguous=(far.key,)
+    )
+    selection = Selection(
+        nominal=nominal_fit(objective, {}),
+        fit=gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {}),
+        accepted=(accepted,),
+        travels=(),
+        before=(),
+        after=(),
+    )
+    (found,) = exchanged(objective, selection, lambda _text: None).accepted
+    assert "R9" in [place.location for place in found.ambiguous]

@@ -50,6 +50,13 @@ def test_a_roll_that_is_unknown_takes_all_its_orders_at_any_growth_with_speed(or
     assert left(basis, wave) < 0.02
 
 
+@pytest.mark.parametrize("order", [8.15, 20.0])
+def test_a_line_between_or_above_the_low_orders_is_taken_itself(order):
+    """0.15 of an order are five cycles over these 34 turns: more than slow changes reach."""
+    basis = free_term_basis([angle(order)], TRAVEL)
+    assert left(basis, np.cos(order * ANGLES[0] + 0.7)) < 0.02
+
+
 def test_what_stands_elsewhere_is_left_alone():
     basis = free_term_basis([angle(1.0)], TRAVEL)
     assert left(basis, np.cos(2.0 * np.pi * 4.18 * METRES)) > 0.9

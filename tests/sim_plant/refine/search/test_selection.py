@@ -271,3 +271,12 @@ def test_beside_an_outline_that_no_profile_has_a_later_effect_needs_a_share_of_i
     later = hypothesis(BY_NAME["viscoelastic_web"], "web", line=LINE)
     plain = CRITERIA.search.acceptance.later_score
     assert least_score(found, later) == pytest.approx(max(plain, least))
+
+
+def test_several_imitations_hide_no_effect_behind_them():
+    """Three that are not missed, as many as are looked at, stand before a right one."""
+    places = ["R4", "R5", "R6"]
+    imitations = [hypothesis(BY_NAME["bearing_drag"], place) for place in places]
+    missed = {h.key: 20.0 for h in imitations} | {MODULUS.key: 690.0}
+    rivals = [rival(h, 700.0 - k) for k, h in enumerate(imitations)] + [rival(MODULUS, 690.0)]
+    assert claimed(rivals, missed).accepted.hypothesis.key == MODULUS.key

@@ -13,8 +13,10 @@ from sim_plant.refine.fit.objective import conditioned_on
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.completeness import remaining_spectra
 from sim_plant.refine.search.forward_selection import best_of
+from sim_plant.refine.search.free_terms import free_term_basis
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
-from sim_plant.refine.search.set_apart import set_apart
+from sim_plant.refine.search.set_apart import own_spectral_lines, set_apart
+from sim_plant.refine.spectra.coordinates import orders_of
 from tests.sim_plant.refine.small import formula_twin, objective_of, quiet, travel_at, white
 
 ACCEPTANCE = CRITERIA.search.acceptance
@@ -122,3 +124,20 @@ def test_beside_a_strong_line_first_looks_keep_declared_numbers_where_they_are(a
         case for case in simulated if any(e.effect == "bearing_drag" for e in case.effects)
     )
     assert dict(looked.shifts) == (moved if apart else {})
+
+
+@pytest.mark.parametrize(
+    ("effect", "fixed"), [("torque_ripple", (("order", 18.0),)), ("nip_pulse", ())]
+)
+def test_a_line_that_is_no_low_order_of_its_body_is_set_apart_too(effect, fixed):
+    line = TRAVEL.declaration
+    at = line.rollers[line.body("pull_roll")]
+    h = hypothesis(BY_NAME[effect], "pull_roll", fixed)
+    (order,) = orders_of(h, at.radius_m)
+    _, selection = found_first(0.0)
+    found = replace(selection.accepted[0], hypothesis=h)
+    lines = own_spectral_lines(replace(selection, accepted=(found,)))
+    basis = free_term_basis(lines, selection.travels[0])
+    turns = selection.travels[0].angles_rad[line.body("pull_roll")]
+    shown = np.cos(order * turns + 0.4)
+    assert np.sum((basis.T @ shown) ** 2) > 0.99 * np.sum(shown**2)
