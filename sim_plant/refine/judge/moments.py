@@ -45,7 +45,7 @@ def with_moments(
         if found == before:
             break
     moments: dict[str, float] = {}
-    absent = []
+    absent: list[int] = []
     for k in at:
         with_event = replace(case, effects=_without(found, absent))
         rest = replace(case, effects=_without(found, [*absent, k]))
