@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -56,7 +57,7 @@ def test_the_proof_of_the_page_is_as_long_as_the_law_that_runs_needs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[Site] = []
-    monkeypatch.setattr(line_view, "status_of", lambda socket: object())
+    monkeypatch.setattr(line_view, "status_of", lambda socket: SimpleNamespace(live=None))
     monkeypatch.setattr(line_view, "proof_times", lambda site, standing: asked.append(site))
     line_view.line(where(tmp_path, drive()), Request(do="line"), None)  # type: ignore[arg-type]
     assert asked[0].actuators["unwind"].uses_shape

@@ -8,7 +8,7 @@ from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.setup_jobs import words
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.report.status_answer import StatusAnswer
-from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.loader import load_site
 from tests.aff_runtime.cli.test_setup import ANSWERS, ROOT, words_of
 from tests.aff_runtime.cli.virtual_line import VirtualLine
@@ -97,8 +97,3 @@ def test_while_a_correction_goes_out_nobody_else_speaks_to_the_plc(where, monkey
     monkeypatch.setattr(setup_jobs, "status_of", lambda socket: standing)
     with pytest.raises(RefusedError, match="bypass first"):
         words(where, Request(do="words", again=""), Talk({}))
-
-
-def test_a_wire_that_needs_no_search_ends_with_what_to_do(where):
-    with pytest.raises(ConfigError, match="DBC"):
-        words(where, Request(do="words", again=""), Talk({"wire": "can"}))

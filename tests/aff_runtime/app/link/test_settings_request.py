@@ -32,7 +32,7 @@ def test_a_whole_site_file_fits_and_nothing_else_gets_that_room():
 @pytest.mark.parametrize(
     ("keys", "said"),
     [
-        ({}, "act: one of state, diff, try, keep, undo, history is needed"),
+        ({}, "act: one of state, diff, try, keep, save, undo, history is needed"),
         ({"act": "arm"}, "act: one of"),
         ({"act": "try", "seconds": 60, "why": "12345678"}, "text: the text of a whole site"),
         ({"act": "diff", "text": 7}, "text: the text"),

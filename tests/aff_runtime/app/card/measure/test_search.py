@@ -12,7 +12,7 @@ from aff_runtime.app.card.measure import search
 from aff_runtime.app.card.measure.search import Candidate
 from aff_runtime.app.commission.search import search as run_search
 from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
-from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.loader import load_recorded_site, load_site
 from tests.aff_runtime.app.card.measure.recorded import SITE, SITE_FILE, evidence, figure, window
 from tests.doubles.virtual_clock import VirtualClock
@@ -90,11 +90,11 @@ def test_every_byte_but_those_numbers_stays(first, second):
     assert back == TEXT
 
 
-def test_a_key_that_is_not_in_the_file_is_asked_for():
+def test_a_key_that_was_left_to_its_default_is_added():
     text = SHAPE_FILE.read_text().replace("    memory_turns: 9\n", "")
     path = ("actuators", "unwind", "memory_turns")
-    with pytest.raises(ConfigError, match="write it into the site file first"):
-        search.text_with(text, {path: 4.0})
+    site = load_recorded_site(search.text_with(text, {path: 4.0}), "site.yaml")
+    assert site.actuators["unwind"].memory_turns == 4.0
 
 
 FAST = load_recorded_site(TEXT.replace("settle_s: 8", "settle_s: 4"), "site.yaml")

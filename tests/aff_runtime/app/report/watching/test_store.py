@@ -128,7 +128,8 @@ def test_a_folder_begun_later_by_the_same_clock_is_where_it_was_on_the_day(runs,
 
 def test_a_run_of_another_line_is_named_and_nothing_of_it_taken(runs, tmp_path):
     other = shutil.copytree(runs[1], tmp_path / "run")
-    (other / "site.yaml").write_text((other / "site.yaml").read_text().replace("Weeks", "Other"))
+    for name in ("site.yaml", "run.yaml"):
+        (other / name).write_text((other / name).read_text().replace("Weeks", "Other"))
     store = of(runs[0])
     with pytest.raises(ConfigError, match="a run of line Other, the store is of Weeks"):
         store.add(run_hours(other))
