@@ -22,6 +22,8 @@ _SDO_PATIENCE_NS: Final = 200_000_000
 _START_PATIENCE_NS: Final = 1_000_000_000
 _RETRY_NS: Final = 300_000_000
 _ABOUT_US: Final = (0x81, 0x82)
+_COMMUNICATION: Final = 0x10  # bit of the error register
+_GENERIC: Final = 0x01  # set with every other bit; on some nodes the only one there is
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,7 +66,7 @@ class NodeKeeper:
     ----------
     state : how far it is.
     trouble : the last thing that went wrong, for ``status``; empty while nothing did.
-    resets, emergencies, emergency_code : boot-ups, EMCY messages, code of the last one.
+    resets, emergencies : boot-ups, EMCY messages.
     """
 
     def __init__(self, plan: NodePlan, now_ns: int) -> None:
@@ -73,7 +75,7 @@ class NodeKeeper:
         self.trouble = "not heard yet"
         self.resets = 0
         self.emergencies = 0
-        self.emergency_code = 0
+        self._error = ""
         self._step = 0
         self._asked = False
         self._act_at_ns = now_ns
@@ -82,13 +84,12 @@ class NodeKeeper:
 
     @property
     def good(self) -> bool:
-        """Return whether the node works and reports no error of its own.
+        """Return whether the node works and has no error of its own left.
 
         Communication errors (0x81xx, 0x82xx) say that we were away; process data must flow
         again for the node to take them back.
         """
-        ours = self.emergency_code >> 8 in _ABOUT_US
-        return self.state is NodeState.OPERATIONAL and (self.emergency_code == 0 or ours)
+        return self.state is NodeState.OPERATIONAL and not self._error
 
     def take(self, frame: Frame, now_ns: int) -> bool:
         """Take a frame; True when it was this node's own business."""
@@ -101,10 +102,7 @@ class NodeKeeper:
             return True
         if frame.can_id == 0x080 + node:
             if len(frame.data) == 8:
-                self.emergencies += 1
-                self.emergency_code = frame.data[0] | frame.data[1] << 8
-                if self.emergency_code:
-                    self.trouble = f"EMCY 0x{self.emergency_code:04X}"
+                self._emergency(frame.data[0] | frame.data[1] << 8, frame.data[2])
             return True
         if frame.can_id == 0x580 + node:
             if len(frame.data) == 8 and self._asked:
@@ -132,6 +130,22 @@ class NodeKeeper:
                 self._lose(f"no answer to SDO {self._object()}", now_ns)
             return None
         return self._ask(now_ns)
+
+    def _emergency(self, code: int, register: int) -> None:
+        """Take an EMCY: code 0 says that one error is gone, its register what is left."""
+        self.emergencies += 1
+        if code == 0:
+            self._judge_register(register)
+        elif code >> 8 not in _ABOUT_US:
+            self._error = self.trouble = f"EMCY 0x{code:04X}"
+        elif register & ~(_COMMUNICATION | _GENERIC) and not self._error:
+            self._judge_register(register)
+
+    def _judge_register(self, register: int) -> None:
+        """Keep whether the error register says more than that communication was lost."""
+        self._error = ""
+        if register and register & ~_GENERIC != _COMMUNICATION:
+            self._error = self.trouble = f"an error is left, error register 0x{register:02X}"
 
     def _ask(self, now_ns: int) -> Frame:
         steps = self.plan.writes if self.state is NodeState.WRITING else self._verify
@@ -184,11 +198,11 @@ class NodeKeeper:
         self._heard_ns = now_ns
         if nmt_state == BOOT_UP:
             self.resets += 1
-            self.emergency_code = 0
+            self._error = ""
             self._lose("booted", now_ns, pause_ns=0)
         elif self.state is NodeState.STARTING and nmt_state == OPERATIONAL:
             self.state = NodeState.OPERATIONAL
-            self.trouble = ""
+            self.trouble = self._error
         elif self.state is NodeState.OPERATIONAL and nmt_state != OPERATIONAL:
             self._lose(f"NMT state 0x{nmt_state:02X}", now_ns, pause_ns=0)
 

@@ -129,6 +129,39 @@ def test_an_emergency_stops_the_output_until_the_node_takes_it_back() -> None:
     assert node.good
 
 
+# CiA 301, emergency object: code 0 goes out when one error is gone, its register shows the rest
+@pytest.mark.parametrize(
+    ("later", "good"),
+    [
+        ("30 81 13", False),  # heartbeat lost, bits of current and communication
+        ("30 81 11", False),  # a node whose register has no bit of current
+        ("00 00 03", False),  # another error of current is left
+        ("00 00 01", False),  # of an unknown kind
+        ("00 00 91", False),  # of the maker's own
+        ("00 00 11", True),  # communication alone, its generic bit with it
+        ("00 00 10", True),
+        ("00 00 00", True),
+    ],
+)
+def test_an_error_of_the_node_stands_until_its_register_says_it_is_gone(
+    later: str, good: bool
+) -> None:
+    node = started()
+    node.take(said("083 10 23 03 00 00 00 00 00"), 0)
+    node.take(said(f"083 {later} 00 00 00 00 00"), 0)
+    assert node.good is good
+    assert good or node.trouble
+
+
+def test_an_emergency_about_our_absence_says_by_its_register_what_else_there_is() -> None:
+    node = started()
+    node.take(said("083 30 81 13 00 00 00 00 00"), 0)
+    assert not node.good
+    assert node.trouble == "an error is left, error register 0x13"
+    node.take(said("083 00 00 11 00 00 00 00 00"), 0)
+    assert node.good
+
+
 def test_an_emergency_about_our_own_absence_does_not_keep_us_away() -> None:
     node = started()
     node.take(said("083 50 82 11 00 00 00 00 00"), 0)
