@@ -111,6 +111,7 @@ class Device:
         if code != self.emcy:
             self.emcy = code
             register = 0x11 if code else 0
+            self.node.set_data(0x1001, 0, bytes((register,)))
             data = code.to_bytes(2, "little") + bytes((register, 0, 0, 0, 0, 0))
             self._network.send_message(0x80 + self.id, data)
 

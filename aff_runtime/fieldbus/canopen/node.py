@@ -46,6 +46,10 @@ class NodePlan:
     heartbeat_ms: int = 100
 
 
+# Read last, before the start: no EMCY that passed in our absence is sent again.
+_ERROR_REGISTER: Final = SdoWrite(index=0x1001, subindex=0, data=b"\0")
+
+
 class NodeState(IntEnum):
     """How far a node is."""
 
@@ -80,7 +84,7 @@ class NodeKeeper:
         self._asked = False
         self._act_at_ns = now_ns
         self._heard_ns = now_ns
-        self._verify = tuple(write for write in plan.writes if write.verify)
+        self._verify = (*(write for write in plan.writes if write.verify), _ERROR_REGISTER)
 
     @property
     def good(self) -> bool:
@@ -182,7 +186,10 @@ class NodeKeeper:
             self._step += 1
         elif self.state is NodeState.VERIFYING and data[0] & 0xE3 == 0x43:
             size = 4 - (data[0] >> 2 & 3)
-            if data[4 : 4 + size] != write.data:
+            if write is _ERROR_REGISTER:
+                self._judge_register(data[4])
+                self._step += 1
+            elif data[4 : 4 + size] != write.data:
                 self._lose(f"{self._object()} reads back {data[4 : 4 + size].hex()}", now_ns)
             else:
                 self._step += 1

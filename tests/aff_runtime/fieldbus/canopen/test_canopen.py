@@ -46,16 +46,22 @@ DIALOGUE = (
     ("603 2F 00 18 02 01 00 00 00", "583 60 00 18 02 00 00 00 00"),
     ("603 40 17 10 00 00 00 00 00", "583 4B 17 10 00 32 00 00 00"),
     ("603 40 00 18 02 00 00 00 00", "583 4F 00 18 02 01 00 00 00"),
+    ("603 40 01 10 00 00 00 00 00", "583 4F 01 10 00 00 00 00 00"),  # 0x1001: no error
     ("000 01 03", "703 05"),
 )
 
 
+def start(node: NodeKeeper, register: str = "00", now_ns: int = 0) -> None:
+    for request, answer in DIALOGUE:
+        assert hexed(node.tick(now_ns)) == request
+        if answer is not None:
+            shown = answer.replace("4F 01 10 00 00", f"4F 01 10 00 {register}")
+            assert node.take(said(shown), now_ns)
+
+
 def started() -> NodeKeeper:
     node = keeper()
-    for request, answer in DIALOGUE:
-        assert hexed(node.tick(0)) == request
-        if answer is not None:
-            assert node.take(said(answer), 0)
+    start(node)
     assert node.good
     return node
 
@@ -162,6 +168,26 @@ def test_an_emergency_about_our_absence_says_by_its_register_what_else_there_is(
     assert node.good
 
 
+def test_an_error_that_is_taken_back_while_nobody_hears_it_is_gone_after_the_next_start() -> None:
+    node = started()
+    node.take(said("083 10 23 03 00 00 00 00 00"), 0)
+    node.tick(151 * MS)
+    assert node.trouble == "heartbeat lost"
+    start(node, now_ns=500 * MS)
+    assert node.good
+
+
+@pytest.mark.parametrize(("register", "good"), [("03", False), ("01", False), ("11", True)])
+def test_an_error_from_before_the_start_is_read_from_the_node(register: str, good: bool) -> None:
+    node = keeper()
+    start(node, register)
+    assert node.state is NodeState.OPERATIONAL
+    assert node.good is good
+    assert node.trouble == ("" if good else f"an error is left, error register 0x{register}")
+    node.take(said("083 00 00 00 00 00 00 00 00"), 0)
+    assert node.good
+
+
 def test_an_emergency_about_our_own_absence_does_not_keep_us_away() -> None:
     node = started()
     node.take(said("083 50 82 11 00 00 00 00 00"), 0)
@@ -180,6 +206,18 @@ def test_the_shipped_site_runs_against_the_package_s_own_nodes() -> None:
     assert drive.number(0x1016, 1) == 100 << 16 | 80
     assert drive.number(0x1400, 5) == 80
     assert drive.number(0x1400, 2) == 1
+
+
+def test_a_drive_that_was_in_error_before_the_start_is_named_until_it_is_well() -> None:
+    bench = CanopenBench()
+    drive = bench.device("unwind_drive")
+    drive.node.set_data(0x1001, 0, b"\x03")
+    bench.run(0.6)
+    assert bench.tick().outcome is Outcome.NOT_CONNECTED
+    assert bench.link.troubles == ("unwind_drive (node 3): an error is left, error register 0x03",)
+    drive.emcy = 0x2310  # the simulated drive takes it back with the next sample
+    bench.run(0.05)
+    assert bench.tick().fresh
 
 
 def test_sync_follows_the_process_data_of_a_tick() -> None:
