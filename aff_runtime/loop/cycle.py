@@ -71,8 +71,9 @@ class Cycle:
     What the exchange, the guard's judgement, the law, the record or a message raises is caught in
     ``_attempt`` and latched in the guard as INTERNAL_FAULT: the guard fades the corrections to
     zero, heartbeats go on, and an operator may arm again. The guard is lost when ``limit``,
-    ``limits`` or ``internal_fault`` raise: from then on the cycle does not ask it for corrections
-    any more, but ramps them to zero on its own and keeps them there until the process ends.
+    ``limits``, ``withdraw`` or ``internal_fault`` raise: from then on the cycle does not ask it
+    for corrections any more, but ramps them to zero on its own and keeps them there until the
+    process ends.
     """
 
     def __init__(
@@ -140,16 +141,25 @@ class Cycle:
         self._tick += 1
         self._periods_total += self._periods
         before_ns, self._started_ns = self._started_ns, self._clock.now_ns()
-        if self._started_ns - before_ns > self._settings.command_life_s * 1e9:
+        stalled = self._started_ns - before_ns > self._settings.command_life_s * 1e9
+        if stalled and before_ns:  # 0: the first tick
             self._withdraw()
         self._late_in_a_row = self._late_in_a_row + 1 if self._ticker.late else 0
         self._snapshot = self._blank
         self._steps = None
 
     def _withdraw(self) -> None:
-        """After a stall: what was meant for the line as it was then is not for it now."""
-        self._corrections = (0.0,) * self._settings.output_count
+        """After a stall: what was meant for the line as it was then is not for it now.
+
+        Nor is the rest of its fade: a PLC that took this zero would be given a rise after it.
+        """
+        self._corrections = self._ramp_from = (0.0,) * self._settings.output_count
         self._bits &= ~int(StateBits.ACTIVE | StateBits.FADING)
+        if not self._guard_lost and not self._attempt(self._latch_stall):
+            self._guard_lost = True
+
+    def _latch_stall(self) -> None:
+        self._bits, self._alarm = self._guard.withdraw()
 
     def _think(self) -> None:
         """Send the last command, read, judge, and let the law think."""

@@ -49,6 +49,10 @@ class GuardPort(Protocol):
         """Return corrections, state bits and alarm code."""
         ...
 
+    def withdraw(self) -> tuple[int, int]:
+        """Close all outputs at once and latch OVERRUN; return state bits and alarm code."""
+        ...
+
     def arm(self) -> str:
         """Ask for an armed output."""
         ...

@@ -29,6 +29,12 @@ class Envelope:
             self._close(dt_s)
         return self.level
 
+    def shut(self) -> None:
+        """Close at once: a zero has gone out already."""
+        self.level = self._closing_from = 0.0
+        self._closing = 1.0
+        self._is_closing = True
+
     def _open(self, dt_s: float) -> None:
         if self._is_closing:
             self._is_closing = False

@@ -132,6 +132,19 @@ class Guard:
         """Latch INTERNAL_FAULT now: something unexpected happened in this tick."""
         self._latch(bit("INTERNAL_FAULT"))
 
+    def withdraw(self) -> tuple[int, int]:
+        """Latch OVERRUN with every output at zero now; return (state bits, alarm code).
+
+        For a process that was held up for longer than its commands live: a zero without ACTIVE and
+        FADING goes out in place of the last one, and nothing rises again after it.
+        """
+        self._latch(bit("OVERRUN"))
+        for envelope, limiter in zip(self._envelopes, self._limiters, strict=True):
+            envelope.shut()
+            limiter.output = 0.0
+        self._applied.note_sent((0.0,) * len(self._limiters))
+        return self._state_word(zeros_sent=True), self._alarm()
+
     @property
     def state(self) -> State:
         """State of the guard."""
@@ -235,13 +248,7 @@ class Guard:
         self._idle_sent = zeros_sent and self.standing.state is not State.ACTIVE
         if not self._idle_sent:
             self._idle_scans = 0
-        word = state_word(
-            self.standing,
-            zeros_sent=zeros_sent,
-            saturated=any(limiter.saturated for limiter in self._limiters),
-            comm_warn=self._comm_warn,
-        )
-        return corrections, word, self._alarm()
+        return corrections, self._state_word(zeros_sent=zeros_sent), self._alarm()
 
     # --- inside -----------------------------------------------------------------------------
     def _take(self, steps: tuple[ActuatorStep, ...] | None) -> None:
@@ -338,6 +345,14 @@ class Guard:
         if code == _APPLIED_CODE:
             return self._applied.finding([a.name for a in self.params.actuators])
         return self._line.unbelievable.get(code, "")
+
+    def _state_word(self, *, zeros_sent: bool) -> int:
+        return state_word(
+            self.standing,
+            zeros_sent=zeros_sent,
+            saturated=any(limiter.saturated for limiter in self._limiters),
+            comm_warn=self._comm_warn,
+        )
 
     def _alarm(self) -> int:
         state = self.standing.state

@@ -54,3 +54,14 @@ def test_it_never_steps_whatever_the_order_of_reversals(wishes: list[bool]) -> N
         assert abs(level - before) <= steepest * (1 + 1e-9)
         assert level >= before - 1e-12 if wanted else level <= before
         before = level
+
+
+def test_shut_it_is_zero_at_once_and_opens_again_from_there() -> None:
+    gate = envelope()
+    for _ in range(200):
+        gate.step(True, DT_S)
+    gate.shut()
+    assert gate.level == 0.0
+    assert gate.step(False, DT_S) == 0.0
+    again = [gate.step(True, DT_S) for _ in range(300)]
+    assert again[99] == pytest.approx(0.25)
