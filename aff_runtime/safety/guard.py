@@ -197,6 +197,9 @@ class Guard:
             self._idle_scans += 1
         freshness = self._freshness.judge(snapshot, now_ns)
         self._comm_warn = freshness is not Freshness.GOOD or snapshot.outcome is not Outcome.OK
+        # before the readings are judged: it accepts the radius that they bring, as `arm` does
+        if self._plc_reset.step(snapshot, trusted=freshness is Freshness.GOOD):
+            self._take_arm_edge()
         causes = self._found_in_tick | self._line.judge(snapshot, now_ns)
         causes |= self._timing_causes(now_ns, freshness, overrun, supervisor_alive)
         if self._echo.judge(snapshot, now_ns):
@@ -209,8 +212,6 @@ class Guard:
         if not self._echo.heard:
             news &= ~_SECOND_MASTER
         self._note_events(news)
-        if self._plc_reset.step(snapshot, trusted=freshness is Freshness.GOOD):
-            self._take_arm_edge()
         self._causes = causes
         self._advance(news & LATCHING)
         return Permission(

@@ -96,6 +96,19 @@ def test_a_reset_does_not_pass_a_present_cause() -> None:
     assert bench.state is State.FAULT
 
 
+def test_one_reset_accepts_another_roll_as_one_press_in_local_does() -> None:
+    bench = remote()
+    press(bench)
+    bench.run_s(0.3)
+    bench.radius_m = 0.3
+    bench.run_s(0.3)
+    assert bench.state is State.FAULT
+    assert bench.guard.first_blocking().startswith("blocked by RADIUS_JUMP")
+    press(bench)
+    assert bench.state is State.ACTIVE
+    assert bench.guard.first_blocking() == ""
+
+
 def test_what_was_armed_in_local_stays_when_the_line_goes_to_remote() -> None:
     bench = Bench().active()
     bench.set(Status.REMOTE)
