@@ -76,7 +76,8 @@ def _thin_out(at: int, excess: int, keep: str) -> tuple[int, int]:
     Return the bytes freed and the number of segments.
     """
     freed = count = 0
-    for name in sorted(name for name in os.listdir(at) if _SEGMENT.fullmatch(name)):
+    segments = [name for name in os.listdir(at) if _SEGMENT.fullmatch(name)]
+    for name in sorted(segments, key=lambda name: (len(name), name)):  # 9999 before 10000
         if freed >= excess:
             return freed, count
         if name != keep and (size := _delete(at, name)) is not None:

@@ -22,7 +22,8 @@ WIRE_NAMES = {"modbus": "Modbus TCP", "can": "CAN by DBC", "canopen": "CANopen"}
 
 def runtime_columns(folder: Path) -> dict[str, Array]:
     """Return the runtime's recorded columns, all segments joined."""
-    paths = sorted(folder.glob("signals-*.csv.gz"))
+    segments = folder.glob("signals-*.csv.gz")
+    paths = sorted(segments, key=lambda path: (len(path.name), path.name))  # 9999 before 10000
     parts = [read_columns(path, finite=False) for path in paths]
     names = parts[0] if parts else {}
     return {name: np.concatenate([part[name] for part in parts]) for name in names}

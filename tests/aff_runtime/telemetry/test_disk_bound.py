@@ -43,6 +43,15 @@ def test_a_run_without_segments_goes_as_a_whole_and_the_kept_segment_stays(tmp_p
     assert used_bytes(tmp_path) == 1000
 
 
+def test_segments_go_by_their_number_also_beyond_four_digits(tmp_path: Path) -> None:
+    folder = run(tmp_path, "20260101T000000Z_line", 0)
+    for k in (9998, 9999, 10_000, 10_001):
+        (folder / f"signals-{k}.csv.gz").write_bytes(bytes(1000))
+    keep = folder / "signals-10001.csv.gz"
+    assert delete_oldest(tmp_path, max_bytes=2000, keep=keep) == 2
+    assert names(folder) == ["run.yaml", "signals-10000.csv.gz", "signals-10001.csv.gz"]
+
+
 def test_folders_not_named_like_runs_are_left_alone(tmp_path: Path) -> None:
     mine = run(tmp_path, "my-precious-data", 5)
     new = run(tmp_path, "20260102T000000Z_line", 1)
