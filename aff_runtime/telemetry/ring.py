@@ -62,6 +62,7 @@ class RingWriter:
             # every page is there from the start: one that is missing later would kill the writer
             os.posix_fallocate(self._fd, 0, size)
             self._map = mmap.mmap(self._fd, size)
+            self._map.madvise(mmap.MADV_DONTFORK)  # a child's mapping would keep the lock
         except OSError as error:
             os.close(self._fd)
             raise AffError(

@@ -90,6 +90,8 @@ class ProbeRun:
         """Fit in a forked child: least squares would hold up ten ticks here.
 
         The child gets ordinary priority (reset on fork), sends the result over the link and ends.
+        It keeps nothing else open: what it held would outlive the tick, a connection that shall be
+        reset, the lock of a serial line, the ring's by which readers see this process alive.
 
         Parameters
         ----------
@@ -108,6 +110,7 @@ class ProbeRun:
     def _fit_and_exit(self, link: Link, tick: TickRow) -> None:
         """Send the result and leave without running anybody's clean-up."""
         try:
+            _close_all_but(link.fileno())
             with contextlib.suppress(OSError):
                 os.sched_setaffinity(0, range(os.cpu_count() or 1))
             link.send(Probed(results=self.results(tick)))
@@ -141,6 +144,12 @@ class ProbeRun:
         if roll.radius_m is not None:
             return roll.radius_m
         return tick.number(roll.radius)
+
+
+def _close_all_but(kept: int) -> None:
+    """Close every descriptor but standard input and output and ``kept``."""
+    os.closerange(3, kept)
+    os.closerange(kept + 1, os.sysconf("SC_OPEN_MAX"))
 
 
 def _louder(former: Mapping[str, Response] | None, names: Sequence[str], louder: bool) -> float:

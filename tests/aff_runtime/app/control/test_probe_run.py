@@ -2,17 +2,30 @@
 
 from __future__ import annotations
 
+import contextlib
+import gc
 import math
+import os
+import signal
+import socket
+import time
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from aff_runtime.app.control.probe_run import ProbeRun
+from aff_runtime.app.link.messages import Probed, decode
+from aff_runtime.app.link.packets import MAX_PACKET_BYTES, Link, link_pair
+from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.probe.probe import Stage
 from aff_runtime.core.response import Response
+from aff_runtime.fieldbus.modbus.tcp_wire import Connecting, TcpWire
+from aff_runtime.telemetry.header import RunMeta
+from aff_runtime.telemetry.ring import RingReader, RingWriter
 from tests.aff_runtime.core.plants import measured
 
 SITE = load_site(Path(__file__).parents[4] / "config" / "euclid_blocks.yaml")
@@ -62,3 +75,83 @@ def test_a_probe_that_never_begins_says_what_it_waited_for() -> None:
     said = run.failure(State.ACTIVE, "")
     assert "did not end in" in said
     assert said.endswith("the line speed went from 1 to 1.1 m/s")
+
+
+@pytest.fixture
+def children(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[int]]:
+    """The pids of what forks; they end with the test."""
+    pids: list[int] = []
+    fork, before = os.fork, signal.getsignal(signal.SIGCHLD)
+
+    def forked() -> int:
+        pid = fork()
+        if pid:
+            pids.append(pid)
+        return pid
+
+    monkeypatch.setattr(os, "fork", forked)
+    yield pids
+    for pid in pids:
+        with contextlib.suppress(ProcessLookupError):
+            os.kill(pid, signal.SIGKILL)
+    signal.signal(signal.SIGCHLD, before)
+
+
+def slow_fit(monkeypatch: pytest.MonkeyPatch, seconds: float) -> ProbeRun:
+    run = run_of({}, louder=False)
+    monkeypatch.setattr(run, "results", lambda _tick: time.sleep(seconds) or ())
+    return run
+
+
+def test_a_fit_holds_no_connection_open_that_the_tick_resets(
+    monkeypatch: pytest.MonkeyPatch, children: list[int]
+) -> None:
+    ours, supervisor = link_pair()
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        wire = TcpWire("127.0.0.1", server.getsockname()[1])
+        assert wire.start_connect()
+        peer, _ = server.accept()
+        while wire.connecting() is Connecting.PENDING:
+            time.sleep(0.001)
+        slow_fit(monkeypatch, 300.0).fit_in_child(Link(ours), TickRow({}))
+        wire.close(abort=True)
+        peer.settimeout(60.0)  # far beyond what a child may take to begin
+        with pytest.raises(ConnectionResetError):
+            peer.recv(1)
+        peer.close()
+    assert len(children) == 1
+    ours.close()
+    supervisor.close()
+
+
+def test_a_fit_does_not_make_a_dead_control_process_look_alive(
+    monkeypatch: pytest.MonkeyPatch, children: list[int]
+) -> None:
+    ours, supervisor = link_pair()
+    ring = RingWriter(("time_s",), meta=RunMeta())
+    reader = RingReader(ring.open_for_readers())
+    slow_fit(monkeypatch, 300.0).fit_in_child(Link(ours), TickRow({}))
+    assert reader.writer_alive()
+    os.close(ring._fd)  # as the kernel does after a kill: nobody unlocks
+    del ring
+    gc.collect()
+    patience = 6000
+    while reader.writer_alive() and patience:
+        patience -= 1
+        time.sleep(0.01)
+    assert not reader.writer_alive()
+    assert len(children) == 1
+    ours.close()
+    supervisor.close()
+
+
+def test_a_fit_sends_its_result_over_the_link_that_it_keeps(
+    monkeypatch: pytest.MonkeyPatch, children: list[int]
+) -> None:
+    ours, supervisor = link_pair()
+    slow_fit(monkeypatch, 0.0).fit_in_child(Link(ours), TickRow({}))
+    supervisor.settimeout(60.0)
+    assert decode(supervisor.recv(MAX_PACKET_BYTES)) == Probed(results=())
+    assert len(children) == 1
+    ours.close()
+    supervisor.close()
