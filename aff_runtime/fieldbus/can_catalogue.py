@@ -53,7 +53,14 @@ class BusSite:
     bitrate: int
 
 
-def can_gateway(can_map: CanMap, bus: BusSite, clock: Clock, *, period_ns: int = 0) -> CanGateway:
+def can_gateway(
+    can_map: CanMap,
+    bus: BusSite,
+    clock: Clock,
+    *,
+    period_ns: int = 0,
+    command_life_s: float = 0.080,
+) -> CanGateway:
     """Return the gateway of a map; the bus is opened by its first ticks.
 
     The PLC sends when its own scan says so: ticks of ``period_ns`` are locked to that; 0 locks
@@ -62,11 +69,17 @@ def can_gateway(can_map: CanMap, bus: BusSite, clock: Clock, *, period_ns: int =
     reader, writer = CanReader(can_map), CanWriter(can_map)
     link = _link(bus, (*reader.ids, *writer.ids), clock)
     lock = PhaseLock(period_ns) if period_ns else None
-    return CanGateway(link, reader, writer, clock, lock)
+    return CanGateway(link, reader, writer, clock, lock, command_life_s=command_life_s)
 
 
 def canopen_gateway(
-    network: Network, bus: BusSite, clock: Clock, *, own_node: int, heartbeat_ms: int
+    network: Network,
+    bus: BusSite,
+    clock: Clock,
+    *,
+    own_node: int,
+    heartbeat_ms: int,
+    command_life_s: float = 0.080,
 ) -> CanGateway:
     """Return the gateway of a CANopen network; its nodes are configured within the ticks."""
     reader, writer = CanReader(network.can_map), CanWriter(network.can_map)
@@ -80,7 +93,7 @@ def canopen_gateway(
         heartbeat_ms=heartbeat_ms,
         clock=clock,
     )
-    return CanGateway(link, reader, writer, clock)
+    return CanGateway(link, reader, writer, clock, command_life_s=command_life_s)
 
 
 def _link(bus: BusSite, ids: tuple[tuple[int, bool], ...], clock: Clock) -> PythonCanLink:

@@ -33,6 +33,11 @@ class Wiring:
     clock: Clock
     folder: Path
 
+    @property
+    def command_life_s(self) -> float:
+        """How old a command may be when it goes out, s."""
+        return self.site.freshness.fault_after_ms * 1e-3
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Wire:
@@ -112,7 +117,9 @@ def _dbc(wiring: Wiring) -> Gateway:
     bus = can_catalogue.BusSite(interface=can.interface, channel=can.channel, bitrate=can.bitrate)
     can_map = can_map_of(wiring.site, dict(wiring.files))
     period_ns = round(wiring.site.cycle_s * 1e9)
-    return can_catalogue.can_gateway(can_map, bus, wiring.clock, period_ns=period_ns)
+    return can_catalogue.can_gateway(
+        can_map, bus, wiring.clock, period_ns=period_ns, command_life_s=wiring.command_life_s
+    )
 
 
 def _canopen(wiring: Wiring) -> Gateway:
@@ -123,7 +130,12 @@ def _canopen(wiring: Wiring) -> Gateway:
     bus = can_catalogue.BusSite(interface=can.interface, channel=can.channel, bitrate=can.bitrate)
     network = network_of(wiring.site, dict(wiring.files))
     return can_catalogue.canopen_gateway(
-        network, bus, wiring.clock, own_node=can.own_node, heartbeat_ms=can.heartbeat_ms
+        network,
+        bus,
+        wiring.clock,
+        own_node=can.own_node,
+        heartbeat_ms=can.heartbeat_ms,
+        command_life_s=wiring.command_life_s,
     )
 
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from aff_runtime.base.ports import Clock
-from aff_runtime.base.signals import NO_ECHO, Command, Outcome, Snapshot
+from aff_runtime.base.signals import NO_ECHO, Command, Outcome, Snapshot, StateBits
 from aff_runtime.fieldbus.can.frames import FrameLink
 from aff_runtime.fieldbus.can.phase_lock import PhaseLock
 from aff_runtime.fieldbus.can.reader import CanReader, Taken
@@ -14,6 +15,7 @@ from aff_runtime.fieldbus.intruder import Intruder
 from aff_runtime.fieldbus.liveness import Liveness, echo_age
 
 _NOTHING: tuple[float, ...] = ()
+_LIVE = int(StateBits.ACTIVE | StateBits.FADING)
 _MOST_FRAMES = 256  # read in one tick; a babbling bus must not hold the tick
 
 
@@ -29,8 +31,10 @@ class CanGateway:
     OK is a consistent set in this tick; TIMEOUT none; BAD_REPLY a frame of wrong length, or one
     of our own identifiers from somebody else (a second master), whatever else arrived;
     NOT_CONNECTED no bus, or nodes that do not all work; what can be sent is sent, so that a fade
-    reaches whoever still listens. What is fresh, and what the first set after a loss is worth,
-    ``Liveness`` says. Unless OK, ``values`` are NaN.
+    reaches whoever still listens. A tick that is held up past its deadline by more than
+    ``command_life_s`` sends zeros without ACTIVE and FADING in place of its command. What is
+    fresh, and what the first set after a loss is worth, ``Liveness`` says. Unless OK, ``values``
+    are NaN.
 
     Parameters
     ----------
@@ -38,6 +42,7 @@ class CanGateway:
     reader, writer : meaning of the frames.
     clock : monotonic time.
     lock : where the other side sets the pace, when the ticks should start; None without.
+    command_life_s : a command older than this is not sent any more, s.
 
     Attributes
     ----------
@@ -52,6 +57,8 @@ class CanGateway:
         writer: CanWriter,
         clock: Clock,
         lock: PhaseLock | None = None,
+        *,
+        command_life_s: float = 0.080,
     ) -> None:
         self._link = link
         self.reader = reader
@@ -60,6 +67,7 @@ class CanGateway:
         self._ours = frozenset(writer.ids)
         self._no_values = (math.nan,) * len(reader.values)
         self._lock = lock
+        self._command_life_ns = round(command_life_s * 1e9)
         self._liveness = Liveness(clock.now_ns(), lost=True)
         self._emptied_ns = self._arrived_ns = clock.now_ns()
         self._stamped = False
@@ -80,6 +88,8 @@ class CanGateway:
         outcome = self._receive(deadline_ns) if self._link.ready() else Outcome.NOT_CONNECTED
         if outcome is Outcome.OK and self._lock is not None and self._stamped:
             self.shift_ns = self._lock.shift_ns(began_ns - self._arrived_ns)
+        if self._clock.now_ns() - deadline_ns > self._command_life_ns:
+            command = _withdrawn(command)
         if not (self._link.carries and self._send(command)):
             outcome = Outcome.NOT_CONNECTED
         t_ns = self._clock.now_ns()
@@ -144,3 +154,9 @@ class CanGateway:
         stamp_ns = self._link.arrived_ns
         self._stamped = self._emptied_ns <= stamp_ns <= self._clock.now_ns()
         self._arrived_ns = stamp_ns if self._stamped else self._emptied_ns
+
+
+def _withdrawn(command: Command) -> Command:
+    """Return the command that goes out in place of one that was meant for another moment."""
+    zeros = (0.0,) * len(command.corrections)
+    return replace(command, corrections=zeros, state_bits=command.state_bits & ~_LIVE)

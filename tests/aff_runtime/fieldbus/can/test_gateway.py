@@ -221,3 +221,30 @@ def test_somebody_who_sends_our_frames_is_named_until_he_is_gone() -> None:
     for beat in range(5, 5 + 201):
         bench.tick(*scan(beat))
     assert bench.gateway.troubles == ()
+
+
+@pytest.mark.parametrize("where", ["ready", "receive"])
+@pytest.mark.parametrize(("held_ms", "sent_m_s", "bits"), [(60, 0.01, 4), (1000, 0.0, 0)])
+def test_a_command_that_is_too_old_when_the_bus_is_read_goes_out_as_zero(
+    where: str, held_ms: int, sent_m_s: float, bits: int
+) -> None:
+    bench = Bench().running()
+
+    class Held(FakeLink):
+        def ready(self) -> bool:
+            self.hold("ready")
+            return super().ready()
+
+        def receive(self, wait_ns: int) -> Frame | None:
+            self.hold("receive")
+            return super().receive(wait_ns)
+
+        def hold(self, here: str) -> None:
+            self.clock.advance_ns(held_ms * 1_000_000 if here == where else 0)
+
+    held = Held(bench.clock)
+    gateway = CanGateway(held, CanReader(MAP), CanWriter(MAP), bench.clock, command_life_s=0.15)
+    said = command(9, (0.01, -0.01))
+    gateway.exchange(said, 9, bench.clock.now_ns() + DEADLINE_NS)
+    wanted = replace(said, corrections=(sent_m_s, -sent_m_s), state_bits=bits)
+    assert held.sent == list(CanWriter(MAP).encode(wanted))
