@@ -101,7 +101,8 @@ class RunFolder:
             rows.append([time_s, int(tick), int(code), name, f"{argument:.10g}", text])
         if self._taken is not None:
             rows = [row for row in rows if not self._taken.is_known(row)]
-        self._append_events(rows)
+        if rows:
+            self._append_events(rows)
 
     def add_note(self, name: str, text: str) -> None:
         """Append what the supervisor has to say (an edit, a refusal), at the present time."""
@@ -146,19 +147,24 @@ class RunFolder:
             return
         self._is_made = True
         for name, text in list(self._missing.items()):
-            if self._write(name, text):
+            done = self._append_events([]) if name == "events.csv" else self._write(name, text)
+            if done:
                 del self._missing[name]
 
-    def _append_events(self, rows: list[list[object]]) -> None:
-        """Append rows to ``events.csv``."""
-        if not rows:
-            return
+    def _append_events(self, rows: list[list[object]]) -> bool:
+        """Append rows to ``events.csv``, below its header; False when the disk refuses them."""
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows(rows)
         try:
-            _append_whole(self.path / "events.csv", text.getvalue().encode("utf-8", "replace"))
+            _append_whole(
+                self.path / "events.csv",
+                text.getvalue().encode("utf-8", "replace"),
+                head=EVENT_HEADER.encode(),
+            )
         except OSError:
             self.files_lost += 1
+            return False
+        return True
 
     def _write(self, name: str, text: str) -> bool:
         """Write one small file, counting a refusal; False for one."""
@@ -177,10 +183,14 @@ def _new_path(directory: Path, header: RingHeader, context: RunContext) -> Path:
     return _free_name(directory, f"{stamp}_{safe_name}")
 
 
-def _append_whole(path: Path, added: bytes) -> None:
-    """Append bytes, all of them or none: half a row would swallow the next one."""
+def _append_whole(path: Path, added: bytes, *, head: bytes) -> None:
+    """Append bytes, all of them or none: half a row would swallow the next one.
+
+    ``head`` : what an empty file begins with.
+    """
     with path.open("ab", buffering=0) as file:
         there = file.tell()
+        added = added if there else head + added
         try:
             taken = file.write(added)
             if taken < len(added):

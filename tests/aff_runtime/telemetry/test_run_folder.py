@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import errno
 import resource
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import pytest
+
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
-from aff_runtime.telemetry.run_folder import RunFolder
+from aff_runtime.telemetry.run_folder import EVENT_HEADER, RunFolder
 from tests.aff_runtime.telemetry.heads import head_of
 
 
@@ -38,3 +41,31 @@ def test_a_row_of_events_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
         "0.0000,,,EDIT,,before",
         "0.0000,,,EDIT,,after",
     ]
+
+
+def test_events_that_came_before_the_disk_took_the_header_stay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as disk:
+        disk.setattr(Path, "open", full)
+        folder = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line"))
+    assert folder.files_lost == 3
+    folder.add_note("EDIT", "there is room again")
+    folder.add([[0.0] * len(head_of(RunMeta()).columns)])  # begins a segment, and makes up
+    folder.add_note("EDIT", "later")
+    assert (folder.path / "events.csv").read_text().splitlines() == [
+        EVENT_HEADER.strip(),
+        "0.0000,,,EDIT,,there is room again",
+        "0.0000,,,EDIT,,later",
+    ]
+    folder.finish(ring_overruns=0)
+    assert (folder.path / "run.yaml").stat().st_size > 0
+
+
+def test_a_run_without_events_has_their_header(tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line"))
+    folder.add_events([], 0.0)
+    assert (folder.path / "events.csv").read_text() == EVENT_HEADER
