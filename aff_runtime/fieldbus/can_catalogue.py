@@ -26,7 +26,9 @@ def open_bus(
 ) -> can.BusABC:
     """Open a bus that hears ``ids`` alone (and error frames, where the driver has them).
 
-    SocketCAN filters in the kernel; the bit rate of its interface is the system's.
+    SocketCAN filters in the kernel; the bit rate of its interface is the system's. A driver that
+    cannot filter brings every frame: python-can would filter for it, and say of each frame of
+    somebody else what it says of an empty bus.
 
     Raises
     ------
@@ -41,7 +43,10 @@ def open_bus(
         {"can_id": can_id, "can_mask": 0x1FFFFFFF if ext else 0x7FF, "extended": ext}
         for can_id, ext in ids
     ]
-    return can.Bus(interface=interface, channel=channel, can_filters=filters)
+    bus = can.Bus(interface=interface, channel=channel, can_filters=filters)
+    if not getattr(bus, "_is_filtered", False):  # SocketCAN's word for "the kernel does it"
+        bus.set_filters(None)
+    return bus
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

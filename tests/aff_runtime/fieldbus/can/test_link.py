@@ -10,6 +10,7 @@ import pytest
 
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.link import PythonCanLink
+from aff_runtime.fieldbus.can_catalogue import open_bus
 from tests.doubles.virtual_clock import VirtualClock
 
 
@@ -162,3 +163,39 @@ def test_the_driver_s_stamp_becomes_monotonic_time() -> None:
     bus.said.append(message(timestamp=0.0))
     link.receive(0)
     assert link.arrived_ns == -1
+
+
+OURS = (0x180, False)
+
+
+def test_a_frame_of_somebody_else_is_not_taken_for_an_empty_bus() -> None:
+    # python-can's own virtual bus: it filters in software, as udp_multicast does
+    with can.Bus(interface="virtual", channel="aff test") as other:
+        link = PythonCanLink(
+            lambda: open_bus("virtual", "aff test", 500_000, (OURS,)), VirtualClock()
+        )
+        link.ready()
+        for can_id in (0x7F0, 0x180):
+            other.send(can.Message(arbitration_id=can_id, is_extended_id=False, data=b"\x01"))
+        heard = [link.receive(0) for _ in range(3)]
+        link.close()
+    assert heard == [Frame(0x7F0, False, b"\x01"), Frame(0x180, False, b"\x01"), None]
+
+
+def test_a_driver_that_filters_by_itself_keeps_its_filters(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    class Kernel(ScriptedBus):
+        _is_filtered = True  # as SocketCAN says when the kernel took them
+
+    def opens(can_filters: Any, **_: Any) -> Kernel:
+        bus = Kernel()
+        bus.set_filters(can_filters)
+        return bus
+
+    monkeypatch.setattr(can, "Bus", opens)
+    filters = open_bus("socketcan", "can0", 500_000, (OURS, (0x1234, True))).filters
+    assert filters == [
+        {"can_id": 0x180, "can_mask": 0x7FF, "extended": False},
+        {"can_id": 0x1234, "can_mask": 0x1FFFFFFF, "extended": True},
+    ]
