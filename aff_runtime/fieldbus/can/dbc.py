@@ -203,6 +203,7 @@ def _layout(message: Message) -> FrameLayout:
         length=message.length,
         multiplexer=field_of(message, selectors[0]) if selectors else None,
         counter=field_of(message, counters[0]) if counters else None,
+        pages=len({page for s in message.signals for page in s.multiplexer_ids or ()}),
     )
 
 

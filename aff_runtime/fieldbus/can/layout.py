@@ -93,6 +93,7 @@ class FrameLayout:
     ----------
     multiplexer : the field that selects among the others; None for a plain frame.
     counter : the field that repeats the low bits of the sender's heartbeat; None without one.
+    pages : how many pages the sender may go round, whoever reads them; 0 for a plain frame.
     """
 
     name: str
@@ -101,6 +102,7 @@ class FrameLayout:
     length: int
     multiplexer: Field | None = None
     counter: Field | None = None
+    pages: int = 0
 
     def __post_init__(self) -> None:
         if not 1 <= self.length <= MOST_BYTES:

@@ -69,7 +69,7 @@ class CanReader:
     """Gathers the frames of one PLC scan into a consistent set.
 
     The frame with the PLC's heartbeat closes a set: every other frame must have come since the
-    last one (a multiplexed one within two rounds of its selectors), and a frame with a counter
+    last one (a multiplexed one within two rounds of all its pages), and a frame with a counter
     must carry the low bits of this very heartbeat. Frames that carry channels for the record
     alone are no part of it: what is not of this scan in them is NaN. What a heartbeat that steps
     back is worth, ``HeartbeatOrder`` says.
@@ -104,9 +104,8 @@ class CanReader:
         for layout in can_map.frames_of(can_map.read_fields):
             mine = [field for field in can_map.read_fields if field.frame == layout.name]
             selectors = {-1 if field.selector is None else field.selector for field in mine}
-            allowed = 2 * len(selectors) if layout.multiplexer is not None else 0
             waited = layout.name in can_map.set_frames
-            own = {selector: _Slot(allowed, waited) for selector in selectors}
+            own = {one: _Slot(_allowed_scans(layout, selectors, one), waited) for one in selectors}
             slots |= {(layout.name, selector): slot for selector, slot in own.items()}
             closes = layout.name == can_map.plc_heartbeat.frame
             self._frames[(layout.can_id, layout.extended)] = _ReadFrame(layout, own, closes)
@@ -240,6 +239,13 @@ class CanReader:
             count = last + (step - modulus if 2 * step >= modulus else step)
         self._turned[index] = count
         return count
+
+
+def _allowed_scans(layout: FrameLayout, selectors: set[int], selector: int) -> int:
+    """Return after how many scans the bits of one page, or of every page (-1), are too old."""
+    if layout.multiplexer is None:
+        return 0
+    return 2 * (len(selectors) if selector == -1 else max(len(selectors), layout.pages))
 
 
 def _row(

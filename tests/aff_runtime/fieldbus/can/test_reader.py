@@ -8,12 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from aff_runtime.config.can_wire import can_map_of, wire_files
+from aff_runtime.config.loader import load_site
 from aff_runtime.fieldbus.can.dbc import can_map, load_dbc
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.layout import CanMap
 from aff_runtime.fieldbus.can.reader import CanReader, Taken
 from aff_runtime.fieldbus.signal_names import SignalNames
-from tests.aff_runtime.fieldbus.euclid_can import DATABASE, euclid_map, scan
+from tests.aff_runtime.fieldbus.euclid_can import CONFIG, DATABASE, euclid_map, scan
 
 MAP = euclid_map()
 
@@ -291,3 +293,36 @@ def test_the_same_frame_tears_the_set_where_a_correction_waits_for_it() -> None:
         read(reader, scan(1))
         read(reader, scan(2))
         assert read(reader, scan(3)[1:]) is Taken.TORN
+
+
+def paged(pages: int) -> CanReader:
+    """A reader of the shipped map whose PLC_SLOW has ``pages`` pages, of which two are mapped."""
+    more = "".join(
+        f' SG_ Other{page} m{page} : 8|16@1+ (1,0) [0|65535] "" AFF\n' for page in range(2, pages)
+    )
+    text = (CONFIG / "euclid.dbc").read_text()
+    first = text.index("\n", text.index("BO_ 387 ")) + 1  # 0x183
+    site = load_site(CONFIG / "euclid_can.yaml")
+    files = wire_files(site, CONFIG) | {"euclid.dbc": text[:first] + more + text[first:]}
+    return CanReader(can_map_of(site, files))
+
+
+@pytest.mark.parametrize("pages", [2, 5, 12])
+def test_a_plc_that_goes_round_pages_which_nobody_reads_tears_no_set(pages: int) -> None:
+    reader = paged(pages)
+    taken = []
+    for heartbeat in range(1, 6 * pages):
+        frames = scan(heartbeat)
+        page = heartbeat % pages
+        low = heartbeat & 0xFF
+        if page > 1:
+            frames[3] = Frame(0x183, False, bytes((page, 0x55, 0x55, low)))
+        else:
+            value = {0: "2823", 1: "1027"}[page]
+            frames[3] = Frame(0x183, False, bytes.fromhex(f"{page:02x}{value}{low:02x}"))
+        taken.append(read(reader, frames))
+    assert taken[pages:] == [Taken.SET] * (len(taken) - pages)
+    assert reader.values[1] == pytest.approx(90.0)
+    late = [read(reader, [f for f in scan(h) if f.can_id != 0x183]) for h in range(100, 300)]
+    assert Taken.TORN in late[: 2 * pages + 1]
+    assert set(late[2 * pages + 1 :]) == {Taken.TORN}
