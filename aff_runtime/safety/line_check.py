@@ -96,6 +96,9 @@ class LineCheck:
     def _judge_signals(self, values: tuple[float, ...], now_ns: int) -> None:
         elapsed_s = 0.0 if self._judged_ns is None else (now_ns - self._judged_ns) * 1e-9
         self._judged_ns = now_ns
+        if elapsed_s > self._params.freshness.fault_after_s:
+            for channel in self._channels:
+                channel.forget()
         was_fast_enough = self.fast_enough
         self._set_gates(values)
         running = self._status & self._need == self._need and (was_fast_enough or self.fast_enough)

@@ -20,6 +20,11 @@ class ChannelCheck:
         self._last: float | None = None
         self._unchanged_s = 0.0
 
+    def forget(self) -> None:
+        """Begin anew: nothing was heard for so long that nobody knows what the value did."""
+        self._last = None
+        self._unchanged_s = 0.0
+
     def is_plausible(self, value: float, elapsed_s: float, running: bool) -> bool:
         """Return whether ``value`` can be true, ``elapsed_s`` after the last one."""
         last, self._last = self._last, value

@@ -16,6 +16,7 @@ class Line:
     def __init__(self, params: GuardParams = PARAMS) -> None:
         self.judge = LineCheck(params)
         self.now_ns = 0
+        self.standing_N: float | None = None
 
     def see(
         self,
@@ -38,7 +39,7 @@ class Line:
             plc_heartbeat=0,
             status=status,
             roll_id=roll_id,
-            values=(tension_N + self.now_ns * 1e-15, speed_m_s, radius_m),
+            values=(self.standing_N or tension_N + self.now_ns * 1e-15, speed_m_s, radius_m),
         )
         return self.judge.judge(snapshot, self.now_ns)
 
@@ -163,3 +164,20 @@ def test_a_channel_beyond_the_readings_counts_as_not_a_number() -> None:
     causes = line.judge.judge(short, line.now_ns)
     assert causes & bit("SIGNAL_IMPLAUSIBLE")
     assert line.judge.gates == [False, False]
+
+
+@pytest.mark.parametrize(
+    ("gap_s", "stuck"), [(0.070, True), (PARAMS.freshness.fault_after_s + 0.01, False)]
+)
+def test_time_in_which_nothing_was_heard_is_not_time_in_which_a_signal_stood(
+    gap_s: float, stuck: bool
+) -> None:
+    stuck_after_s = PARAMS.channels[0].stuck_after_s
+    line = Line()
+    line.standing_N = 90.0
+    before = round((stuck_after_s - 0.05) / 0.005)
+    assert [line.see() for _ in range(before)] == [0] * before
+    line.now_ns += round(gap_s * 1e9) - PERIOD_NS
+    assert bool(line.see() & bit("TENSION_IMPLAUSIBLE")) is stuck
+    after = [line.see() for _ in range(round(stuck_after_s / 0.005) + 1)]
+    assert after[-1] == bit("TENSION_IMPLAUSIBLE")  # one that goes on standing is found
