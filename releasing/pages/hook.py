@@ -15,6 +15,7 @@ from pymdownx.slugs import slugify
 from releasing.commands import ROOT
 from releasing.pages.markdown import apart, relink
 from releasing.pages.outside import link_in_site, pages_outside
+from releasing.pages.pictures import FOLDER, MADE, asked_for, pictured
 from releasing.pages.reference import reference_pages
 
 SHIM = Path(__file__).with_name("iframe-worker.js")
@@ -41,6 +42,10 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for path, text in (pages_outside(ROOT, docs) | reference_pages(ROOT)).items():
         files.append(File.generated(config, path, content=text))
     files.append(File.generated(config, f"assets/{SHIM.name}", abs_src_path=str(SHIM)))
+    for name in sorted({name for text in docs.values() for name in asked_for(text)}):
+        if (MADE / name).is_file():
+            picture = str(MADE / name)
+            files.append(File.generated(config, f"{FOLDER}/{name}", abs_src_path=picture))
     names = sorted(file.src_uri for file in files.documentation_pages())
     config.nav = _written_out(config.nav, names)
     return files
@@ -49,7 +54,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Return a page's text for the site's parser."""
     del config, files
-    return apart(relink(markdown, lambda target: link_in_site(page.file.src_uri, target)))
+    here = page.file.src_uri
+    linked = apart(relink(markdown, lambda target: link_in_site(here, target)))
+    return pictured(linked, here, MADE)
 
 
 def _written_out(menu: Any, names: list[str]) -> Any:

@@ -19,6 +19,7 @@ import pytest
 from releasing.commands import ROOT
 from releasing.pages.markdown import apart, relink, targets
 from releasing.pages.outside import link_in_site, pages_outside
+from releasing.pages.pictures import asked_for, pictured
 from releasing.pages.reference import offered, reference_pages
 from tests import quick_yaml
 
@@ -93,6 +94,29 @@ def test_a_list_or_table_right_below_a_paragraph_is_set_apart():
     assert apart("- one\n  more\n- two") == "- one\n  more\n- two"
     fenced = "```\ntext\n- one\n```"
     assert apart(fenced) == fenced
+
+
+PICTURE = "text\n\n<!-- picture look-1.png: A line at work -->\n\nmore\n"
+
+
+def test_a_picture_of_the_tests_stands_where_a_page_asks_for_it(tmp_path):
+    assert asked_for(PICTURE) == ["look-1.png"]
+    assert pictured(PICTURE, "screen.md", tmp_path) == "text\n\n\n\nmore\n"
+    (tmp_path / "look-1.png").write_bytes(b"")
+    shown = "![A line at work](../pictures/look-1.png)\n\n*A line at work*"
+    assert pictured(PICTURE, "tester/x.md", tmp_path) == f"text\n\n{shown}\n\nmore\n"
+
+
+def test_the_tests_of_the_screen_make_every_picture_that_a_page_asks_for():
+    browser = ROOT / "tests" / "aff_hmi" / "browser"
+    code = "".join(path.read_text(encoding="utf-8") for path in browser.glob("*.py"))
+    patterns = [
+        re.compile(re.sub(r"\\{[^}]*\\}", "[A-Za-z0-9-]+", re.escape(name)))
+        for name in re.findall(r'pictures / f?"([^"]+\.png)"', code)
+    ]
+    names = {n for page in PAGES for n in asked_for((ROOT / "docs" / page).read_text("utf-8"))}
+    assert names != set()
+    assert [n for n in sorted(names) if not any(p.fullmatch(n) for p in patterns)] == []
 
 
 def test_the_code_reference_has_a_page_for_each_package_with_public_modules(tmp_path):

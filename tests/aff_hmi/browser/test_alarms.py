@@ -162,3 +162,10 @@ def test_a_cursor_on_a_roll_reads_angle_and_deviation(
     page.picture(pictures / "roll-cursor.png")
     assert page.complaints == []
     page.close()
+    wide = {"width": 1280, "height": 1100}
+    page = Page(chromium, f"{stage.url}rolls", locale="en", viewport=wide)
+    page.await_live()
+    page.await_selector("svg.polar")
+    assert "+0.60 mm" in page.text("svg.polar >> nth=0").replace("\u2212", "-")
+    page.picture(pictures / "roll-1280-en.png")
+    page.close()
