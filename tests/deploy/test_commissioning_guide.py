@@ -7,16 +7,21 @@ from pathlib import Path
 import cantools
 import pytest
 
-from aff_runtime.base.signals import Status
+from aff_runtime.base.signals import StateBits, Status
 from aff_runtime.config.loader import load_site
 
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE = Path(__file__).parents[2] / "deploy" / "plc" / "COMMISSIONING.md"
+BLOCK = Path(__file__).parents[2] / "docs" / "technician" / "gateway-block.md"
 
 
-def test_every_status_bit_stands_in_the_guide_with_its_value() -> None:
-    text = GUIDE.read_text()
-    assert [bit.name for bit in Status if f"{bit.name} = {bit.value}" not in text] == []
+@pytest.mark.parametrize("page", [GUIDE, BLOCK], ids=lambda page: page.stem)
+@pytest.mark.parametrize("bits", [Status, StateBits])
+def test_every_bit_of_both_words_stands_on_the_plcs_pages_with_its_value(
+    page: Path, bits: type[Status | StateBits]
+) -> None:
+    text = page.read_text()
+    assert [bit.name for bit in bits if f"{bit.name} = {bit.value}" not in text] == []
 
 
 def test_the_guide_says_where_the_echo_goes_on_every_wire() -> None:
