@@ -1,6 +1,6 @@
 """``python -m releasing.audit``: known vulnerabilities of the locked packages (pip-audit).
 
-Exit codes: 0 none known, 1 some, 3 the data could not be reached, so nothing is known.
+Exit codes: 0 none known, 1 some, 3 the data could not be reached, of some package or of all.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def audit() -> int:
         return _not_audited(f"no answer within {PATIENCE_S:.0f} s")
     except (ValueError, KeyError):
         return _not_audited((done.stderr.strip().splitlines() or ["pip-audit said nothing"])[-1])
-    unseen = [row["name"] for row in rows if "skip_reason" in row]
+    unseen = {row["name"]: row["skip_reason"] for row in rows if "skip_reason" in row}
     found = 0
     for row in rows:
         for known in row.get("vulns", ()):
@@ -37,13 +37,19 @@ def audit() -> int:
             fixes = ", ".join(known["fix_versions"]) or "none yet"
             print(f"{row['name']} {row['version']}  {known['id']}  fixed in: {fixes}")
     print(f"{len(rows)} packages, {found} known vulnerabilities, {len(unseen)} not looked up")
-    return 1 if found or unseen else 0
+    if not unseen:
+        return 1 if found else 0
+    why = next(iter(unseen.values()))
+    if len(unseen) == len(rows):
+        return _not_audited(why)
+    print(f"of these nothing is known: {', '.join(unseen)} ({why[:200]})")
+    return 1 if found else 3
 
 
 def _not_audited(why: str) -> int:
     """Say that nothing is known, and why; return the exit code."""
     print(f"not audited: the vulnerability data could not be had ({why[:200]})")
-    print("nothing is known of the packages; say `make audit` again where there is a network")
+    print("nothing is known of the packages; say `make audit` again where pypi.org answers itself")
     return 3
 
 

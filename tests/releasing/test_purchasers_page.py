@@ -9,6 +9,9 @@ import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
+from aff_hmi.doorkeeper import PER_ACCOUNT
+from aff_runtime.app.hand.accounts import LEAST_CHARACTERS, MOST_CHARACTERS, PIN_DIGITS
+from aff_runtime.app.hand.audit import KEPT_FILES, MAX_BYTES
 from releasing.commands import ROOT
 from releasing.lock import LOCKS, pins
 
@@ -40,6 +43,16 @@ def test_a_row_says_which_packages_are_under_a_licence_of_the_gpl_family(lock: s
     packages, licences = cells(lock)
     copyleft = {name for name in packages if "GPL" in stated(name)}
     assert set(re.findall(r"([\w-]+) LGPL", licences)) == copyleft
+
+
+COUNTS = {5: "Five", 6: "six", 8: "eight"}
+
+
+def test_bounds_of_passwords_and_of_the_audit_are_those_of_the_code() -> None:
+    assert f"a password of {LEAST_CHARACTERS} to {MOST_CHARACTERS} characters" in PAGE
+    assert f"a PIN of {COUNTS[PIN_DIGITS]} digits" in PAGE
+    assert f"{COUNTS[PER_ACCOUNT]} tries a minute for an account from one address" in PAGE
+    assert f"{KEPT_FILES * MAX_BYTES >> 20} MB, {COUNTS[KEPT_FILES]} files" in PAGE
 
 
 def stated(package: str) -> str:
