@@ -9,9 +9,10 @@ LAW    ?= shape
 WIRE   ?= modbus
 SECONDS ?= 130
 CASES  ?= 696
+LINES  ?= 200
 EFFECT ?= eccentric_roller
 SEED   ?= 1
-.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture plc refine-cases refine-pairs refine-records refine-runs test test-hmi test-long check style types imports compiled compiled-campaign bench bench-control bench-screen size matrix fuzz test-socketcan setup clean
+.PHONY: audit lock release release-tools site campaign chromium demo demo-loop demo-refine hmi house picture plc refine-cases refine-pairs refine-records refine-runs test test-hmi test-long check style types imports compiled compiled-campaign bench bench-control bench-screen size matrix fleet fuzz test-socketcan setup clean
 
 # nine thousand files of others are compiled when they are first imported, most of them never
 setup: $(STAMP)
@@ -190,6 +191,12 @@ bench-control: setup
 campaign: setup
 	nice -n 19 $(BIN)/python -m benchmarks.campaign --cases $(CASES) --docs docs/results \
 		$(if $(SCHEDULER),--scheduler $(SCHEDULER)) $(EXTRA)
+
+# the example of a fleet, LINES virtual lines: drawn, refined, beside what they hide. Three hours of a core for
+# 200, goes on where it was stopped (out/fleet), writes docs/results/fleet.md. EXTRA="--most 4" for four looks
+# of them, "--scaling 6" or "--lost 4" for that part alone (on a quiet machine)
+fleet: setup
+	nice -n 19 $(BIN)/python -m benchmarks.fleet --lines $(LINES) --docs $(EXTRA)
 
 # archives of this commit, built twice and compared, with bill of materials, licences, locks and sums
 # in out/release; only from a clean tree. SIGN= a key id of gpg or the file of an ssh key

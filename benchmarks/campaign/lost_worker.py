@@ -10,26 +10,18 @@ so a stopped comparison goes on.
 from __future__ import annotations
 
 import argparse
-import json
-import os
-import signal
-import subprocess
-import sys
 import threading
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.base.python_child import module_command
 from benchmarks.campaign.__main__ import ROOT, place, rows_of, run
 from benchmarks.campaign.cases import cases_for, numbers_of
+from benchmarks.workers import by_hand, kill_when
 
 OF_THE_CLOCK = ("made_s", "refine_s", "refine_cpu_s")
 """What no two runs have in common."""
 FOR_EVER_S = 1e9
-PATIENCE_S = 120.0
 
 
 def differences(
@@ -54,53 +46,9 @@ def _lasting(row: Mapping[str, Any]) -> dict[str, Any]:
     return kept | {"verdict": verdict}
 
 
-@contextmanager
-def by_hand(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]:
-    """Start a scheduler and two workers on loopback; yield its address and the workers."""
-    folder.mkdir(parents=True, exist_ok=True)
-    address = folder / "scheduler.json"
-    address.unlink(missing_ok=True)
-    rest = ["--no-dashboard", "--scheduler-file", str(address)]
-    scheduler = ["distributed.cli.dask_scheduler", "--host", "127.0.0.1", "--port", "0"]
-    worker = ["distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny"]
-    begun = [_begun([*scheduler, *rest], folder / "scheduler.log")]
-    try:
-        _until(lambda: address.exists() and address.stat().st_size > 0, "a scheduler")
-        workers = [_begun([*worker, *rest], folder / f"worker{k}.log") for k in (1, 2)]
-        begun += workers
-        yield _told(address), workers
-    finally:
-        for process in reversed(begun):
-            process.kill()
-            process.wait()
-
-
-def _begun(command: Sequence[str], log: Path) -> subprocess.Popen[bytes]:
-    with log.open("wb") as said:
-        begun = [*module_command(command[0]), *command[1:]]
-        return subprocess.Popen(begun, stdout=said, stderr=said)
-
-
-def _told(file: Path) -> str:
-    return str(json.loads(file.read_text(encoding="utf-8"))["address"])
-
-
-def _until(ready: Any, what: str) -> None:
-    end = time.monotonic() + PATIENCE_S  # noqa: TID251
-    while not ready():
-        if time.monotonic() > end:  # noqa: TID251
-            raise TimeoutError(f"{what}: nothing after {PATIENCE_S:g} s; see its log")
-        time.sleep(0.05)  # noqa: TID251
-
-
-def kill_half_way(out: Path, numbers: Sequence[int], process: subprocess.Popen[bytes]) -> None:
-    """Kill a worker when half of the cases have rows."""
-    while sum(place(out, n).exists() for n in numbers) < len(numbers) // 2:
-        if process.poll() is not None:
-            return
-        time.sleep(0.2)  # noqa: TID251
-    os.kill(process.pid, signal.SIGKILL)
-    sys.stderr.write(f"worker {process.pid} killed\n")
+def half_done(out: Path, numbers: Sequence[int]) -> bool:
+    """Whether half of the cases have rows."""
+    return sum(place(out, n).exists() for n in numbers) >= len(numbers) // 2
 
 
 def main() -> int:
@@ -119,7 +67,7 @@ def main() -> int:
     run(given.seed, numbers, 2, local, FOR_EVER_S)
     with by_hand(out / "dask") as (address, workers):
         threading.Thread(
-            target=kill_half_way, args=(other, numbers, workers[0]), daemon=True
+            target=kill_when, args=(lambda: half_done(other, numbers), workers[0]), daemon=True
         ).start()
         run(given.seed, numbers, 0, other, FOR_EVER_S, address)
         killed = workers[0].poll()

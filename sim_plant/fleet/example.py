@@ -42,11 +42,8 @@ def write_fleet(
     """
     hidden = {}
     for number in range(1, count + 1):
-        name = f"line{number:04d}"
-        draw = np.random.default_rng([seed, number])
-        text = drawn_line(draw)
-        line = declared(text)
-        effect = drawn_effect(draw, line) if draw.random() >= HEALTHY_SHARE else None
+        name = name_of(number)
+        text, effect = drawn(seed, number)
         looks = GROWING_LOOKS if number % GROWING_EVERY == 0 else 1
         hidden[name] = f"{effect.effect} at {effect.location}" if effect else ""
         try:
@@ -67,6 +64,19 @@ def write_fleet(
             raise PlantError(f"{name}: cannot be written ({error})") from error
         say(f"{name}: {hidden[name] or 'healthy'}")
     return hidden
+
+
+def name_of(number: int) -> str:
+    """Return the name of a line of the example."""
+    return f"line{number:04d}"
+
+
+def drawn(seed: int, number: int) -> tuple[str, EffectEntry | None]:
+    """Return file and effect of a line, None where it is healthy; by seed and number alone."""
+    draw = np.random.default_rng([seed, number])
+    text = drawn_line(draw)
+    sick = draw.random() >= HEALTHY_SHARE
+    return text, drawn_effect(draw, declared(text)) if sick else None
 
 
 def drawn_line(draw: np.random.Generator) -> str:

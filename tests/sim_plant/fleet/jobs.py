@@ -48,3 +48,11 @@ def waiting_for(files):
     while not wanted.exists():
         time.sleep(0.01)
     return wanted.read_text(encoding="utf-8")
+
+
+def one_waits(order):
+    """Refine a look to a row; that of the line ``film2`` notes its worker and waits for a file."""
+    folder = order.look.file.parent
+    if order.look.line == "film2":
+        waiting_for((folder / "who", folder / "wanted"))
+    return failed(order)

@@ -9,7 +9,6 @@ from dataclasses import replace
 from pathlib import Path
 
 import duckdb
-import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
@@ -20,18 +19,9 @@ PAGE = Path(__file__).parents[3] / "docs" / "engineer" / "fleet.md"
 QUERIES = re.findall(r"```sql\n(.*?)```", PAGE.read_text(), re.DOTALL)
 
 
-def drawn(number: int, seed: int = 1) -> tuple[str, example.EffectEntry | None]:
-    """Return file and effect of one line, as ``write_fleet`` draws them."""
-    draw = np.random.default_rng([seed, number])
-    text = example.drawn_line(draw)
-    line = example.declared(text)
-    sick = draw.random() >= example.HEALTHY_SHARE
-    return text, example.drawn_effect(draw, line) if sick else None
-
-
 @pytest.mark.campaign  # 24 draws; quick: one, above
 def test_lines_differ_in_web_and_effect_and_about_three_in_ten_are_healthy() -> None:
-    lines = [drawn(number) for number in range(1, 25)]
+    lines = [example.drawn(1, number) for number in range(1, 25)]
     assert len({text for text, _ in lines}) == 24
     kinds = Counter(effect.effect if effect else "" for _, effect in lines)
     spread = 4.0 * math.sqrt(24 * 0.3 * 0.7)  # of a binomial draw
@@ -41,8 +31,8 @@ def test_lines_differ_in_web_and_effect_and_about_three_in_ten_are_healthy() -> 
 
 
 def test_a_line_is_drawn_by_its_number_and_the_seed_alone() -> None:
-    assert drawn(7) == drawn(7)
-    assert drawn(7) != drawn(7, seed=2)
+    assert example.drawn(1, 7) == example.drawn(1, 7)
+    assert example.drawn(1, 7) != example.drawn(2, 7)
 
 
 def test_a_stopped_example_goes_on_and_says_what_each_line_hides(

@@ -1,11 +1,17 @@
 """Rows once each, what was stopped goes on, and the command's exit codes."""
 
+import os
+import signal
+import threading
+from dataclasses import replace
+
 import pytest
 
+from benchmarks.workers import by_hand
 from sim_plant.cli.main import main
 from sim_plant.fleet import pipeline
 from sim_plant.fleet.looks import looks_in
-from sim_plant.fleet.pipeline import FleetPlan, kept_result, refine_fleet, row_file
+from sim_plant.fleet.pipeline import TABLE, FleetPlan, kept_result, refine_fleet, row_file
 from sim_plant.fleet.refine_look import LookResult
 from sim_plant.refine.report.verdict import Verdict
 from tests.sim_plant.fleet import jobs
@@ -64,6 +70,37 @@ def test_so_many_looks_as_asked_are_done_and_the_rest_waits(plan, capsys, monkey
     assert "1 looks in " in said
     assert said.endswith("1 looks wait; the same command goes on\n")
     assert len(list((plan.out / "rows").iterdir())) == 1
+
+
+@pytest.mark.campaign  # quick: a killed process of a job, in test_cluster
+def test_a_worker_killed_in_the_middle_leaves_the_same_table(plan, tmp_path, monkeypatch):
+    monkeypatch.setattr(pipeline, "refine_look", jobs.one_waits)
+    note, wanted = plan.lines / "who", plan.lines / "wanted"
+    for row in (plan.out / "rows").iterdir():
+        row.unlink()
+    wanted.touch()
+    refine_fleet(plan, print)
+    in_peace = (plan.out / TABLE).read_bytes()
+    note.unlink()
+    wanted.unlink()
+
+    def kill_then_give():
+        while not (note.exists() and note.read_text(encoding="utf-8")):
+            threading.Event().wait(0.02)
+        os.kill(int(note.read_text(encoding="utf-8").split()[0]), signal.SIGKILL)
+        wanted.touch()
+
+    with by_hand(tmp_path / "dask") as (address, workers):
+        killer = threading.Thread(target=kill_then_give)
+        killer.start()
+        again = replace(plan, out=tmp_path / "again", scheduler=address)
+        outcome = refine_fleet(again, print)
+        killer.join()
+        assert [worker.poll() for worker in workers].count(-signal.SIGKILL) == 1
+    assert (outcome.refined, outcome.lost) == (2, [])
+    assert len(note.read_text(encoding="utf-8").split()) == 2
+    assert len(list((again.out / "rows").iterdir())) == 2
+    assert (again.out / TABLE).read_bytes() == in_peace
 
 
 @pytest.mark.parametrize(
