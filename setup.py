@@ -16,7 +16,7 @@ from setuptools import Extension, setup
 from setuptools.command.build_py import build_py
 
 CONFIG = Path(__file__).parent / "config"
-SHIPPED = ("lines/*.yaml", "plc/*.yaml", "*.dbc", "*.eds")
+SHIPPED = ("*.yaml", "lines/*.yaml", "plc/*.yaml", "*.dbc", "*.eds")
 
 
 class BuildWithConfig(build_py):

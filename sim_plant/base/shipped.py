@@ -1,4 +1,4 @@
-"""Lines and PLC maps that come with the product, in a checkout and in an installed wheel."""
+"""Site files, lines and PLC maps that come with the product, in a checkout and in an installed wheel."""
 
 from __future__ import annotations
 

@@ -26,7 +26,11 @@ UNSEEN = {"name": "pydantic", "skip_reason": "Dependency not found on PyPI"}
         ([CLEAN, BAD], 1, "pyyaml 5.3  PYSEC-2021-142  fixed in: 5.4"),
         ([BAD, UNSEEN], 1, "of these nothing is known: pydantic (Dependency not found"),
         ([CLEAN, UNSEEN], 3, "of these nothing is known: pydantic (Dependency not found"),
-        ([UNSEEN, UNSEEN], 3, "not audited: the vulnerability data could not be had"),
+        (
+            [UNSEEN, UNSEEN | {"name": "numpy"}],
+            3,
+            "not audited: the vulnerability data could not be had",
+        ),
         (None, 3, "not audited: the vulnerability data could not be had (no network)"),
     ],
 )
