@@ -83,6 +83,7 @@ def speeds(name: str, declared: Declaration) -> Speeds:
     step_s = line.sample_time_s
     given = moving_references(declared, SAMPLES)
     held = {"line_speed_ref_m_s": float(given.speed_m_s[0])}
+    read = f"true_{next(s.channel for s in declared.sensors if s.channel.endswith('_N'))}"
     with tempfile.TemporaryDirectory() as folder:
         fmu = Imported(exported(Path(folder) / f"{name}.fmu", line, "3.0"))
         fmu.start()
@@ -100,7 +101,7 @@ def speeds(name: str, declared: Declaration) -> Speeds:
             for k in range(now + SAMPLES, now + 2 * SAMPLES):
                 fmu.set(held)
                 fmu.step(k * step_s, step_s)
-                fmu.get(["true_unwind_tension_N"])
+                fmu.get([read])
             times["each"].append(time.process_time() - begun)
             now += 2 * SAMPLES
         fmu.close()
@@ -111,6 +112,11 @@ def speeds(name: str, declared: Declaration) -> Speeds:
         one_step_us=found["one"],
         each_sample_us=found["each"],
     )
+
+
+def difference_of(declared: Declaration, samples: int) -> Difference:
+    """Return the row of a line as it is declared."""
+    return next(all_differences(declared, samples, 0.0))
 
 
 def all_differences(declared: Declaration, samples: int, share: float) -> Iterator[Difference]:
