@@ -44,8 +44,10 @@ def scaling(
 ) -> None:
     """Refine the same looks with one worker, with two, ...; keep times and whether tables agree.
 
-    A folder of results that is there from before would be no work: each run has a new one.
+    A folder of results that is there from before would be no work: each run has a new one. One
+    run goes before, unmeasured: it compiles what these looks need, once for this machine.
     """
+    refine_fleet(folders.plan(f"{few}/before-{os.getpid()}", max(workers), few), say)
     walls, each, tables = {}, {}, []
     looks = 0
     for count in workers:
