@@ -192,7 +192,7 @@ campaign: setup
 	nice -n 19 $(BIN)/python -m benchmarks.campaign --cases $(CASES) --docs docs/results \
 		$(if $(SCHEDULER),--scheduler $(SCHEDULER)) $(EXTRA)
 
-# the example of a fleet, LINES virtual lines: drawn, refined, beside what they hide. Three hours of a core for
+# the example of a fleet, LINES virtual lines: drawn, refined, beside what they hide. Some 1.5 hours of a core for
 # 200, goes on where it was stopped (out/fleet), writes docs/results/fleet.md. EXTRA="--most 4" for four looks
 # of them, "--scaling 6" or "--lost 4" for that part alone (on a quiet machine)
 fleet: setup
