@@ -36,7 +36,7 @@ def bill(python: Path) -> dict[str, Any]:
 def part_of(whole: dict[str, Any], lock: str) -> dict[str, Any]:
     """Return the bill of one lock: its packages and the product, with what depends on what."""
     names = {plain(re.split(r"[=\s;]", pin)[0]) for pin in pins(LOCKS / f"{lock}.txt")}
-    own = [item for item in whole["components"] if plain(item["name"]) == PRODUCT]
+    own = [_without_place(c) for c in whole["components"] if plain(c["name"]) == PRODUCT]
     kept = [item for item in whole["components"] if plain(item["name"]) in names]
     there = {item["bom-ref"] for item in (*own, *kept)}
     rows = [
@@ -46,6 +46,17 @@ def part_of(whole: dict[str, Any], lock: str) -> dict[str, Any]:
     ]
     metadata = {**whole["metadata"], "component": own[0]}
     return {**whole, "metadata": metadata, "components": kept, "dependencies": rows}
+
+
+def _without_place(component: dict[str, Any]) -> dict[str, Any]:
+    """Return the product's component with its wheel by name: the folder is another every time."""
+    rows = [
+        {**row, "url": f"file:{row['url'].rpartition('/')[2]}"}
+        if row["url"].startswith("file:")
+        else row
+        for row in component.get("externalReferences", ())
+    ]
+    return {**component, "externalReferences": rows}
 
 
 def plain(name: str) -> str:

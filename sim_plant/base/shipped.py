@@ -1,4 +1,4 @@
-"""Site files, lines and PLC maps that come with the product, in a checkout and in an installed wheel."""
+"""Site files, lines and PLC maps that come with the product, in a checkout and in a wheel."""
 
 from __future__ import annotations
 
