@@ -112,7 +112,7 @@ def _growing(scored: Sequence[Scored]) -> str:
 def _asked_of(table: Path) -> str:
     query = QUERY.format(table=table)
     found = [
-        [effect, lines, f"{usual:.3g} {unit}" if usual is not None and unit else ""]
+        [effect, lines, "" if usual is None else f"{usual:.3g} {'' if unit == '1' else unit}"]
         for effect, lines, usual, unit in duckdb.sql(query).fetchall()
     ]
     shown = QUERY.format(table="DIR/fleet.parquet")
