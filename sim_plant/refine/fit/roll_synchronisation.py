@@ -59,9 +59,10 @@ def synchronised(objective: Objective, fit: Fit) -> Fit:
 def shifts_in_step(
     pool: SimulationPool, measured: Array, case: Case, first: int
 ) -> tuple[tuple[str, float], ...]:
-    """Return the shifts of ``case`` with effective radii at which its rolls turn as measured.
+    """Return the shifts of ``case`` with effective radii at which wound rolls turn as measured.
 
-    As ``synchronising_shifts``, of the first record of the pool, without an objective.
+    As ``synchronising_shifts``, of the first record of the pool, without an objective. Only of
+    rolls that are wound: their radii begin elsewhere in every record, all others stay.
 
     Parameters
     ----------
@@ -70,7 +71,9 @@ def shifts_in_step(
     """
     twin, moved = pool.twins[0], dict(case.shifts)
     recorded = recorded_angles(twin, measured)
-    known = {n.name for n in declared_nuisances(twin.declaration)} & set(recorded)
+    line = twin.declaration
+    wound = {effective_radius_of(r.name) for r in line.rollers if r.kind == "roll"}
+    known = wound & {n.name for n in declared_nuisances(line)} & set(recorded)
     for _ in range(ROUNDS if known else 0):
         run = pool.one(replace(case, shifts=tuple(sorted(moved.items())), quick=False))[0]
         simulated = recorded_angles(twin, run)

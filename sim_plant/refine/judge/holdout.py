@@ -140,16 +140,28 @@ def at_its_own_state(
 
     A moment is sought beside rolls that stand as in this record: of a roll at another angle more
     is left than of the event. So where there is both, the rolls are turned before that, and once
-    more beside the events at their moments. Before all that, rolls whose angle is recorded are
-    brought into step: the radii that another record asks for held its own start radius too.
+    more beside the events at their moments. Last, the rolls that are wound are brought into step,
+    where that costs less: what another record asks of their radii held its own start radius too.
     """
-    case = replace(case, shifts=shifts_in_step(pool, measured, case, model.first))
     first = OwnState(case=case)
     if has_moments(case) and any(phased(effect) for effect in case.effects):
         first = _with_rolls(pool, measured, first, model)
     effects, moments = with_moments(pool, measured, first.case, model)
     found = replace(first, case=replace(case, effects=effects), moments=moments)
-    return _with_rolls(pool, measured, found, model)
+    return _in_step(pool, measured, _with_rolls(pool, measured, found, model), model)
+
+
+def _in_step(
+    pool: SimulationPool, measured: Array, found: OwnState, model: NoiseModel
+) -> OwnState:
+    """Return the state with its wound rolls in step with recorded angles, if better."""
+    shifts = shifts_in_step(pool, measured, found.case, model.first)
+    if shifts == found.case.shifts:
+        return found
+    stepped = replace(found, case=replace(found.case, shifts=shifts))
+    stepped = _with_rolls(pool, measured, stepped, model)
+    as_it_was, in_step = costs_of(pool, measured, model, [found.case, stepped.case])
+    return stepped if in_step < as_it_was else found
 
 
 def _with_rolls(
