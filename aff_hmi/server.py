@@ -38,12 +38,17 @@ class PatientOnce(H11Protocol):
     """HTTP/1.1 that waits for the head of a first request for a while, and not for ever."""
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin to wait; who has no room goes, but who finds every place taken is told."""
+        """Begin to wait; who has no room goes, but who finds every place taken is told.
+
+        Who has a place is heard: uvicorn's own bound counts requests whose browsers are gone, too.
+        """
         there = [_address(one) for one in self.connections]
         super().connection_made(transport)
         if len(there) < MAX_CONNECTIONS and not admits(_address(self), there, MAX_CONNECTIONS):
             transport.close()
             return
+        if len(there) < MAX_CONNECTIONS:
+            self.limit_concurrency = None
         self.loop.call_later(HEADER_PATIENCE_S, self._is_late, transport)
 
     def _is_late(self, transport: asyncio.Transport) -> None:

@@ -21,6 +21,7 @@ Work: TypeAlias = Callable[[sqlite3.Connection], Found]
 PAGE_BYTES = 4096
 MOST_BYTES = 200_000_000
 MOST_WAITING = 64
+MOST_ASKED = 16  # of them, that only read: what is written has the other places for itself
 ROOM = 0.9  # of the bound, above which the oldest go
 FILE = "screen.sqlite"
 
@@ -54,7 +55,7 @@ class Store:
         self.lost_count = 0
         self.most_bytes = most_bytes if folder else most_bytes // 10
         self._pages = max(64, self.most_bytes // PAGE_BYTES)
-        self._waiting = 0
+        self._waiting = self._asked = 0
         self._counting = threading.Lock()
         self._executor = ThreadPoolExecutor(max_workers=1, thread_name_prefix="history")
         self._connection = self._executor.submit(self._open, folder, schema).result()
@@ -75,7 +76,7 @@ class Store:
         BlockingIOError
             When too much waits already. ``sqlite3.Error`` when it cannot be read.
         """
-        if not self._has_room():
+        if not self._has_room(reads=True):
             raise BlockingIOError
         return await asyncio.wrap_future(self._executor.submit(self._read, work))
 
@@ -108,11 +109,12 @@ class Store:
         (free,) = connection.execute("PRAGMA freelist_count").fetchone()
         return bool(pages - free > ROOM * self._pages)
 
-    def _has_room(self) -> bool:
+    def _has_room(self, *, reads: bool = False) -> bool:
         """Take a place among those that wait; False when there is none."""
         with self._counting:
-            has_room = self._waiting < MOST_WAITING
+            has_room = self._waiting < MOST_WAITING and not (reads and self._asked >= MOST_ASKED)
             self._waiting += has_room
+            self._asked += has_room and reads
         return has_room
 
     # --- in the thread ----------------------------------------------------------------------
@@ -157,9 +159,10 @@ class Store:
             raise
         return connection
 
-    def _begin(self) -> None:
+    def _begin(self, *, reads: bool = False) -> None:
         with self._counting:
             self._waiting -= 1
+            self._asked -= reads
 
     def _write(self, work: Work[object]) -> None:
         self._begin()
@@ -186,5 +189,5 @@ class Store:
         return found
 
     def _read(self, work: Work[Found]) -> Found:
-        self._begin()
+        self._begin(reads=True)
         return work(self._connection)

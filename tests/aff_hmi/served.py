@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator
 
 import uvicorn
 
+from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.listening import listening
 from aff_hmi.see.kept import Kept
@@ -18,12 +19,14 @@ from aff_runtime.base.clock import MonotonicClock
 
 
 @contextlib.asynccontextmanager
-async def served(watch: Watch, kept: Kept | None = None) -> AsyncIterator[tuple[int, Hub]]:
-    """Serve the screen of a watch, with the pages of its history where there is one."""
+async def served(
+    watch: Watch, kept: Kept | None = None, hand: Hand | None = None
+) -> AsyncIterator[tuple[int, Hub]]:
+    """Serve the screen of a watch, with its history and its hand where there are such."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port = probe.getsockname()[1]
-    hub = Hub(watch, MonotonicClock(), kept=kept)
+    hub = Hub(watch, MonotonicClock(), hand, kept)
     place = listening(f"127.0.0.1:{port}", (), None, None, None)
     server = uvicorn.Server(config_of(place, hub, "en"))
     polling, serving = asyncio.create_task(hub.run()), asyncio.create_task(server.serve())

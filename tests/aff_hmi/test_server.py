@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import json
+import threading
 from pathlib import Path
 
 import pytest
@@ -12,9 +14,11 @@ pytest.importorskip("starlette")
 
 from aff_hmi import admission, server
 from aff_hmi.hub import Hub
+from aff_hmi.see.events import newest
 from aff_hmi.server import MAX_CONNECTIONS
 from aff_hmi.watch import Watch
 from aff_runtime.base.clock import MonotonicClock
+from tests.aff_hmi.pressed import Pressed
 from tests.aff_hmi.served import asked, served
 
 pytestmark = pytest.mark.wire
@@ -120,3 +124,51 @@ def test_one_stranger_of_the_network_takes_half_of_the_places(
                 writer.close()
 
     asyncio.run(play())
+
+
+async def pressed_bypass(port: int) -> str:
+    """Bypass as the panel does without a login; return the status line of the answer."""
+    said = json.dumps({"action": "bypass", "id": "b" * 32, "frame": 0, "seen": ""}).encode()
+    heads = (
+        f"POST /act HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nOrigin: http://127.0.0.1:{port}\r\n"
+        f"Content-Type: application/json\r\nContent-Length: {len(said)}\r\n"
+        "Connection: close\r\n\r\n"
+    )
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    writer.write(heads.encode() + said)
+    answer = (await reader.read()).decode()
+    writer.close()
+    return answer.partition("\r\n")[0]
+
+
+def test_who_asks_for_history_and_goes_again_and_again_does_not_hold_up_a_bypass(
+    keeping: Pressed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(admission, "is_near", lambda address: address == "127.0.0.1")
+    kept, go_on = keeping.kept, threading.Event()
+    assert kept is not None
+
+    async def play() -> None:
+        watch = Watch(tmp_path / "door.sock", MonotonicClock())
+        async with served(watch, kept, keeping.hand) as (port, hub):
+            kept.store.put(lambda c: go_on.wait())
+            for _ in range(MAX_CONNECTIONS + 16):
+                _, writer = await asyncio.open_connection(
+                    "127.0.0.1", port, local_addr=("127.0.0.2", 0)
+                )
+                head = f"GET /data/events HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n"
+                writer.write(head.encode())
+                await asyncio.sleep(0.005)
+                writer.close()
+            await frames(hub, 1)
+            try:
+                assert await pressed_bypass(port) == "HTTP/1.1 200 OK"
+                kept.person("bypass: done", "anna")
+                kept.journal._keep()
+            finally:
+                go_on.set()
+
+    asyncio.run(play())
+    assert keeping.service.commands[0].action == "bypass"
+    assert kept.store.lost_count == 0
+    assert kept.store.now(newest) > 0

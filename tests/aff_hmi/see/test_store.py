@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import sqlite3
+import threading
 from pathlib import Path
 
 import pytest
 
 from aff_hmi.see import events
 from aff_hmi.see.events import SCHEMA, Entry, Kind, Wanted, insert, newest, prune, select
-from aff_hmi.see.store import FILE, Store
+from aff_hmi.see.store import FILE, MOST_ASKED, Store
 from aff_runtime.base.errors import ConfigError
 
 
@@ -123,3 +124,22 @@ def test_who_asks_too_much_at_once_is_sent_away(tmp_path: Path) -> None:
     assert 0 in found
     assert any(isinstance(one, BlockingIOError) for one in found)
     assert not any(isinstance(one, sqlite3.Error) for one in found)
+
+
+def test_those_who_ask_leave_room_for_what_is_written() -> None:
+    store, go_on = Store(None, SCHEMA), threading.Event()
+    store.put(lambda c: go_on.wait())
+
+    async def flood() -> list[object]:
+        asked = [asyncio.create_task(store.ask(newest)) for _ in range(200)]
+        await asyncio.sleep(0)
+        store.put(lambda c: insert(c, [entry()]))
+        go_on.set()
+        return await asyncio.gather(*asked, return_exceptions=True)
+
+    found = asyncio.run(flood())
+    assert [e.name for e in store.now(lambda c: select(c, Wanted()))] == ["A"]
+    assert store.lost_count == 0
+    assert found.count(0) == MOST_ASKED
+    assert asyncio.run(store.ask(newest)) == 1  # their places are free again
+    store.close()
