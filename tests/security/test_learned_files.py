@@ -20,6 +20,7 @@ from tests.processes import until
 from tests.security.learned_files import (
     REVISION_WORD,
     SIGNALS,
+    CheckInProcess,
     House,
     checked,
     learned,
@@ -193,6 +194,25 @@ def test_the_former_file_put_back_ends_the_waiting(house: House, site: Path) -> 
     house.step()
     assert house.edits.differs == ()
     assert not [m for m in house.sent if isinstance(m, Parameters)]
+
+
+def test_an_edit_that_was_replaced_on_the_disk_is_not_applied_at_bypass(
+    house: House, site: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    good, before = learned(site).read_text(), house.running
+    learned(site).write_text(response("unwind", math.pi))
+    house.look()
+    assert house.edits.differs
+    learned(site).write_text(good)
+    with monkeypatch.context() as slow:
+        slow.setattr(CheckInProcess, "result", lambda *_: None)
+        house.edits.look_again()
+        house.live = False
+        house.step()
+    assert not [m for m in house.sent if isinstance(m, Parameters)]
+    house.step()
+    assert house.running == before
+    assert house.edits.differs == ()
 
 
 def test_what_our_own_probe_has_just_written_comes_in_at_once(house: House, site: Path) -> None:

@@ -91,6 +91,7 @@ class EditSession:
     def look_again(self) -> None:
         """Check the file now; a check under way is of an older file."""
         self.close()
+        self._waiting = None  # what waits for bypass is of an older file, too
         try:
             self._check = Validation(self._site, self._state)
         except OSError as error:
