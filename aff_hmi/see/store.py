@@ -154,6 +154,9 @@ class Store:
             for statement in schema:
                 connection.execute(statement)
             connection.execute("COMMIT")
+            (found,) = connection.execute("PRAGMA quick_check(1)").fetchone()
+            if found != "ok":  # one page: what is asked later would fail, the start with it
+                raise sqlite3.DatabaseError(found.splitlines()[-1])
         except sqlite3.Error:
             connection.close()
             raise

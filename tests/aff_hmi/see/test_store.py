@@ -11,7 +11,7 @@ import pytest
 
 from aff_hmi.see import events
 from aff_hmi.see.events import SCHEMA, Entry, Kind, Wanted, insert, newest, prune, select
-from aff_hmi.see.store import FILE, MOST_ASKED, Store
+from aff_hmi.see.store import FILE, MOST_ASKED, PAGE_BYTES, Store
 from aff_runtime.base.errors import ConfigError
 
 
@@ -109,6 +109,23 @@ def test_a_damaged_file_is_put_aside_and_told(tmp_path: Path) -> None:
     assert "begun anew" in store.trouble
     assert store.now(newest) == 0
     store.close()
+    assert (tmp_path / FILE).with_suffix(".damaged").exists()
+
+
+@pytest.mark.parametrize("name", ["events", "events_at"])
+def test_one_damaged_page_puts_the_file_aside_too(tmp_path: Path, name: str) -> None:
+    store = Store(tmp_path, SCHEMA)
+    store.put(lambda c: insert(c, [entry()]))
+    ask = "SELECT rootpage FROM sqlite_schema WHERE name = ?"
+    (page,) = store.now(lambda c: c.execute(ask, (name,)).fetchone())
+    store.close()
+    with (tmp_path / FILE).open("r+b") as file:
+        file.seek((page - 1) * PAGE_BYTES)
+        file.write(bytes(PAGE_BYTES))
+    again = Store(tmp_path, SCHEMA)
+    assert "begun anew" in again.trouble
+    assert again.now(newest) == 0
+    again.close()
     assert (tmp_path / FILE).with_suffix(".damaged").exists()
 
 
