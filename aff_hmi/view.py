@@ -116,7 +116,8 @@ def view_of(
         to_do = alarms[0].to_do  # an output that works may ask for somebody, too
     notes: dict[str, str] = {}
     values: dict[str, float | None] = {}
-    doubted = tuple(_doubted(seen, layout, blocked))
+    against = (blocked, *(facts.also_blocking if facts is not None else ()))
+    doubted = tuple(dict.fromkeys(s for one in against for s in _doubted(seen, layout, one)))
     if row is not None:
         values = {slot: _known(value) for slot, value in values_of(seen, row, layout)}
         notes = dict(_notes(seen, row, layout, values, say))

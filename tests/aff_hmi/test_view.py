@@ -130,6 +130,14 @@ def test_what_the_guard_does_not_believe_is_not_shown_as_alive(blocked: str, dou
         assert view.notes["rms:unwind_tension_N"].startswith("the service does not believe it")
 
 
+def test_what_is_not_believed_is_not_shown_as_alive_when_another_reason_stands_first() -> None:
+    also = ("TENSION_IMPLAUSIBLE (unwind_tension_N)", "SIGNAL_IMPLAUSIBLE (line_speed_m_s)")
+    told = facts(blocked="WEB_INTACT=0", also_blocking=also)
+    doubted = shown(seen(row(State.FAULT), facts=told)).doubted
+    assert {"tension:unwind_tension_N", "now:unwind", "speed"} <= set(doubted)
+    assert len(set(doubted)) == len(doubted)
+
+
 @pytest.mark.parametrize("blocked", ["", "WEB_INTACT=0", "PLC_STALE", "TENSION_IMPLAUSIBLE"])
 def test_nothing_else_is_doubted(blocked: str) -> None:
     assert shown(seen(facts=facts(blocked=blocked))).doubted == ()
