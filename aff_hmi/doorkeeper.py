@@ -52,6 +52,13 @@ class Doorkeeper:
         bucket = self._pins.setdefault(name, Bucket(self._clock, per_s=PIN_PER_S, burst=PINS))
         return not bucket.take()
 
+    def was_right(self, name: str, address: str, password: str, place: Place) -> None:
+        """Take back that this try counted: who knows the word does not guess."""
+        self._bucket("", address, PER_ADDRESS).put_back()
+        self._bucket(name, address, PER_ACCOUNT).put_back()
+        if place is Place.PANEL and is_pin(password) and name in self._pins:
+            self._pins[name].put_back()
+
     async def check(self, name: str, password: str, place: Place) -> Account | None:
         """Return the account whose password this is; a PIN is one at the panel alone.
 

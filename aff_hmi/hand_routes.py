@@ -184,6 +184,7 @@ class HandRoutes:
         if account is None:
             self._note("login refused", shown, asked.place)
             return refusal(401, asked.say(WRONG))
+        self._doorkeeper.was_right(shown, asked.address, password, asked.place)
         self._hand.sessions.end(asked.token)
         token = self._hand.sessions.begin(account, asked.place)
         self._note("login", account.name, asked.place)

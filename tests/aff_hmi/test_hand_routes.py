@@ -376,7 +376,16 @@ def test_a_pin_lets_in_at_the_panel_and_is_guessed_five_times(at: Pressed) -> No
     assert near.take().status == 200
     at.clock.advance_ns(250 * 10**9)  # more than a minute: not the five tries of an account
     other = at.browser()
+    assert other.post("/login", {"name": "pia", "password": "100009"}).status == 401
     assert other.post("/login", {"name": "pia", "password": "204816"}).status == 429
     assert other.post("/login", {"name": "pia", "password": PASSWORD}).status == 200
     at.clock.advance_ns(60 * 10**9)
     assert other.post("/login", {"name": "pia", "password": "204816"}).status == 200
+
+
+@pytest.mark.parametrize("password", ["204816", PASSWORD])
+def test_who_knows_the_word_is_never_taken_to_guess(at: Pressed, password: str) -> None:
+    pinned = Account(name="pia", role=Role.OPERATE, secret=with_pin(secret_of(PASSWORD), "204816"))
+    write_accounts(at.file, [pinned])
+    said = {"name": "pia", "password": password}
+    assert [at.browser().post("/login", said).status for _ in range(21)] == [200] * 21

@@ -29,3 +29,7 @@ class Bucket:
             return False
         self._left -= 1.0
         return True
+
+    def put_back(self) -> None:
+        """Return a token that was taken for what does not count after all."""
+        self._left = min(self._burst, self._left + 1.0)
