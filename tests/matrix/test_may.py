@@ -215,6 +215,16 @@ def lasting(spec: str) -> str:
     return re.sub(r":1$", ":3", spec)
 
 
+def test_two_who_arm_while_the_guard_decides_are_both_answered(bench: ServiceBench) -> None:
+    WAYS[State.OFF](bench)
+    first = bench.ask()
+    bench.run(2 * bench.sample_s)
+    assert first not in bench.replies
+    second = bench.ask()
+    bench.run(ANSWERED_TICKS * bench.sample_s)
+    assert [bench.replies[one].state for one in (first, second)] == ["OFF", "OFF"]
+
+
 def test_there_is_a_way_into_every_state() -> None:
     assert set(WAYS) == set(State)
 

@@ -72,8 +72,7 @@ class ControlOutside:
         self._tick = 0
         self._record: Sequence[float] = ()
         self._ring_columns: tuple[str, ...] = ()
-        self._arm_question: int | None = None
-        self._arm_tick = 0
+        self._arm_questions: dict[int, int] = {}  # the tick of each, by number
         self._probe: ProbeRun | None = None
         self._next_law: LawSlot | None = None
         self._revision = assembly.parameters.config_hash
@@ -200,8 +199,7 @@ class ControlOutside:
 
     def _arm(self, said: messages.Arm) -> list[Message]:
         """Pass on the operator's edge; the reply waits until the guard has decided."""
-        self._arm_question = said.id
-        self._arm_tick = self._tick
+        self._arm_questions[said.id] = self._tick
         return [Arm()]
 
     def _shadow(self, said: messages.Shadow) -> list[Message]:
@@ -220,9 +218,10 @@ class ControlOutside:
 
     def _answer_arm(self) -> None:
         """Reply to the operator once the guard has decided about the edge."""
-        if self._arm_question is None:
-            return
-        waited = self._tick - self._arm_tick
+        for ident, since in list(self._arm_questions.items()):
+            self._answer_one_arm(ident, self._tick - since)
+
+    def _answer_one_arm(self, ident: int, waited: int) -> None:
         state = self._guard.state
         message = ""
         if state not in ARMED:
@@ -231,9 +230,8 @@ class ControlOutside:
                 return
             message = not_armed(state, self._guard.first_blocking().removeprefix("blocked by "))
         ok = state in ARMED
-        reply = Reply(id=self._arm_question, ok=ok, message=message, state=state.name)
-        self._link.send(reply)
-        self._arm_question = None
+        self._link.send(Reply(id=ident, ok=ok, message=message, state=state.name))
+        del self._arm_questions[ident]
 
     # --- change of law ------------------------------------------------------------------------
 
