@@ -193,7 +193,7 @@ _WRITTEN = {
     (plan.node_id, write.index, write.subindex): write.data
     for plan in NETWORK.plans
     for write in plan.writes
-}
+} | {(plan.node_id, 0x1001, 0): b"\0" for plan in NETWORK.plans}  # the error register: none
 
 
 def _answer(frame: Frame) -> Frame | None:

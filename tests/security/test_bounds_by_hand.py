@@ -229,7 +229,7 @@ def test_a_run_that_began_on_a_full_disk_is_marked_later_and_can_be_cleared(
         raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as disk:
-        disk.setattr(Path, "write_text", full)
+        disk.setattr(Path, "open", full)
         folder = RunFolder(tmp_path, header, RunContext(name="x", site_text="a: 1\n", segment_s=1))
     assert used_bytes(tmp_path) == 0
     folder.add([(0.0, 0.0)])

@@ -72,11 +72,12 @@ def test_only_one_module_knows_the_product_and_only_its_command_line():
         # places on disk, worker processes and row files: no physics
         ("jit", "sim_plant.base.cache_folder"),
         ("jit", "sim_plant.base.numba_alone"),
-        ("lost_worker", "aff_runtime.base.python_child"),
+        ("lost_worker", "benchmarks.workers"),
         ("__main__", "benchmarks.workers"),
         ("__main__", "benchmarks.rows"),
     }
     assert imported(folder.parent / "workers.py") == {
+        "aff_runtime.base.python_child",
         "sim_plant.base.worker_pool",
         "sim_plant.fleet.cluster",
     }
