@@ -102,9 +102,11 @@ def turned_effect(effect: Added, angle_rad: float) -> Added:
 def turns_with(effect: Added) -> str:
     """Return what an effect's angle belongs to, by name: a body, or the effect alone.
 
-    What repeats in time, and what turns along at a ratio of its own (its orders change with the
-    body's radius), has an angle of its own, wherever it is.
+    What repeats in time, what turns along at a ratio of its own (its orders change with the
+    body's radius) and a motor, behind its gear, have an angle of their own, wherever they are.
     """
+    if BY_NAME[effect.effect].place == "drive":
+        return f"{effect.effect} at {effect.location}"
     shows = BY_NAME[effect.effect].shows
     values = {**BY_NAME[effect.effect].parameters, **dict(effect.parameters)}
     if isinstance(shows, Frequency) or (

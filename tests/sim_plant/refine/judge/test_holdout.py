@@ -52,10 +52,10 @@ def test_a_profile_without_that_number_stays_as_fitted():
 
 def test_what_else_is_on_the_roll_turns_with_it():
     """Two effects of one body have one angle between them, whatever the body's start is."""
-    ripple = Added("torque_ripple", "unwind", (("amplitude_N_m", 0.4), ("angle_rad", 1.0)))
+    centre = Added("eccentric_roller", "unwind", (("eccentricity_m", 1e-4), ("angle_rad", 1.0)))
     cell = Added("mains_hum", "R9", (("amplitude_N", 0.4), ("phase_rad", 1.0)))
     measured = tension(0.42, 0.013) + NOISE
-    effects = (ripple, cell, profile(unwound_m=0.006))
+    effects = (centre, cell, profile(unwound_m=0.006))
     found, _ = with_unwound_lengths(pool(), measured, Case(effects=effects), MODEL)
     turned = dict(found[2].parameters)["angle_rad"] - 0.4
     assert abs(turned) > 0.01
@@ -155,4 +155,28 @@ def test_hum_at_a_cell_has_a_phase_of_its_own_beside_its_roller():
     found = evaluate(pool_of(twin), measured, (idler("R7", 0.0), hum), find_angles=True)
     assert found.angles_rad["R7"] == pytest.approx(2.0, abs=0.01)
     assert found.angles_rad["mains_hum at R7"] == pytest.approx(1.5, abs=0.05)
+    assert found.after == pytest.approx(found.floor, rel=0.05)
+
+
+def roll_and_motor(case, further_rad=0.0):
+    """An ellipse, and a torque c cos(theta) + s sin(theta) of its motor, theta from the record."""
+    theta = 0.05 * np.arange(SAMPLES) + further_rad
+    force = np.zeros((1, SAMPLES))
+    for added in case.effects:
+        given = dict(added.parameters)
+        if added.effect == "torque_ripple":
+            force += given["cos_N_m"] * np.cos(theta) + given["sin_N_m"] * np.sin(theta)
+        else:
+            force += 8.0 * np.cos(2.0 * (theta + given["angle_rad"]))
+    return force
+
+
+@pytest.mark.parametrize("further_rad", [0.7, 2.4, -1.3])
+def test_a_motor_s_ripple_is_found_beside_the_shape_of_its_roll(further_rad):
+    """Roll and motor stood further on together; a shape's angle and a ripple's count otherwise."""
+    ripple = Added("torque_ripple", "unwind", (("order", 1.0), ("cos_N_m", 5.0), ("sin_N_m", 3.0)))
+    fitted = (profile(), ripple)
+    twin = formula_twin(roll_and_motor, ["unwind_tension_N"], SAMPLES)
+    measured = roll_and_motor(Case(effects=fitted), further_rad) + white((1, SAMPLES), 5)
+    found = evaluate(pool_of(twin), measured, fitted, find_angles=True)
     assert found.after == pytest.approx(found.floor, rel=0.05)
