@@ -126,7 +126,7 @@ class RecordedRun:
         self.folder = RunFolder(
             runs,
             replace(head_of(RunMeta(), start_utc), columns=tuple(columns)),
-            RunContext(name="Euclid", site_text=made.site.read_text(), segment_s=segment_s),
+            RunContext(name=site.line.name, site_text=made.site.read_text(), segment_s=segment_s),
         )
         self._rows: list[tuple[float, ...]] = []
         self.recording = True

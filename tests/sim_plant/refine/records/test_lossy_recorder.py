@@ -11,6 +11,7 @@ import pytest
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
+from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.ring import RingReader, RingWriter
@@ -95,7 +96,8 @@ def _ring(table):
 
 def _recorder(reader, runs, site_text, takes_over="", died=""):
     said = {"takes_over": takes_over, "died": died}
-    context = RunContext(name="Euclid", site_text=site_text, max_MB=50, **said)
+    name = load_recorded_site(site_text, "site.yaml").line.name
+    context = RunContext(name=name, site_text=site_text, max_MB=50, **said)
     return RecorderChild(reader, runs, context)
 
 
