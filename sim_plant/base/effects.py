@@ -84,7 +84,9 @@ class Quadrature:
 
     Both may be given at once; they add. ``amplitude`` and ``angle`` are empty where an effect is
     declared by its two components only. ``order`` names the parameter that says how often a turn
-    the phasor turns; empty: see `Effect.pairs`.
+    the phasor turns; empty: see `Effect.pairs`. A body further on by a adds n a to the angle of a
+    mark on it, of the response cos(n theta + angle); with ``against`` the response is
+    cos(n theta - angle), and a takes n a off.
     """
 
     cos: str
@@ -92,6 +94,7 @@ class Quadrature:
     amplitude: str = ""
     angle: str = ""
     order: str = ""
+    against: bool = False
 
 
 def _as_it_is(_arrays: LineArrays, _place: int) -> float:

@@ -11,7 +11,7 @@ from sim_plant.base.signatures import whole
 from sim_plant.effects.experiments import of_the_encoder
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
-PAIR = Quadrature(cos="cos", sin="sin", amplitude="eccentricity", angle="angle_rad")
+PAIR = Quadrature(cos="cos", sin="sin", amplitude="eccentricity", angle="angle_rad", against=True)
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:

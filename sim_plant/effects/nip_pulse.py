@@ -12,7 +12,9 @@ from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.base.signatures import Orders
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
-PAIR = Quadrature(cos="cos_N", sin="sin_N", amplitude="amplitude_N", angle="angle_rad")
+PAIR = Quadrature(
+    cos="cos_N", sin="sin_N", amplitude="amplitude_N", angle="angle_rad", against=True
+)
 TRIED_RADII_M = (0.03, 0.04, 0.05, 0.06, 0.075)
 """Nip rollers are made in these; ground to 0.1 mm they begin within a third of a turn in 60 m."""
 

@@ -10,8 +10,8 @@ from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.base.signatures import said_by
 from sim_plant.effects.phasor import component, phasor
 
-FIRST = Quadrature(cos="cos1_kg_m", sin="sin1_kg_m")
-OTHER = Quadrature(cos="cosn_kg_m", sin="sinn_kg_m", order="order")
+FIRST = Quadrature(cos="cos1_kg_m", sin="sin1_kg_m", against=True)
+OTHER = Quadrature(cos="cosn_kg_m", sin="sinn_kg_m", order="order", against=True)
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:

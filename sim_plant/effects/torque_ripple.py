@@ -11,7 +11,14 @@ from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.base.signatures import said_by
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
-PAIR = Quadrature(cos="cos_N_m", sin="sin_N_m", amplitude="amplitude_N_m", angle="angle_rad")
+PAIR = Quadrature(
+    cos="cos_N_m",
+    sin="sin_N_m",
+    amplitude="amplitude_N_m",
+    angle="angle_rad",
+    order="order",
+    against=True,
+)
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:

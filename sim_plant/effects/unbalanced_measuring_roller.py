@@ -11,7 +11,9 @@ from sim_plant.base.signatures import whole
 from sim_plant.effects.experiments import of_the_cell
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
-PAIR = Quadrature(cos="cos_kg_m", sin="sin_kg_m", amplitude="unbalance_kg_m", angle="angle_rad")
+PAIR = Quadrature(
+    cos="cos_kg_m", sin="sin_kg_m", amplitude="unbalance_kg_m", angle="angle_rad", against=True
+)
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:

@@ -103,17 +103,16 @@ def turns_with(effect: Added) -> str:
     """Return what an effect's angle belongs to, by name: a body, or the effect alone.
 
     What repeats in time, what turns along at a ratio of its own (its orders change with the
-    body's radius) and a motor, behind its gear, have an angle of their own, wherever they are.
+    body's radius) and what has not come round after a turn (an order behind a gear) have an angle
+    of their own, wherever they are.
     """
-    if BY_NAME[effect.effect].place == "drive":
-        return f"{effect.effect} at {effect.location}"
     shows = BY_NAME[effect.effect].shows
     values = {**BY_NAME[effect.effect].parameters, **dict(effect.parameters)}
-    if isinstance(shows, Frequency) or (
-        isinstance(shows, Orders) and shows.at(values, 1.0) != shows.at(values, 2.0)
-    ):
-        return f"{effect.effect} at {effect.location}"
-    return effect.location
+    own = isinstance(shows, Frequency)
+    if isinstance(shows, Orders):
+        orders = shows.at(values, 1.0)
+        own = orders != shows.at(values, 2.0) or any(order % 1.0 for order in orders)
+    return f"{effect.effect} at {effect.location}" if own else effect.location
 
 
 def with_turned(effects: tuple[Added, ...], body: str, angle_rad: float) -> tuple[Added, ...]:

@@ -294,12 +294,16 @@ def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[s
         order = 1.0 if isinstance(effect.shows, Frequency) else float(place)
         if pair.order:
             order = float(values.get(pair.order, effect.parameters[pair.order]))
+        further_rad = (-order if pair.against else order) * angle_rad
+        if pair.angle in parameters:
+            parameters[pair.angle] = float(parameters[pair.angle]) + further_rad
         if pair.cos not in parameters and pair.sin not in parameters:
             continue
         size = complex(float(parameters.get(pair.cos, 0.0)), float(parameters.get(pair.sin, 0.0)))
-        size *= complex(math.cos(order * angle_rad), math.sin(order * angle_rad))
+        size *= complex(math.cos(further_rad), math.sin(further_rad))
         parameters[pair.cos], parameters[pair.sin] = size.real, size.imag
+    of_pairs = {pair.angle for pair in effect.quadratures}
     for name, value in values.items():
-        if effect.accepts[name].role == "angle":
+        if effect.accepts[name].role == "angle" and name not in of_pairs:
             parameters[name] = float(value) + angle_rad
     return parameters
