@@ -72,36 +72,38 @@ def form(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 def difference(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return what an edit would do; nothing goes out."""
-    record = parameters_of(where.site, where.state)
-    if digest(record.site_text) != asked.base:
+    edited = _edited(where, asked)
+    if edited is None:
         return Refusal(why=Why.CHANGED)
-    text = text_with_edits(record.site, record.site_text, asked.edits)
-    return DifferenceShown(difference=_difference(where, record.site_text, text))
+    return DifferenceShown(difference=_difference(where, *edited))
 
 
 def try_edited(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Have the service run an edit for a while; it takes it back by itself."""
-    record = parameters_of(where.site, where.state)
-    if digest(record.site_text) != asked.base:
-        return Refusal(why=Why.CHANGED)
-    text = text_with_edits(record.site, record.site_text, asked.edits)
-    if digest(text) != asked.measured:
+    edited = _edited(where, asked)
+    if edited is None or digest(edited[1]) != asked.measured:
         return Refusal(why=Why.CHANGED)  # it is another text than the person has seen
-    return try_text(where, asked, talk, text, by_screen(asked), asked.base)
+    return try_text(where, asked, talk, edited[1], by_screen(asked), asked.base)
 
 
 def save_edited(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Save an edit as the site file: what waits for bypass can be tried by nobody."""
-    record = parameters_of(where.site, where.state)
-    if digest(record.site_text) != asked.base:
+    edited = _edited(where, asked)
+    if edited is None or digest(edited[1]) != asked.measured:
         return Refusal(why=Why.CHANGED)
-    text = text_with_edits(record.site, record.site_text, asked.edits)
-    if digest(text) != asked.measured:
-        return Refusal(why=Why.CHANGED)
-    answer = ask_settings(where, act="save", text=text, why=by_screen(asked), base=asked.base)
+    why = by_screen(asked)
+    answer = ask_settings(where, act="save", text=edited[1], why=why, base=asked.base)
     if digest(answer.text) != asked.measured:
         return Refusal(why=Why.CHANGED)
     return Done(text=SAVED if save_handed_out(where, answer) else WAITS_SAVED)
+
+
+def _edited(where: Paths, asked: Request) -> tuple[str, str] | None:
+    """Return the site file's text and the edited one; None where it is not the file edited."""
+    record = parameters_of(where.site, where.state)
+    if digest(record.site_text) != asked.base:
+        return None
+    return record.site_text, text_with_edits(record.site, record.site_text, asked.edits)
 
 
 def version(where: Paths, asked: Request, talk: Talk) -> Answer:

@@ -1,4 +1,4 @@
-"""What is asked the same way on every wire: names, further channels, the drive."""
+"""What is asked the same way on every wire: the line and its channels, and the drive."""
 
 from __future__ import annotations
 
@@ -7,16 +7,38 @@ from collections.abc import Callable
 from aff_runtime.app.setup.dialogue import Dialogue
 from aff_runtime.app.setup.draft import MOST_FURTHER, SECOND_TENSION
 from aff_runtime.app.setup.interview import (
+    angles_of,
     drive_questions,
     further_question,
+    law_question,
     line_questions,
+    machine_questions,
+    quantities_of,
     second_question,
 )
 from aff_runtime.app.setup.quantities import Quantity, further
 from aff_runtime.app.setup.questions import NONE, Question
 
 
-def ask_names(dialogue: Dialogue) -> None:
+def ask_line(
+    dialogue: Dialogue, look: Callable[[Quantity], None], look_at_angle: Callable[[Quantity], None]
+) -> None:
+    """Ask for all of the line that is the same on every wire.
+
+    ``look`` finds a quantity at the PLC, ``look_at_angle`` an angle.
+    """
+    _names(dialogue)
+    for quantity in quantities_of(dialogue.draft):
+        look(quantity)
+    for question in machine_questions(dialogue.draft):
+        dialogue.ask(question)
+    for quantity in angles_of(dialogue.draft):
+        look_at_angle(quantity)
+    dialogue.ask(law_question(dialogue.draft))
+    _further(dialogue, look)
+
+
+def _names(dialogue: Dialogue) -> None:
     """Ask for the names of the line, its second roller and the tension behind that."""
     before = dialogue.draft.second
     for question in line_questions():
@@ -28,7 +50,7 @@ def ask_names(dialogue: Dialogue) -> None:
         _channel(dialogue, second_question(second))
 
 
-def ask_further(dialogue: Dialogue, look: Callable[[Quantity], None]) -> None:
+def _further(dialogue: Dialogue, look: Callable[[Quantity], None]) -> None:
     """Find the channels that are only recorded; those that are no longer named are forgotten.
 
     ``look`` : finds one of them.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from aff_runtime.app.setup.asking import ask_drive, ask_further, ask_names
+from aff_runtime.app.setup.asking import ask_drive, ask_line
 from aff_runtime.app.setup.bus_files import MOST_NODES, signals_of
 from aff_runtime.app.setup.bus_heard import HeardSignal, hear
 from aff_runtime.app.setup.bus_questions import (
@@ -26,13 +26,7 @@ from aff_runtime.app.setup.bus_roles import (
 from aff_runtime.app.setup.bus_steps import BusSteps, Hear
 from aff_runtime.app.setup.dialogue import Dialogue
 from aff_runtime.app.setup.draft import SENT, SIGNAL
-from aff_runtime.app.setup.interview import (
-    angles_of,
-    law_question,
-    machine_questions,
-    quantities_of,
-    roll_names,
-)
+from aff_runtime.app.setup.interview import roll_names
 from aff_runtime.app.setup.quantities import UNWIND
 from aff_runtime.app.setup.questions import NONE
 from aff_runtime.base.clock import MonotonicClock
@@ -103,15 +97,7 @@ def _look(dialogue: Dialogue, steps: BusSteps) -> None:
     for role in words:
         steps.signal(role)
     dialogue.keep(dialogue.draft.with_answer("status.order", "yes"))  # no other one on CAN
-    ask_names(dialogue)
-    for quantity in quantities_of(dialogue.draft):
-        steps.quantity(quantity)
-    for question in machine_questions(dialogue.draft):
-        dialogue.ask(question)
-    for quantity in angles_of(dialogue.draft):
-        steps.quantity(quantity)
-    dialogue.ask(law_question(dialogue.draft))
-    ask_further(dialogue, steps.quantity)
+    ask_line(dialogue, steps.quantity, steps.quantity)
     _corrections(dialogue, steps)
     for role in words_written():
         steps.signal(role)

@@ -6,20 +6,16 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from aff_runtime.app.setup.asking import ask_drive, ask_further, ask_names
+from aff_runtime.app.setup.asking import ask_drive, ask_line
 from aff_runtime.app.setup.bus_flow import bus_interview
 from aff_runtime.app.setup.dialogue import Dialogue
 from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.interview import (
     BITS,
     YES_NO,
-    angles_of,
     bit_questions,
     first_number,
     is_bus,
-    law_question,
-    machine_questions,
-    quantities_of,
     status_questions,
     wire_question,
     wire_questions,
@@ -78,15 +74,7 @@ def _look(dialogue: Dialogue, steps: Steps) -> None:
     steps.survey()
     steps.heartbeat()
     dialogue.ask(first_number(int(dialogue.draft.answers["heartbeat"])))
-    ask_names(dialogue)
-    for quantity in quantities_of(dialogue.draft):
-        steps.quantity(quantity)
-    for question in machine_questions(dialogue.draft):
-        dialogue.ask(question)
-    for quantity in angles_of(dialogue.draft):
-        steps.angle(quantity)
-    dialogue.ask(law_question(dialogue.draft))
-    ask_further(dialogue, steps.quantity)
+    ask_line(dialogue, steps.quantity, steps.angle)
     for question in status_questions(partial(_why_not, dialogue, "status.word")):
         dialogue.ask(question)
     if dialogue.draft.answers["status.order"] == "no":

@@ -6,7 +6,7 @@ every harmonic. What an effect does at a roll's angle can only be found in step 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -35,12 +35,23 @@ def synchronising_shifts(
     Rounds of simulation: a shift is a length, so its share of the radius grows as a roll is
     unwound. Rolls count of which an angle or a speed in rad/s is recorded.
     """
-    moved = dict(shifts)
     twins = objective.pool.twins
     measured = [recorded_angles(t, m) for t, m in zip(twins, objective.measured, strict=True)]
-    for _ in range(ROUNDS):
+
+    def too_fast(moved: Mapping[str, float]) -> dict[str, float]:
         runs = objective.pool.one(case_of(hypotheses, values, moved))
-        moves = _slope_errors(objective, runs, measured)
+        return _slope_errors(objective, runs, measured)
+
+    return _moved_into_step(shifts, too_fast)
+
+
+def _moved_into_step(
+    shifts: Mapping[str, float], too_fast: Callable[[Mapping[str, float]], Mapping[str, float]]
+) -> dict[str, float]:
+    """Return the shifts moved round by round, until no roll turns too fast or the line breaks."""
+    moved = dict(shifts)
+    for _ in range(ROUNDS):
+        moves = too_fast(moved)
         if not moves or not np.isfinite(list(moves.values())).all():
             break
         for name, move in moves.items():
@@ -69,20 +80,18 @@ def shifts_in_step(
     measured : (channels, samples) in channel units.
     first : index of the first judged sample.
     """
-    twin, moved = pool.twins[0], dict(case.shifts)
-    recorded = recorded_angles(twin, measured)
-    line = twin.declaration
+    twin = pool.twins[0]
+    line, recorded = twin.declaration, recorded_angles(twin, measured)
     wound = {effective_radius_of(r.name) for r in line.rollers if r.kind == "roll"}
     known = wound & {n.name for n in declared_nuisances(line)} & set(recorded)
-    for _ in range(ROUNDS if known else 0):
+
+    def too_fast(moved: Mapping[str, float]) -> dict[str, float]:
         run = pool.one(replace(case, shifts=tuple(sorted(moved.items())), quick=False))[0]
         simulated = recorded_angles(twin, run)
-        moves = {k: _slope_error(simulated[k][first:], recorded[k][first:]) for k in known}
-        if not any(moves.values()) or not np.isfinite(list(moves.values())).all():
-            break
-        for name in sorted(moves):
-            if moves[name]:
-                moved[name] = moved.get(name, 0.0) + moves[name]
+        errors = {k: _slope_error(simulated[k][first:], recorded[k][first:]) for k in known}
+        return {name: error for name, error in errors.items() if error}
+
+    moved = _moved_into_step(dict(case.shifts), too_fast) if known else dict(case.shifts)
     return tuple(sorted(moved.items()))
 
 
