@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 from sim_plant.demo.wires import free_port
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_runtime.app.service_run import ROOT
+from tests.aff_runtime.app.setup.machine_answers import MACHINE_ANSWERS
 
 START_S = 180.0
 Given: TypeAlias = Mapping[str, str | Callable[[], str]]
@@ -36,12 +37,7 @@ ANSWERS = {
     "pullroll_tension_N.display": "91 N",
     "pullroll_tension_N.pick": "w9",
     "speed_max": "300 FPM",
-    "tension_max": "400 N",
-    "radius_min": "4 in",
-    "radius_max": "12 in",
-    "limit": "0.15",
-    "second_radius": "0.15367",
-    "limit_second": "40 mm/s",
+    **MACHINE_ANSWERS,
     "probe": "0.02",
     "status.word": "1",
     "roll_id": "8",

@@ -15,6 +15,7 @@ import pytest
 from aff_runtime.cli.main import main
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
+from tests.aff_runtime.app.setup.machine_answers import MACHINE_ANSWERS
 from tests.aff_runtime.cli.virtual_line import VirtualLine
 from tests.processes import until
 from tests.sim_plant.servers.served import Served, served
@@ -39,12 +40,7 @@ ANSWERS = {
     "unwind_angle_rad.pick": "w11",
     "swrap_follower_angle_rad.pick": "w13",
     "speed_max": "1500 FPM",
-    "tension_max": "400 N",
-    "radius_min": "4 in",
-    "radius_max": "12 in",
-    "limit": "0.15",
-    "second_radius": "0.15367",
-    "limit_second": "40 mm/s",
+    **MACHINE_ANSWERS,
     "probe": "0.02",
     "status.word": "1",
     "roll_id": "8",

@@ -7,6 +7,8 @@ import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
+from tests.aff_runtime.app.setup.machine_answers import MACHINE_ANSWERS
+
 CONFIG = Path(__file__).parents[4] / "config"
 FILES = {"dbc": ("euclid.dbc",), "canopen": ("euclid_line.eds", "euclid_drive.eds")}
 MACHINE = {
@@ -16,12 +18,7 @@ MACHINE = {
     "scan_ms": "5",
     "listen": "no",
     "speed_max": "300 FPM",
-    "tension_max": "400 N",
-    "radius_min": "4 in",
-    "radius_max": "12 in",
-    "limit": "0.15",
-    "second_radius": "0.15367",
-    "limit_second": "40 mm/s",
+    **MACHINE_ANSWERS,
     "unwind_angle_rad.scale": "4096 counts/turn",
     "swrap_follower_angle_rad.scale": "4096 counts/turn",
 }

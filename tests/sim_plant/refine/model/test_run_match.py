@@ -8,70 +8,28 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.load import load_declaration
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_limits import lines_of, run_limits, shared
+from sim_plant.refine.model.run_limits import run_limits
 from sim_plant.refine.model.run_match import acting, run_on_line
-from sim_plant.refine.records.recording import Recording, RunFacts
-from sim_plant.refine.records.run_activity import Activity
-from sim_plant.refine.records.run_site import RunActuator, RunSite
+from sim_plant.refine.records.recording import Recording
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import Plc
 from tests.doubles.recorded_run import PLC_FILE
-from tests.lockstep.known_response import ROOT
-
-LINE = load_declaration(ROOT / "config/lines/euclid.yaml")
-STEP_S, ROWS = 0.005, 6000
-TIME_S = np.arange(ROWS) * STEP_S
-NO_ACTIVITY = Activity(on_s=0, off_s=30, probing_s=0, ramp_s=0, saturated_s=0, shadow_s=0)
-SPEED_M_S, UNWIND_M, FOLLOWER_M = 0.9, 0.19, 0.15367
-UNWIND_RAD, FOLLOWER_RAD = SPEED_M_S * TIME_S / UNWIND_M, SPEED_M_S * TIME_S / FOLLOWER_M
-
-
-def actuator(suffix="m_s", reference="t_ref_N", roll=""):
-    return RunActuator(
-        suffix=suffix, signal="web_N", reference=reference, count=1e-5, roll=roll, transport_s=None
-    )
-
-
-def run(columns=None, *, actuators=None, speed_reference="", rolls=None):
-    """Return a record of a site that calls everything otherwise than the line does."""
-    angle = SPEED_M_S * TIME_S
-    given = {
-        "web_N": np.full(ROWS, 88.0),
-        "t_ref_N": np.where(TIME_S < 20.0, 88.0, 92.0),
-        "v_m_s": np.full(ROWS, SPEED_M_S + 0.0004),
-        "turns_rad": angle / UNWIND_M,
-        "follower_rad": angle / FOLLOWER_M,
-        "roll_m": np.full(ROWS, UNWIND_M),
-    }
-    given |= columns or {}
-    uses = {
-        "unwind": {"angle": "turns_rad", "radius": "roll_m"},
-        "swrap_follower": {"angle": "follower_rad"},
-    }
-    site = RunSite(
-        name="L",
-        speed="v_m_s",
-        speed_reference=speed_reference,
-        rolls=uses if rolls is None else rolls,
-        actuators={"unwind": actuator()} if actuators is None else actuators,
-        needed=frozenset(given),
-        steps=dict.fromkeys((n for n in given if not n.startswith("correction_")), 0.001),
-    )
-    facts = RunFacts(
-        site=site, activity=NO_ACTIVITY, delivery_known={"unwind": False}, scan_s=STEP_S
-    )
-    return Recording(
-        path=Path("RUN"),
-        sha256="0",
-        sample_time_s=STEP_S,
-        columns={n: v for n, v in given.items() if v is not None},
-        run=facts,
-        zeros_rad={"turns_rad": 3.5},
-    )
+from tests.sim_plant.refine.model.made_run import (
+    FOLLOWER_M,
+    FOLLOWER_RAD,
+    LINE,
+    ROWS,
+    SPEED_M_S,
+    STEP_S,
+    TIME_S,
+    UNWIND_M,
+    UNWIND_RAD,
+    actuator,
+    run,
+)
 
 
 def test_channels_are_found_by_what_the_site_file_uses_them_for():
@@ -294,47 +252,6 @@ def test_a_roll_that_grows_thin_within_the_record_is_no_other_line():
 def test_a_radius_that_is_roughly_declared_makes_no_other_line():
     near = run({"follower_rad": 1.03 * FOLLOWER_RAD}, speed_reference="v_m_s")
     assert twin_of(LINE, run_on_line(LINE, near))
-
-
-def test_runs_of_several_lines_are_named():
-    one = run()
-    other = replace(
-        one, path=Path("LATER"), run=replace(one.run, site=replace(one.run.site, name="Film"))
-    )
-    assert lines_of([one, one]) == []
-    assert "RUN of L, LATER of Film" in lines_of([one, other])[0]
-
-
-def windowed(path, from_s, to_s):
-    record = run()
-    facts = replace(record.run, from_s=from_s, to_s=to_s)
-    return replace(record, path=Path(path), run=facts)
-
-
-def test_windows_of_one_run_that_overlap_are_named_and_others_are_not():
-    fitted, other = windowed("RUN@10..40", 10.0, 40.0), windowed("RUN@30..70", 30.0, 70.0)
-    both, advice = "RUN@10..40 and RUN@30..70 share 10 s", "give windows that do not overlap"
-    judged, twice = "the error is judged on what was fitted", "it counts twice"
-    assert shared([fitted], [other]) == [f"{both} of one run: {judged}; {advice}"]
-    assert shared([fitted, other], []) == [f"{both} of one run: {twice}; {advice}"]
-    apart = [windowed("RUN@40..70", 40.0, 70.0), windowed("LATER@30..70", 30.0, 70.0)]
-    assert shared([fitted], apart) == []
-    assert shared([fitted], [replace(fitted, run=None)]) == []
-    copy = windowed("COPY/RUN@30..70", 30.0, 70.0)
-    named = [replace(r, run=replace(r.run, run_id="3f9a")) for r in (fitted, copy)]
-    assert shared(named[:1], named[1:]) == [f"{both} of one run: {judged}; {advice}"]
-    assert shared([run()], [run()]) == []  # where a piece lies is not known
-
-
-def test_what_the_window_lacks_is_said_with_what_it_costs():
-    thin = LINE.model_copy(update={"web": LINE.web.model_copy(update={"thickness_m": 1e-5})})
-    record = run_on_line(thin, run({"t_ref_N": np.full(ROWS, 88.0)}))
-    said = " | ".join(run_limits(record, twin_of(thin, record)))
-    assert "no step of the tension reference" in said
-    assert "not recorded: pullroll_tension_N, r3_tension_N" in said
-    # no tension between the follower and the pull roll, nor between that and the rewind
-    assert "from swrap_follower to pull_roll and from pull_roll to rewind" in said
-    assert "keeps its radius" in said  # 27 m of 0.01 mm web: 0.23 mm off 190 mm
 
 
 def test_corrections_of_any_driven_roller_are_taken_from_files_too():
