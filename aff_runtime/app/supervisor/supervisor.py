@@ -11,10 +11,8 @@ import os
 import selectors
 import signal
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import partial
 
-from aff_runtime.app.door.messages import Facts
 from aff_runtime.app.hand.may import OF_SETTINGS, Circumstances
 from aff_runtime.app.link.answers import Answer, Done, as_answer, refusal
 from aff_runtime.app.link.messages import (
@@ -32,10 +30,6 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.request_socket import Asked, RequestSocket
 from aff_runtime.app.report.command_counts import CommandTally, Result, Via
-from aff_runtime.app.report.line_facts import line_facts
-from aff_runtime.app.report.probe_facts import probes_of
-from aff_runtime.app.report.status import live_status
-from aff_runtime.app.report.status_answer import NOT_SAID, StatusAnswer
 from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.door import Door
 from aff_runtime.app.supervisor.edit_session import EditSession
@@ -45,14 +39,13 @@ from aff_runtime.app.supervisor.pending import AnswerOf, Pending
 from aff_runtime.app.supervisor.probe_desk import Probes
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.request_desk import RequestDesk
-from aff_runtime.app.supervisor.response_ledger import learned_sentences
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.settings.desk import SettingsDesk
+from aff_runtime.app.supervisor.standing import Standing
 from aff_runtime.app.supervisor.state_log import StateLog
 from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError, RefusedError
-from aff_runtime.base.signals import State
 from aff_runtime.loop.watchdog import ServiceNotifier
 
 POLL_S = 0.1
@@ -105,10 +98,15 @@ class Supervisor:
         )
         self._probes = Probes(self._processes, self._pending, self._edits, self._settings)
         self._counts = CommandTally()
-        self._hand_is_wanted = options.hand is not None
         self._hand = open_hand(
             *(options, self._selector, self._clock, self._processes, self._pending, self._probes),
             self._counts,
+        )
+        self._standing = Standing(
+            *(self._processes, self._edits, self._settings, self._probes, self._forecast),
+            self._counts,
+            self._hand,
+            hand_is_wanted=options.hand is not None,
         )
         self._stop_asked: list[Asked] = []
         self._stopping = False
@@ -164,7 +162,7 @@ class Supervisor:
         self._desk.look_after()
         if self._hand is not None:
             self._hand.step()
-        self._door.step(self._processes.ring, self._facts)
+        self._door.step(self._processes.ring, self._standing.facts)
         if self._ready_announced and self._processes.ring is None:
             self._notifier.tick_done(True)  # nothing goes out before the first tick
 
@@ -220,7 +218,7 @@ class Supervisor:
             asked.then = partial(self._count, request.do)
         match request.do:
             case "status":
-                asked.answer(self._status())
+                asked.answer(self._standing.status())
             case "arm":
                 self._note_command(asked)
                 self._ask_control(lambda ident: Arm(id=ident), asked)
@@ -294,67 +292,6 @@ class Supervisor:
         actuators = _known(asked.request.actuators, self._processes.parameters)
         self._probes.begin(actuators, asked.answer, louder=asked.request.louder)
         self._note_command(asked, *actuators)
-
-    def _status(self) -> StatusAnswer:
-        """Return the answer to a status request."""
-        processes, parameters = self._processes, self._processes.parameters
-        standing = self._standing()
-        state, live, latest = standing.state, None, processes.latest()
-        if processes.ring is not None and latest is not None:
-            guard_state, live = live_status(latest, parameters.permissives, parameters.site)
-            state = guard_state.name
-            live = replace(
-                live,
-                wire=processes.troubles,
-                blocked_by=processes.blocked,
-                also_blocking=processes.also_blocking,
-                meta=processes.ring.header.meta,
-            )
-        return replace(standing, state=state, live=live)
-
-    def _facts(self) -> Facts:
-        """Return what who looks on cannot see in the ring."""
-        processes = self._processes
-        return Facts(
-            status=self._standing(),
-            blocked=processes.blocked,
-            also_blocking=processes.also_blocking,
-            wire=processes.troubles,
-        )
-
-    def _standing(self) -> StatusAnswer:
-        """Return how the service stands, without what the newest tick says."""
-        processes, parameters = self._processes, self._processes.parameters
-        return StatusAnswer(
-            line=parameters.site.line.name,
-            state="STARTING" if processes.control is not None else State.FAULT.name,
-            config_hash=parameters.config_hash,
-            site_hash=parameters.site_hash,
-            learned=tuple(learned_sentences(parameters, processes.probed)),
-            config_differs=tuple(self._edits.differs),
-            control_pid=processes.control.pid if processes.control is not None else 0,
-            probing=self._probes.is_under_way,
-            probed=self._probes.said,
-            trying=self._settings.trying,
-            trying_left_s=self._settings.trying_left_s,
-            tried=self._settings.tried,
-            recorder=processes.recorder_report(),
-            control_restarts=processes.restarts,
-            audit_records=self._hand.audit_records if self._hand is not None else NOT_SAID,
-            audit_ok=self._audit_ok(),
-            commands=self._counts.rows(),
-            operators=tuple(processes.operators),
-            probes=tuple(probes_of(parameters.responses)),
-            shapes=tuple(processes.shapes.sentences),
-            crossings=tuple(self._forecast.sentences()),
-            meetings=self._forecast.meetings(),
-            facts=line_facts(parameters.site, parameters.permissives),
-        )
-
-    def _audit_ok(self) -> int:
-        if not self._hand_is_wanted:
-            return NOT_SAID
-        return int(self._hand is not None and self._hand.is_kept)
 
     def _bypass_by_signal(self) -> None:
         """Take the correction back; a signal does not tell who sent it."""
