@@ -21,6 +21,7 @@ from aff_runtime.core.probe.probe import Probe, ProbeResult, Stage
 from aff_runtime.core.response import Provenance, Response
 
 START_PATIENCE_S = 10.0
+TOO_LONG = "the result is too long for the link; probe fewer actuators"
 
 
 class ProbeRun:
@@ -113,7 +114,10 @@ class ProbeRun:
             _close_all_but(link.fileno())
             with contextlib.suppress(OSError):
                 os.sched_setaffinity(0, range(os.cpu_count() or 1))
-            link.send(Probed(results=self.results(tick)))
+            if not link.send(Probed(results=self.results(tick))):
+                link.send(
+                    Probed(error="the result is too long for the link; probe fewer actuators")
+                )
         except AffError as error:
             link.send(Probed(error=str(error)))
         except Exception as error:

@@ -13,9 +13,12 @@ from aff_runtime.app.supervisor.probe_session import ProbeSession
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.settings.desk import SettingsDesk
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.ports import Clock
 
 BEGIN_PATIENCE_S = 2.0
+FIT_PATIENCE_S = 30.0  # beside the probe's own time: the fit takes 0.1 s, on a busy machine longer
 MEASURED = "measured"
+NOT_HEARD = "nothing was heard of the probe in its time; probe again"
 
 
 class Probes:
@@ -31,13 +34,20 @@ class Probes:
     """
 
     def __init__(
-        self, processes: Processes, pending: Pending, edits: EditSession, settings: SettingsDesk
+        self,
+        processes: Processes,
+        pending: Pending,
+        edits: EditSession,
+        settings: SettingsDesk,
+        clock: Clock,
     ) -> None:
         self._processes = processes
         self._pending = pending
         self._edits = edits
         self._settings = settings
+        self._clock = clock
         self._session: ProbeSession | None = None
+        self._until_ns: int | None = None
         self.said = ""
 
     @property
@@ -70,11 +80,16 @@ class Probes:
         if self._session is not None or control is None:
             raise RefusedError("a probe is already under way" if control else "not running yet")
         self._settings.refuse_while_trying()
-        self._session = ProbeSession(self._processes, self._edits, self._telling(tell))
+        session = ProbeSession(self._processes, self._edits, self._telling(tell))
+        self._session = session
+        self._until_ns = None  # until it begins, the patience with the question holds
 
         def answered(reply: Reply) -> Done:
-            if not reply.ok:
+            if self._session is session and not reply.ok:
                 self.end(reply.message or "refused")
+            elif self._session is session:
+                patience_s = (reply.duration_s or 0.0) + FIT_PATIENCE_S
+                self._until_ns = self._clock.now_ns() + int(patience_s * 1e9)
             began(reply)
             return as_answer(reply)
 
@@ -92,19 +107,25 @@ class Probes:
         self.begin((), lambda done: None, began, louder=louder)
 
     def finish(self, probed: Probed) -> None:
-        """Take what was measured."""
-        if self._session is not None:
+        """Take what was measured; what came first stands."""
+        if self._session is not None and not self._session.is_finished:
             self._session.finish(probed)
 
     def end(self, reason: str) -> None:
-        """Tell who asked that it came to nothing."""
+        """Tell who asked that it came to nothing; one that has a result goes on to its answer."""
+        if self._session is not None and not self._session.is_finished:
+            self.close(reason)
+
+    def close(self, reason: str) -> None:
+        """Answer who asked, now: with what is known, else with the reason."""
         if self._session is not None:
-            self._session.finish(Probed(error=reason))
-            self._session.has_answered()
+            self._session.close(reason)
             self._session = None
 
     def step(self) -> None:
-        """Let go of one that has answered."""
+        """Let go of one that has answered, and of one whose result is lost."""
+        if self._until_ns is not None and self._clock.now_ns() >= self._until_ns:
+            self.end(NOT_HEARD)
         if self._session is not None and self._session.has_answered():
             self._session = None
 

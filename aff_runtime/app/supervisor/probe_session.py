@@ -31,6 +31,11 @@ class ProbeSession:
         self._tell = tell
         self._answer: Done | ProbeDone | None = None
 
+    @property
+    def is_finished(self) -> bool:
+        """Whether it is known what came of the probe."""
+        return self._answer is not None
+
     def finish(self, probed: Probed) -> None:
         """Write what was measured, or note why there is nothing."""
         error = probed.error
@@ -54,6 +59,13 @@ class ProbeSession:
             return False
         self._tell(self._answer)
         return True
+
+    def close(self, reason: str) -> None:
+        """Answer now: with what is known, else with the reason why nothing will be."""
+        if self._answer is None:
+            self.finish(Probed(error=reason))
+        if self._answer is not None:
+            self._tell(self._answer)
 
     def _keep(self, result: ProbeResult) -> KeptResponse:
         """Replace one response file, whole or not at all; return the result with its path."""

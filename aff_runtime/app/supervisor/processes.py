@@ -6,7 +6,7 @@ import logging
 from collections import deque
 from collections.abc import Callable
 
-from aff_runtime.app.link.messages import Bypass, LogLine
+from aff_runtime.app.link.messages import Bypass, LogLine, Message, RingMade
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import own_process
 from aff_runtime.app.report.status_answer import OperatorNote
@@ -29,12 +29,23 @@ STOP_PATIENCE_S = 3.0
 RECORDER_PATIENCE_S = 5.0
 START_PATIENCE_NS = 15_000_000_000
 KEPT_OPERATORS = 8  # commands of the console that a screen is told of
+DIED, STOPS, ANEW = (
+    "the control process died",
+    "the service stops",
+    "the control process starts anew",
+)
 LOUD_NOTES = ("CONFIG_DIFFERS", "CONFIG_WARNING", "CONTROL_DIED")
 LOG = logging.getLogger("aff_runtime")
 
 
 class Processes:
     """The children of the supervisor.
+
+    Parameters
+    ----------
+    on_change : called when there is another control process, or none any more.
+    hear : takes what one that has ended had still said. ``on_end`` : called after that with why
+        it is gone, while its record is still written.
 
     Attributes
     ----------
@@ -56,6 +67,8 @@ class Processes:
         clock: Clock,
         *,
         on_change: Callable[[], None],
+        hear: Callable[[Message], None],
+        on_end: Callable[[str], None],
     ) -> None:
         self._options = options
         self._clock = clock
@@ -67,7 +80,7 @@ class Processes:
         self._old_recorders: list[RecorderChild] = []
         self._restart_at_ns: int | None = None
         self._started_at_ns = 0
-        self._on_change = on_change
+        self._on_change, self._hear, self._on_end = on_change, hear, on_end
         self.parameters = parameters
         self.control: ControlChild | None = None
         self.ring: RingReader | None = None
@@ -112,7 +125,7 @@ class Processes:
             f"{whole}: site {site}; {'; '.join(learned_sentences(self.parameters, self.probed))}"
         )
 
-    def stop(self) -> bool:
+    def stop(self, why: str = ANEW) -> bool:
         """Let the control process fade and end, and the recorder flush in its own time.
 
         Return whether its last commands were zero.
@@ -123,15 +136,14 @@ class Processes:
             reached_zero = self.control.stop(patience_s=STOP_PATIENCE_S)
             if not reached_zero:
                 LOG.error("control process %d did not end in good order", pid)
-            for message in self.control.replies():
-                self.shapes.hear(self.parameters, message)
-            self._forget_control()
+            self._hear_last(self.control)
+            self._forget_control(why)
         self._release_ring()
         return reached_zero
 
     def finish(self) -> bool:
         """Stop everything and wait for the recorders; return whether zero was sent last."""
-        reached_zero = self.stop()
+        reached_zero = self.stop(STOPS)
         for recorder in self._old_recorders:
             recorder.wait(RECORDER_PATIENCE_S)
         return reached_zero
@@ -153,14 +165,19 @@ class Processes:
         if (how := self.control.ended()) is None:
             return False
         self.note("CONTROL_DIED", f"control process {self.control.pid}: {how}")
-        for message in self.control.replies():
-            if isinstance(message, LogLine):
-                LOG.error("control: %s", message.text)
-            self.shapes.hear(self.parameters, message)
-        self._forget_control()
+        self._hear_last(self.control, level=logging.ERROR)
+        self._forget_control(DIED)
         self._release_ring()
         self._come_back()
         return True
+
+    def _hear_last(self, control: ControlChild, level: int = logging.WARNING) -> None:
+        """Hand on what a control process that has ended had still said; its ring goes with it."""
+        for message in control.replies():
+            if isinstance(message, LogLine):
+                LOG.log(level, "control: %s", message.text)
+            elif not isinstance(message, RingMade):
+                self._hear(message)
 
     def _look_after_recorder(self) -> None:
         """Let another recorder follow a ring whose recorder died; not for ever."""
@@ -261,11 +278,12 @@ class Processes:
             self.control.link.send(Bypass())
             self.control.bypass_by_signal()
 
-    def _forget_control(self) -> None:
+    def _forget_control(self, why: str) -> None:
         """Release the control process that has ended."""
         if self.control is not None:
             ended, self.control = self.control, None
             self._on_change()
+            self._on_end(why)
             ended.close()
 
     def _release_ring(self) -> None:

@@ -20,6 +20,7 @@ from aff_runtime.app.link.messages import (
     Blocked,
     Forget,
     LogLine,
+    Message,
     Probed,
     Question,
     RingMade,
@@ -37,7 +38,7 @@ from aff_runtime.app.supervisor.file_watch import FileWatch
 from aff_runtime.app.supervisor.hand.opening import open_hand
 from aff_runtime.app.supervisor.pending import AnswerOf, Pending
 from aff_runtime.app.supervisor.probe_desk import Probes
-from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.app.supervisor.processes import DIED, STOPS, Processes
 from aff_runtime.app.supervisor.request_desk import RequestDesk
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.settings.desk import SettingsDesk
@@ -85,7 +86,10 @@ class Supervisor:
             requests, self._selector, self._serve_request, self._pending.forget
         )
         self._processes = Processes(
-            options, result.checked(), self._clock, on_change=self._watch_link
+            *(options, result.checked(), self._clock),
+            on_change=self._watch_link,
+            hear=self._hear,
+            on_end=self._control_ended,
         )
         self._states = StateLog()
         self._forecast = CrossingForecast()
@@ -96,7 +100,9 @@ class Supervisor:
         self._settings = SettingsDesk(
             self._processes, self._edits, options, self._clock, self._circumstances
         )
-        self._probes = Probes(self._processes, self._pending, self._edits, self._settings)
+        self._probes = Probes(
+            self._processes, self._pending, self._edits, self._settings, self._clock
+        )
         self._counts = CommandTally()
         self._hand = open_hand(
             *(options, self._selector, self._clock, self._processes, self._pending, self._probes),
@@ -151,8 +157,7 @@ class Supervisor:
             self._states.step(latest)
         self._forecast.step(self._processes.parameters, latest)
         if self._processes.watch():
-            self._pending.refuse_all("the control process died; see the log")
-            self._probes.end("the control process died")
+            self._pending.refuse_all(f"{DIED}; see the log")
             self._settings.control_died()
         if self._processes.gave_up:
             self._stop(EXIT_ALARM)
@@ -170,25 +175,33 @@ class Supervisor:
         """Take what the control process says."""
         control = self._processes.control
         for message in control.replies() if control is not None else []:
-            match message:
-                case RingMade():
-                    self._processes.take_ring()
-                    self._states.restart()
-                    self._announce_ready(message)
-                case Blocked():
-                    self._processes.blocked = message.text
-                    self._processes.also_blocking = message.others
-                    self._door.hurry()
-                case WireTroubles():
-                    self._processes.troubles = message.troubles
-                case Probed():
-                    self._probes.finish(message)
-                case LogLine():
-                    LOG.warning("control: %s", message.text)
-                case Reply():
-                    self._pending.resolve(message)
-                case _:
-                    self._processes.shapes.hear(self._processes.parameters, message)
+            self._hear(message)
+
+    def _hear(self, message: Message) -> None:
+        """Take one message of it."""
+        match message:
+            case RingMade():
+                self._processes.take_ring()
+                self._states.restart()
+                self._announce_ready(message)
+            case Blocked():
+                self._processes.blocked = message.text
+                self._processes.also_blocking = message.others
+                self._door.hurry()
+            case WireTroubles():
+                self._processes.troubles = message.troubles
+            case Probed():
+                self._probes.finish(message)
+            case LogLine():
+                LOG.warning("control: %s", message.text)
+            case Reply():
+                self._pending.resolve(message)
+            case _:
+                self._processes.shapes.hear(self._processes.parameters, message)
+
+    def _control_ended(self, why: str) -> None:
+        """End what only a control process does that is gone, and has been heard to its end."""
+        self._probes.end(why)
 
     def _announce_ready(self, made: RingMade) -> None:
         """Log real-time rights and tell the service manager, once."""
@@ -310,12 +323,12 @@ class Supervisor:
     def _shut_down(self) -> None:
         """Fade out, flush, tell the callers, remove the socket."""
         self._notifier.stopping()
-        self._probes.end("the service stops")
         self._settings.close()
-        self._edits.close()
         if self._stopped_by:
             LOG.info("%s: the correction fades to zero, the service ends", self._stopped_by)
         zero = self._processes.finish()
+        self._probes.close(STOPS)
+        self._edits.close()
         for asked in self._stop_asked:
             asked.answer(Done())
         self._desk.close()

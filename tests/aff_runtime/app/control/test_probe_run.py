@@ -18,6 +18,7 @@ import pytest
 from aff_runtime.app.control.probe_run import ProbeRun
 from aff_runtime.app.link.messages import Probed, decode
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES, Link, link_pair
+from aff_runtime.app.link.replies import ProbeResult
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
 from aff_runtime.config.loader import load_site
@@ -152,6 +153,24 @@ def test_a_fit_sends_its_result_over_the_link_that_it_keeps(
     slow_fit(monkeypatch, 0.0).fit_in_child(Link(ours), TickRow({}))
     supervisor.settimeout(60.0)
     assert decode(supervisor.recv(MAX_PACKET_BYTES)) == Probed(results=())
+    assert len(children) == 1
+    ours.close()
+    supervisor.close()
+
+
+def test_a_result_that_does_not_fit_the_link_is_told_as_that(
+    monkeypatch: pytest.MonkeyPatch, children: list[int]
+) -> None:
+    ours, supervisor = link_pair()
+    text = "x" * MAX_PACKET_BYTES
+    whole = ProbeResult(actuator="unwind", sign=1, remarks=(), delay_s=0.0, text=text)
+    run = run_of({}, louder=False)
+    monkeypatch.setattr(run, "results", lambda _tick: (whole,))
+    run.fit_in_child(Link(ours), TickRow({}))
+    supervisor.settimeout(60.0)
+    said = decode(supervisor.recv(MAX_PACKET_BYTES))
+    assert isinstance(said, Probed)
+    assert said.error == "the result is too long for the link; probe fewer actuators"
     assert len(children) == 1
     ours.close()
     supervisor.close()
