@@ -33,6 +33,7 @@ CARL = replace(OWN, role=Role.COMMISSION)
 ANSWERED_TICKS = 130
 PROBED_TICKS = 230  # a probe that cannot begin is told after a second
 SHOWN_S = 0.15
+NEVER_NS = 1 << 62  # a question that is never too late
 
 
 @cache
@@ -88,7 +89,7 @@ class ServiceBench(MatrixBench):
 
     def ask(self) -> int:
         self.asked += 1
-        self.link.send(messages.Arm(id=self.asked))
+        self.link.send(messages.Arm(id=self.asked, valid_until_ns=NEVER_NS))
         return self.asked
 
     def bypass(self) -> None:
@@ -111,7 +112,7 @@ class ServiceBench(MatrixBench):
     def probe_error(self) -> str:
         """Ask for a probe; return why it came to nothing, empty while it is under way."""
         self.asked += 1
-        self.link.send(messages.MeasureResponse(id=self.asked))
+        self.link.send(messages.MeasureResponse(id=self.asked, valid_until_ns=NEVER_NS))
         for _ in range(PROBED_TICKS):
             self.run(self.sample_s)
             answer = self.replies.get(self.asked)
@@ -145,13 +146,13 @@ def _bypassed(bench: ServiceBench) -> None:
 
 def _shadowed(bench: ServiceBench) -> None:
     bench.run(0.3)
-    bench.link.send(messages.Shadow(id=99, on=True))
+    bench.link.send(messages.Shadow(id=99, valid_until_ns=NEVER_NS, on=True))
     bench.run(0.1)
 
 
 def _ready(bench: ServiceBench) -> None:
     _shadowed(bench)
-    bench.link.send(messages.Shadow(id=99, on=False))
+    bench.link.send(messages.Shadow(id=99, valid_until_ns=NEVER_NS, on=False))
     bench.run(0.1)
 
 
@@ -310,7 +311,7 @@ def test_what_may_says_of_shadow_is_what_comes_of_it(
         state=before, blocked=bench.blocked, also_blocking=bench.others, ceiling=Role.OPERATE
     )
     reasons = may(Action.SHADOW, OWN, now)
-    bench.link.send(messages.Shadow(id=99, on=True))
+    bench.link.send(messages.Shadow(id=99, valid_until_ns=NEVER_NS, on=True))
     bench.run(0.1)
     if not reasons or reasons[0].code is Code.SHADOWED:
         assert bench.guard.state in (State.SHADOW, State.FAULT), (before, bench.blocked)
@@ -321,7 +322,7 @@ def test_what_may_says_of_shadow_is_what_comes_of_it(
             assert latched.name != "POWER_UP"  # what FAULT says that nothing has led to
     else:
         assert bench.guard.state is before, (before, reasons[0].text)
-    bench.link.send(messages.Shadow(id=99, on=False))
+    bench.link.send(messages.Shadow(id=99, valid_until_ns=NEVER_NS, on=False))
     bench.run(0.1)
     assert bench.guard.state is not State.SHADOW
     assert bench.guard.state not in (State.ARMED, State.ACTIVE)
@@ -340,7 +341,7 @@ def test_what_may_says_of_forgetting_is_what_the_service_answers(
     )
     reasons = may(Action.FORGET, OWN, now)
     bench.asked += 1
-    bench.link.send(messages.Forget(id=bench.asked))
+    bench.link.send(messages.Forget(id=bench.asked, valid_until_ns=NEVER_NS))
     bench.run(0.02)
     answer = bench.replies[bench.asked]
     if reasons:

@@ -24,9 +24,9 @@ from aff_runtime.app.wiring.assemble import Assembly, controller_of
 from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.errors import AffError
+from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.base.events import BY_NAME
-from aff_runtime.base.ports import Law
+from aff_runtime.base.ports import Clock, Law
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import LATCHED_STATES, State
 from aff_runtime.loop.messages import Arm, Bypass, Message, Shadow, Stop, SupervisorLost, Swap
@@ -37,6 +37,7 @@ from aff_runtime.safety.params import GuardParams
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingWriter
 
+TOO_LATE = "came after its time: who asked was told that nobody replied"
 ARM_PATIENCE_TICKS = 100
 ARM_LEAST_TICKS = 3
 SHADOW_RETRY_TICKS = 100
@@ -53,9 +54,12 @@ class ControlOutside:
     assembly : the rooms, wired.
     link : to the supervisor.
     meta : what a reader of the ring should know.
+    clock : the one that the supervisor's questions are valid by.
     """
 
-    def __init__(self, assembly: Assembly, link: Link, meta: RunMeta) -> None:
+    def __init__(
+        self, assembly: Assembly, link: Link, meta: RunMeta, clock: Clock | None = None
+    ) -> None:
         self._site = assembly.site
         self._guard = assembly.guard
         self._troubles = TroubleLog(assembly.gateway, self._say, self._show_wire)
@@ -66,7 +70,7 @@ class ControlOutside:
         self._notifier = ServiceNotifier(
             {k: v for k, v in os.environ.items() if k == "NOTIFY_SOCKET"}
         )
-        self._clock = MonotonicClock()
+        self._clock = clock or MonotonicClock()
         self._bypass_signal = False
         self._shadow_wanted = meta.shadow
         self._tick = 0
@@ -178,6 +182,9 @@ class ControlOutside:
     def _obey(self, said: messages.Message) -> list[Message]:
         """Return what one command means to the cycle."""
         for_cycle: list[Message] = []
+        if isinstance(said, messages.Question) and self._clock.now_ns() > said.valid_until_ns:
+            self._say(f"{type(said).__name__} {TOO_LATE}")
+            raise RefusedError(TOO_LATE)
         match said:
             case messages.Arm():
                 for_cycle = self._arm(said)

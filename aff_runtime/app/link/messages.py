@@ -28,10 +28,22 @@ class Start:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Arm:
-    """The operator's edge."""
+class Numbered:
+    """What waits for a reply; `Pending.ask` gives it its number and its time.
 
-    id: int
+    Attributes
+    ----------
+    valid_until_ns : by the monotonic clock, which both processes have in common; what comes later
+        is not done, as whoever asked was told that nobody replied. 0 is over.
+    """
+
+    id: int = 0
+    valid_until_ns: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arm(Numbered):
+    """The operator's edge."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -40,35 +52,30 @@ class Bypass:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Shadow:
+class Shadow(Numbered):
     """Begin or end shadow operation."""
 
-    id: int
     on: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class MeasureResponse:
+class MeasureResponse(Numbered):
     """Probe these actuators, all of them when none is named; ``louder`` than the last time."""
 
-    id: int
     actuators: tuple[str, ...] = ()
     louder: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Parameters:
+class Parameters(Numbered):
     """Go on with another parameter record from the next tick."""
 
-    id: int
     record: ParameterRecord
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Forget:
+class Forget(Numbered):
     """Drop what was learned of rolls that are exchanged."""
-
-    id: int
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -175,6 +182,8 @@ def decode(packet: bytes) -> Message:
     try:
         said = json.loads(packet)
         message: Message = _ADAPTERS[said.pop("word")].validate_python(said)
+        if isinstance(message, Numbered) and not {"id", "valid_until_ns"} <= said.keys():
+            raise KeyError("id, valid_until_ns")
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise MessageError(f"not a message of this link: {packet[:80]!r}") from error
     return message

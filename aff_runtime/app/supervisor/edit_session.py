@@ -19,7 +19,7 @@ from aff_runtime.app.supervisor.validation import Validation
 from aff_runtime.config.diff import diff_sites, may_apply_while_active
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 
-ADOPT_PATIENCE_S = 2.0
+NOT_TAKEN = "the control process did not take the edit; save the file again"
 
 
 class EditSession:
@@ -156,14 +156,12 @@ class EditSession:
         findings : warnings about the site file, once it says this; None: it does not.
         """
         self._handing_over = True
-        ident = self._pending.expect(
-            None, lambda reply: self._adopted(parameters, findings, reply, then), ADOPT_PATIENCE_S
+        self._pending.ask(
+            self._processes.control,
+            Parameters(record=parameters.for_control()),
+            lambda reply: self._adopted(parameters, findings, reply, then),
+            not_sent=NOT_TAKEN,
         )
-        control = self._processes.control
-        message = Parameters(id=ident, record=parameters.for_control())
-        if control is None or not control.link.send(message):
-            text = "the control process did not take the edit; save the file again"
-            self._pending.resolve(Reply(id=ident, ok=False, message=text))
 
     def _adopted(
         self,

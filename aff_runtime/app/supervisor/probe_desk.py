@@ -15,7 +15,6 @@ from aff_runtime.app.supervisor.settings.desk import SettingsDesk
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 
-BEGIN_PATIENCE_S = 2.0
 FIT_PATIENCE_S = 30.0  # beside the probe's own time: the fit takes 0.1 s, on a busy machine longer
 MEASURED = "measured"
 NOT_HEARD = "nothing was heard of the probe in its time; probe again"
@@ -93,8 +92,8 @@ class Probes:
             began(reply)
             return as_answer(reply)
 
-        ident = self._pending.expect(None, answered, BEGIN_PATIENCE_S)
-        control.link.send(MeasureResponse(id=ident, actuators=tuple(actuators), louder=louder))
+        question = MeasureResponse(actuators=tuple(actuators), louder=louder)
+        self._pending.ask(control, question, answered)
 
     def begin_by_hand(self, began: Callable[[Reply], None], *, louder: bool = False) -> None:
         """Probe every actuator for a screen, which sees what comes of it in the status.

@@ -10,7 +10,7 @@ import logging
 import os
 import selectors
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 
 from aff_runtime.app.hand.may import OF_SETTINGS, Circumstances
@@ -234,17 +234,17 @@ class Supervisor:
                 asked.answer(self._standing.status())
             case "arm":
                 self._note_command(asked)
-                self._ask_control(lambda ident: Arm(id=ident), asked)
+                self._ask_control(Arm(), asked)
             case "shadow":
                 self._note_command(asked, "on" if request.on else "off")
-                self._ask_control(lambda ident: Shadow(id=ident, on=request.on), asked)
+                self._ask_control(Shadow(on=request.on), asked)
             case "bypass":
                 self._processes.bypass()
                 self._note_command(asked)
                 asked.answer(Done())
             case "forget":
                 self._note_command(asked)
-                self._ask_control(lambda ident: Forget(id=ident), asked, self._forget_files)
+                self._ask_control(Forget(), asked, self._forget_files)
             case "probe":
                 self._start_probe(asked)
             case "settings":
@@ -273,15 +273,9 @@ class Supervisor:
                 return refusal(error)
         return as_answer(reply)
 
-    def _ask_control(
-        self, question: Callable[[int], Question], asked: Asked, answer: AnswerOf = as_answer
-    ) -> None:
+    def _ask_control(self, question: Question, asked: Asked, answer: AnswerOf = as_answer) -> None:
         """Put a question to the control process; ``answer`` to its reply goes to the caller."""
-        control = self._processes.control
-        ident = self._pending.expect(asked, answer, 2.0)
-        if control is None or not control.link.send(question(ident)):
-            text = "the control process is not running; see `aff-runtime status`"
-            self._pending.resolve(Reply(id=ident, ok=False, message=text))
+        self._pending.ask(self._processes.control, question, answer, asked=asked)
 
     def _change_settings(self, asked: Asked) -> None:
         """Have the settings' desk do what is asked; what only looks is not put on record."""

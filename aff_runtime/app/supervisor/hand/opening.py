@@ -24,7 +24,6 @@ from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.ports import Clock
 from aff_runtime.config.revision import SHORT
 
-ANSWER_PATIENCE_S = 2.0
 FRESH_S = 0.7
 LOG = logging.getLogger("aff_runtime")
 
@@ -72,11 +71,11 @@ class ServiceEnd:
 
     def arm(self, answer: Callable[[Reply], None]) -> None:
         """Ask the control process to arm."""
-        self._ask(lambda ident: Arm(id=ident), answer)
+        self._ask(Arm(), answer)
 
     def shadow(self, on: bool, answer: Callable[[Reply], None]) -> None:
         """Ask the control process to begin or end shadow operation."""
-        self._ask(lambda ident: Shadow(id=ident, on=on), answer)
+        self._ask(Shadow(on=on), answer)
 
     def forget(self, answer: Callable[[Reply], None]) -> None:
         """Ask the control process to drop what it learned of exchanged rolls; the files follow."""
@@ -89,20 +88,16 @@ class ServiceEnd:
             except ConfigError as error:
                 answer(replace(reply, ok=False, message=str(error)))
 
-        self._ask(lambda ident: Forget(id=ident), said)
+        self._ask(Forget(), said)
 
-    def _ask(self, question: Callable[[int], Question], answer: Callable[[Reply], None]) -> None:
+    def _ask(self, question: Question, answer: Callable[[Reply], None]) -> None:
         """Put a question to the control process; ``answer`` is called once, now or later."""
 
         def said(reply: Reply) -> Done:
             answer(reply)
             return as_answer(reply)
 
-        ident = self._pending.expect(None, said, ANSWER_PATIENCE_S)
-        control = self._processes.control
-        if control is None or not control.link.send(question(ident)):
-            text = "the control process is not running; see `aff-runtime status`"
-            self._pending.resolve(Reply(id=ident, ok=False, message=text))
+        self._pending.ask(self._processes.control, question, said)
 
     def probe(self, answer: Callable[[Reply], None], *, louder: bool) -> None:
         """Ask the control process to probe every actuator, louder than the last time."""

@@ -69,7 +69,8 @@ def test_a_bypass_by_signal_alone_overtakes_everything_that_waits(ends: tuple[Li
 def test_what_is_no_message_is_passed_over_and_the_next_one_counts() -> None:
     ours, theirs = link_pair()
     ours.send(b"not json")
-    ours.send(b'{"word": "Arm"}')  # no id
+    ours.send(b'{"word": "Arm", "valid_until_ns": 1}')  # no id
+    ours.send(b'{"word": "Arm", "id": 1}')  # of a release that asks without end
     link = Link(ours)
     assert link.send(Bypass())
     assert Commands(Link(theirs)).next() == Bypass()
