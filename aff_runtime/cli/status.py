@@ -9,7 +9,7 @@ from typing import Any
 
 from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.status import explain, headline
-from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
+from aff_runtime.app.report.status_answer import SILENT, StatusAnswer, read_answer
 from aff_runtime.app.report.watch_notes import STORE, notes_of
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import LATCHED_STATES
@@ -54,9 +54,9 @@ def status(options: argparse.Namespace) -> int:
 
 
 def is_alarm(answer: StatusAnswer) -> bool:
-    """Return whether a real alarm stands: just started and bypassed are none."""
+    """Return whether a real alarm stands: just started and bypassed are none, silence is one."""
     code = answer.live.alarm.code if answer.live is not None else 0
-    return answer.state in LATCHED and code not in NO_ALARM
+    return answer.state == SILENT or (answer.state in LATCHED and code not in NO_ALARM)
 
 
 def _stands(answer: StatusAnswer) -> Iterator[str]:

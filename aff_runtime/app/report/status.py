@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from aff_runtime.app.report.block_status import blocks
-from aff_runtime.app.report.status_answer import Alarm, Live, StatusAnswer
+from aff_runtime.app.report.status_answer import SILENT, Alarm, Live, StatusAnswer
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.events import BY_CODE, BY_NAME
 from aff_runtime.base.signals import State, Status
@@ -86,7 +86,12 @@ def headline(answer: StatusAnswer) -> str:
     """Return the first line of ``aff-runtime status``: state, what blocks, what to do."""
     state, live = answer.state, answer.live or Live()
     line = state
-    if state in (State.FAULT.name, State.BYPASS.name) and live.alarm.code:
+    if state == SILENT:
+        line = (
+            f"{SILENT}: no tick for {answer.tick_age_s:.1f} s, what is shown is the last one; the "
+            "PLC takes the correction back when the heartbeat stops; see the log"
+        )
+    elif state in (State.FAULT.name, State.BYPASS.name) and live.alarm.code:
         line = f"{state}: {_rest(live.alarm, live.blocked_by)}"
     elif live.blocked_by:
         line = not_armed(State[state], live.blocked_by) if state in State.__members__ else state

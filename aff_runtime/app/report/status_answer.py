@@ -15,6 +15,8 @@ from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 
 NOT_SAID = -1
+SILENT = "SILENT"
+"""In the place of a state: the control process runs and gives no tick."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,7 +55,8 @@ class Live:
     ----------
     signals : every column of the record by name, None for NaN.
     blocks : every order of every law.
-    comm : outcome of the last exchange. ``wire`` : what is wrong with the wire.
+    comm : outcome of the last exchange, ``SILENT`` where no fresh tick says it. ``wire`` : what is
+        wrong with the wire.
     blocked_by : what stands against an armed output; ``also_blocking`` : what else does.
     meta : what the control process says of itself (versions, rights, start).
     """
@@ -88,7 +91,7 @@ class StatusAnswer:
 
     Attributes
     ----------
-    state : of the guard, or ``STARTING``.
+    state : of the guard, ``STARTING`` before its first tick, ``SILENT`` where no fresh one comes.
     config_hash, site_hash : of the running configuration with what was learned, and without.
     config_differs : why the file is not what runs. ``learned`` : digests of what was learned.
     control_pid : 0 while no control process runs, `NOT_SAID` in an answer that leaves it open.
@@ -105,7 +108,8 @@ class StatusAnswer:
     probes : how good and how old the responses in force are.
     shapes, crossings : what became of shapes; when orders of two rolls will meet.
     meetings : the crossings as numbers. ``facts`` : what a screen needs of the site.
-    live : None while there is no record yet.
+    live : None while there is no record yet. ``tick_age_s`` : of the tick that it is; `NOT_SAID`
+        without one.
     """
 
     line: str
@@ -131,6 +135,7 @@ class StatusAnswer:
     crossings: tuple[str, ...] = ()
     meetings: tuple[Meeting, ...] = ()
     facts: LineFacts | None = None
+    tick_age_s: float = NOT_SAID
     live: Live | None = None
 
     @property
@@ -182,6 +187,7 @@ def read_answer(said: Any) -> StatusAnswer:
         crossings=tuple(said.get("crossings", ())),
         meetings=tuple(Meeting(**one) for one in said.get("meetings", ())),
         facts=LineFacts.from_json(facts) if facts else None,
+        tick_age_s=said.get("tick_age_s", NOT_SAID),
         live=_live(said) if said.get("signals") else None,
     )
 

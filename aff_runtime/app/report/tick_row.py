@@ -106,6 +106,15 @@ class TickRow:
         """
         return State(int(self.number("state")))
 
+    def age_s(self, start_ns: int, now_ns: int) -> float:
+        """Return how old the row is, s; NaN where its control process does not say when it began.
+
+        Parameters
+        ----------
+        start_ns, now_ns : monotonic time of that start (``RunMeta``), and now.
+        """
+        return (now_ns - start_ns) * 1e-9 - self.time_s if start_ns else math.nan
+
     @property
     def is_live(self) -> bool:
         """Whether a correction may be going out.

@@ -28,6 +28,7 @@ from aff_runtime.telemetry.ring import RingReader
 STOP_PATIENCE_S = 3.0
 RECORDER_PATIENCE_S = 5.0
 START_PATIENCE_NS = 15_000_000_000
+FRESH_S = 0.7  # an older tick says no more how the line stands
 KEPT_OPERATORS = 8  # commands of the console that a screen is told of
 DIED, STOPS, ANEW = (
     "the control process died",
@@ -261,6 +262,16 @@ class Processes:
         """Return the newest row of the ring, None while there is none."""
         row = self.ring.status() if self.ring is not None else None
         return None if row is None else TickRow(row)
+
+    def age_s(self, tick: TickRow) -> float:
+        """Return how old a row of the ring is, s; NaN where that is not known."""
+        start_ns = self.ring.header.meta.start_ns if self.ring is not None else 0
+        return tick.age_s(start_ns, self._clock.now_ns())
+
+    def fresh(self) -> TickRow | None:
+        """Return the newest row, None where it is too old to say how the line stands."""
+        latest = self.latest() if self.control is not None else None
+        return latest if latest is not None and self.age_s(latest) < FRESH_S else None
 
     def recorder_report(self) -> RecorderReport | None:
         """Return what the recorder says of itself."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from aff_runtime.app.door.messages import Facts
@@ -9,12 +10,12 @@ from aff_runtime.app.report.command_counts import CommandTally
 from aff_runtime.app.report.line_facts import line_facts
 from aff_runtime.app.report.probe_facts import probes_of
 from aff_runtime.app.report.status import live_status
-from aff_runtime.app.report.status_answer import NOT_SAID, StatusAnswer
+from aff_runtime.app.report.status_answer import NOT_SAID, SILENT, StatusAnswer
 from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.hand.desk import HandDesk
 from aff_runtime.app.supervisor.probe_desk import Probes
-from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.app.supervisor.processes import FRESH_S, Processes
 from aff_runtime.app.supervisor.response_ledger import learned_sentences
 from aff_runtime.app.supervisor.settings.desk import SettingsDesk
 from aff_runtime.base.signals import State
@@ -49,17 +50,22 @@ class Standing:
         processes, parameters = self._processes, self._processes.parameters
         standing = self._standing()
         state, live, latest = standing.state, None, processes.latest()
+        age_s = math.nan
         if processes.ring is not None and latest is not None:
             guard_state, live = live_status(latest, parameters.permissives, parameters.site)
-            state = guard_state.name
+            age_s = processes.age_s(latest)
+            is_fresh = age_s < FRESH_S
+            state = guard_state.name if is_fresh else SILENT
             live = replace(
                 live,
+                comm=live.comm if is_fresh else SILENT,
                 wire=processes.troubles,
                 blocked_by=processes.blocked,
                 also_blocking=processes.also_blocking,
                 meta=processes.ring.header.meta,
             )
-        return replace(standing, state=state, live=live)
+        said_s = round(age_s, 3) if math.isfinite(age_s) else NOT_SAID
+        return replace(standing, state=state, live=live, tick_age_s=said_s)
 
     def facts(self) -> Facts:
         """Return what who looks on cannot see in the ring."""

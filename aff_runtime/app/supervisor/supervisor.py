@@ -287,9 +287,9 @@ class Supervisor:
 
     def _circumstances(self) -> Circumstances:
         """Return what ``may`` has to know of the service for a try of settings."""
-        latest = self._processes.latest() if self._processes.control is not None else None
+        latest, fresh = self._processes.latest(), self._processes.fresh()
         return Circumstances(
-            state=latest.state if latest is not None else None,
+            state=fresh.state if fresh is not None else None,
             remote=latest is not None and latest.is_remote,
             probing=self._probes.is_under_way,
         )

@@ -31,7 +31,6 @@ RESTING = {
     Trend.HELD_FREQUENCY: "frequency",
     Trend.CLAMPED: "limit",
 }
-_NS = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,9 +114,7 @@ def _samples(answer: StatusAnswer | None, now_ns: int) -> Iterator[Sample]:
 
 def tick_age_s(live: Live, now_ns: int) -> float:
     """Return how long ago the newest tick began, s; NaN when that is not known."""
-    return (
-        (now_ns - live.meta.start_ns) * _NS - live.tick.time_s if live.meta.start_ns else math.nan
-    )
+    return live.tick.age_s(live.meta.start_ns, now_ns)
 
 
 def _ticks(live: Live | None, now_ns: int) -> bool:

@@ -12,7 +12,6 @@ from aff_runtime.app.link.answers import Done, as_answer
 from aff_runtime.app.link.messages import Arm, Forget, Question, Shadow
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.command_counts import CommandTally
-from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules
 from aff_runtime.app.supervisor.hand.entries import Now
 from aff_runtime.app.supervisor.pending import Pending
@@ -24,7 +23,6 @@ from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.ports import Clock
 from aff_runtime.config.revision import SHORT
 
-FRESH_S = 0.7
 LOG = logging.getLogger("aff_runtime")
 
 
@@ -36,10 +34,7 @@ class ServiceEnd:
     probes : begins a probe, and says whether one is under way.
     """
 
-    def __init__(
-        self, processes: Processes, pending: Pending, clock: Clock, probes: Probes
-    ) -> None:
-        self._clock = clock
+    def __init__(self, processes: Processes, pending: Pending, probes: Probes) -> None:
         self._probes = probes
         self._processes = processes
         self._pending = pending
@@ -48,9 +43,10 @@ class ServiceEnd:
         """Return how the service stands."""
         processes = self._processes
         latest = processes.latest() if processes.control is not None else None
+        fresh = processes.fresh()
         return Now(
             remote=latest is not None and latest.is_remote,
-            state=latest.state if latest is not None and self._is_fresh(latest) else None,
+            state=fresh.state if fresh is not None else None,
             blocked=processes.blocked,
             also_blocking=processes.also_blocking,
             tick=int(latest.number("tick")) if latest is not None else 0,
@@ -58,12 +54,6 @@ class ServiceEnd:
             bypassed_ns=processes.bypassed_ns,
             probing=self._probes.is_under_way,
         )
-
-    def _is_fresh(self, latest: TickRow) -> bool:
-        ring = self._processes.ring
-        start_ns = ring.header.meta.start_ns if ring is not None else 0
-        age_s = (self._clock.now_ns() - start_ns) * 1e-9 - latest.time_s
-        return bool(start_ns) and age_s < FRESH_S
 
     def bypass(self) -> None:
         """Take the correction back."""
@@ -142,6 +132,6 @@ def open_hand(
         is_private=folder is None,
         rules=HandRules(ceiling=options.hand, arms_from=options.hand_from),
         audit=audit,
-        service=ServiceEnd(processes, pending, clock, probes),
+        service=ServiceEnd(processes, pending, probes),
         counts=counts,
     )

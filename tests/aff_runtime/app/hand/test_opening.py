@@ -15,13 +15,11 @@ from aff_runtime.app.link.messages import Shadow
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.runtime_directory import runtime_paths
 from aff_runtime.app.report.command_counts import CommandTally
-from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.hand.desk import HandDesk
 from aff_runtime.app.supervisor.hand.opening import ServiceEnd, open_hand
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.base.errors import RefusedError
-from aff_runtime.base.signals import State
 from tests.doubles.virtual_clock import VirtualClock
 
 
@@ -88,13 +86,14 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
     bypassed, replies = [], list[Reply]()
     processes = SimpleNamespace(
         control=None,
+        fresh=lambda: None,
         blocked="X=0",
         also_blocking=("Y=0",),
         parameters=SimpleNamespace(config_hash="3f9a" * 16),
         bypassed_ns=0,
         bypass=lambda: bypassed.append(1),
     )
-    end = ServiceEnd(processes, Pending(VirtualClock(1)), VirtualClock(1), NO_PROBE)  # type: ignore[arg-type]
+    end = ServiceEnd(processes, Pending(VirtualClock(1)), NO_PROBE)  # type: ignore[arg-type]
     end.probe(replies.append, louder=False)
     assert replies.pop() == Reply(id=0, ok=False, message="not running yet")
     assert end.now().state is None
@@ -116,7 +115,7 @@ def test_forgetting_reaches_the_files_once_the_control_process_has_forgotten() -
     processes = SimpleNamespace(
         control=control, parameters="r", shapes=SimpleNamespace(forget=forgotten.append)
     )
-    end = ServiceEnd(processes, pending, VirtualClock(1), NO_PROBE)  # type: ignore[arg-type]
+    end = ServiceEnd(processes, pending, NO_PROBE)  # type: ignore[arg-type]
     for ok, files in ((False, []), (True, ["r"])):
         end.forget(replies.append)
         pending.resolve(Reply(id=sent[-1].id, ok=ok))  # type: ignore[attr-defined]
@@ -125,21 +124,3 @@ def test_forgetting_reaches_the_files_once_the_control_process_has_forgotten() -
     last = sent[-1]
     assert isinstance(last, Shadow)
     assert last.on
-
-
-@pytest.mark.parametrize(("age_s", "is_fresh"), [(0.1, True), (0.69, True), (0.71, False)])
-def test_the_state_of_a_tick_that_is_old_is_not_known(age_s: float, is_fresh: bool) -> None:
-    clock, start_ns, time_s = VirtualClock(1), 10**12, 40.0
-    clock.sleep_until_ns(start_ns + round((time_s + age_s) * 1e9))
-    tick = {"time_s": time_s, "tick": 7.0, "state": float(State.READY)}
-    processes = SimpleNamespace(
-        control=SimpleNamespace(),
-        ring=SimpleNamespace(header=SimpleNamespace(meta=SimpleNamespace(start_ns=start_ns))),
-        latest=lambda: TickRow(tick),
-        blocked="",
-        also_blocking=(),
-        parameters=SimpleNamespace(config_hash="3f9a" * 16),
-        bypassed_ns=0,
-    )
-    now = ServiceEnd(processes, Pending(clock), clock, NO_PROBE).now()  # type: ignore[arg-type]
-    assert now.state is (State.READY if is_fresh else None)

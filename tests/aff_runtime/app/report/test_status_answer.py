@@ -45,6 +45,7 @@ LIVE = live_status(
             shapes=("s",),
             crossings=("c",),
             operators=(OperatorNote(utc_s=1.8e9, did="arm", who="login anna"),),
+            tick_age_s=0.004,
             live=LIVE,
         ),
     ],
