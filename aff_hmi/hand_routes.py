@@ -26,7 +26,14 @@ from aff_hmi.sessions import Session
 from aff_hmi.windows.desk import WindowDesk
 from aff_hmi.words import N_, Say
 from aff_runtime.app.hand.may import BY_HAND, Action, Code, Place, Reason, Role
-from aff_runtime.app.hand.messages import NOBODY, Command, Notice, is_account_name, is_command_id
+from aff_runtime.app.hand.messages import (
+    LOGIN_REFUSED,
+    NOBODY,
+    Command,
+    Notice,
+    is_account_name,
+    is_command_id,
+)
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
@@ -182,7 +189,7 @@ class HandRoutes:
             return refusal(429, asked.say(WAIT))
         self._counts.logins["refused" if account is None else "done"] += 1
         if account is None:
-            self._note("login refused", shown, asked.place)
+            self._note(LOGIN_REFUSED, shown, asked.place)
             return refusal(401, asked.say(WRONG))
         self._doorkeeper.was_right(shown, asked.address, password, asked.place)
         self._hand.sessions.end(asked.token)

@@ -28,6 +28,7 @@ from aff_hmi.view import GONE, state_of
 from aff_hmi.watch import News, Seen
 from aff_hmi.words import N_, Say, say_in
 from aff_runtime.app.hand.bucket import Bucket
+from aff_runtime.app.hand.messages import LOGIN_REFUSED
 from aff_runtime.app.report.alarm_table import Priority
 from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
@@ -46,7 +47,7 @@ NO_SERVICE = Condition(
 )
 PEOPLE = {
     "login": N_("logged in"),
-    "login refused": N_("a login was refused"),
+    LOGIN_REFUSED: N_("a login was refused"),
     "logout": N_("logged out"),
     "session ended": N_("the session has ended"),
     "session ended by": N_("ended a session"),
@@ -198,7 +199,7 @@ class Kept:
 
     def person(self, what: str, who: str) -> None:
         """Write down what somebody did; of a flood of refused logins, some."""
-        if what == "login refused" and not self._refusals.take():
+        if what == LOGIN_REFUSED and not self._refusals.take():
             return
         self.journal.add(Kind.PERSON, "PERSON", PEOPLE.get(what, what), who=who)
 

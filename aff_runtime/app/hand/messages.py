@@ -19,9 +19,10 @@ MAX_PACKET_BYTES = 2048
 LONGEST_NAME = 200  # characters of what a reason names
 NOBODY = "nobody"  # account of a bypass for which nobody has logged in
 VALID_NS = 2_000_000_000  # a press may be done until so long after what the person saw
+LOGIN_REFUSED = "login refused"
 NOTICES = (
     "login",
-    "login refused",
+    LOGIN_REFUSED,
     "logout",
     "session ended",
     "hand taken",

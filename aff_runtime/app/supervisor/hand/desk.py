@@ -15,6 +15,7 @@ from aff_runtime.app.hand.audit import Audit, Entry
 from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.app.hand.may import Action, Circumstances, Code, Person, Place, Reason, Role, may
 from aff_runtime.app.hand.messages import (
+    LOGIN_REFUSED,
     VALID_NS,
     Answer,
     Command,
@@ -71,18 +72,52 @@ class Commanded(Protocol):
         """Put a sentence into the log and the record."""
 
 
+class Quota:
+    """How many lines of one kind are written; what is left out is counted, and told in a line.
+
+    Parameters
+    ----------
+    per_s, burst : as of the `Bucket`. ``kind`` : what is counted, in that line.
+    """
+
+    def __init__(self, clock: Clock, *, per_s: float, burst: float, kind: str = "") -> None:
+        self._bucket = Bucket(clock, per_s=per_s, burst=burst)
+        self._left_out = 0
+        self._kind = kind
+
+    def take(self) -> bool:
+        """Return whether one more line may be written; it is counted when not."""
+        if self._bucket.take():
+            return True
+        self.leave_out()
+        return False
+
+    def leave_out(self) -> None:
+        """Count what is not written."""
+        self._left_out += 1
+
+    def told(self, uid: int) -> str:
+        """Return the sentence of what was left out, once there is room for it; else nothing."""
+        if not self._left_out or not self._bucket.take():
+            return ""
+        count, self._left_out = self._left_out, 0
+        return f"{count} more{self._kind} of uid {uid}, not written one by one"
+
+
 class Limits:
     """How much of one user is heard, and how much of that is written line by line.
 
-    What is written for long, 0.1 lines/s and three for each of 0.2 arms/s, is 27 MB a day: the
-    audit reaches back for two days at the worst.
+    What is written for long, 0.12 lines/s and three for each of 0.2 arms/s, is 28 MB a day: the
+    audit reaches back for two days at the worst. Refused logins are of strangers, whoever's screen
+    they come through: they take no place of those who have one.
     """
 
     def __init__(self, clock: Clock) -> None:
         self.packets = Bucket(clock, per_s=50.0, burst=100.0)
         self.commands = Bucket(clock, per_s=0.2, burst=10.0)
         self.bypasses = Bucket(clock, per_s=10.0, burst=10.0)
-        self.lines = Bucket(clock, per_s=0.1, burst=60.0)
+        self.lines = Quota(clock, per_s=0.1, burst=60.0)
+        self.logins = Quota(clock, per_s=0.02, burst=20.0, kind=" refused logins")
 
 
 class HandDesk:
@@ -113,7 +148,6 @@ class HandDesk:
         self._limits: dict[int, Limits] = {}
         self._ids: OrderedDict[str, int] = OrderedDict()
         self._bypass_due = False
-        self._unwritten: dict[int, int] = {}
         self._audit_fault = ""
         self._visits = Visits(folder, selector, self._welcome, self._hear, is_private=is_private)
 
@@ -136,11 +170,10 @@ class HandDesk:
         if self._bypass_due and any(one.bypasses.take() for one in self._limits.values()):
             self._bypass_due = False
             self._service.bypass()
-        for uid, count in list(self._unwritten.items()):
-            if self._limits[uid].lines.take():
-                del self._unwritten[uid]
-                why = f"{count} more of uid {uid}, not written one by one"
-                self._write(Entry(what="more", result="noted", why=why))
+        for uid, limits in self._limits.items():
+            for quota in (limits.lines, limits.logins):
+                if why := quota.told(uid):
+                    self._write(Entry(what="more", result="noted", why=why))
 
     def close(self) -> None:
         """Send the screens away; the audit ends."""
@@ -157,25 +190,28 @@ class HandDesk:
     def _hear(self, visitor: Caller, packet: bytes) -> bool:
         """Do what one packet says; False when its visitor has to go."""
         limits = self._limits.setdefault(visitor.peer.uid, Limits(self._clock))
-        is_heard = limits.packets.take()
         try:
             said = read_said(packet)
         except HandMessageError as error:
             self._refuse_unreadable(visitor, str(error), limits)
             return False
+        if isinstance(said, Notice) and said.what == LOGIN_REFUSED:
+            self._keep(limits.logins, entry_of(said, visitor))
+            return True  # what strangers try sends no screen away
+        is_heard = limits.packets.take()
         if isinstance(said, Command) and said.action is Action.BYPASS:
             self._bypass(visitor, said, limits)
         elif is_heard and isinstance(said, Command):
             self._press(visitor, said, limits)
         elif is_heard and isinstance(said, Notice):
-            self._keep(visitor, limits, entry_of(said, visitor))
+            self._keep(limits.lines, entry_of(said, visitor))
         else:
-            self._count(visitor)
+            limits.lines.leave_out()
         return is_heard
 
     def _refuse_unreadable(self, visitor: Caller, why: str, limits: Limits) -> None:
         entry = Entry(what="no command", result="refused", why=why, peer=str(visitor.peer))
-        self._keep(visitor, limits, entry)
+        self._keep(limits.lines, entry)
 
     # --- commands ---------------------------------------------------------------------------
 
@@ -191,7 +227,7 @@ class HandDesk:
         if is_at_once and before not in (None, State.BYPASS):
             number = self._write(entry)
         else:
-            number = self._keep(visitor, limits, entry)
+            number = self._keep(limits.lines, entry)
         self._counts.add(command.action, Via.HMI, Result.DONE)
         visitor.tell(Answer(id=command.id, ok=True, audit=number))
 
@@ -203,7 +239,7 @@ class HandDesk:
             became = BECAME.get(against.code, Result.REFUSED)
             self._counts.add(command.action, Via.HMI, became)
             refused = replace(entry, result="refused", why=against.text)
-            number = self._keep(visitor, limits, refused)
+            number = self._keep(limits.lines, refused)
             visitor.tell(Answer(id=command.id, ok=False, reason=against, audit=number))
         elif not self._write(replace(entry, result="asked")):
             reason = Reason(code=Code.UNRECORDED)
@@ -271,15 +307,9 @@ class HandDesk:
 
     # --- the record -------------------------------------------------------------------------
 
-    def _keep(self, visitor: Caller, limits: Limits, entry: Entry) -> int:
+    def _keep(self, quota: Quota, entry: Entry) -> int:
         """Write what changes nothing; of a flood the count is written."""
-        if limits.lines.take():
-            return self._write(entry)
-        self._count(visitor)
-        return 0
-
-    def _count(self, visitor: Caller) -> None:
-        self._unwritten[visitor.peer.uid] = self._unwritten.get(visitor.peer.uid, 0) + 1
+        return self._write(entry) if quota.take() else 0
 
     def _write(self, entry: Entry) -> int:
         """Write one line, here and into the service's log; its number, 0 when it cannot be."""

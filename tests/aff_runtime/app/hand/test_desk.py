@@ -13,7 +13,7 @@ import pytest
 
 from aff_runtime.app.hand.audit import verify
 from aff_runtime.app.hand.may import PROBES, Action, Code, Place, Role
-from aff_runtime.app.hand.messages import VALID_NS, Answer, Notice
+from aff_runtime.app.hand.messages import LOGIN_REFUSED, VALID_NS, Answer, Notice
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor.hand import visits
 from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules
@@ -322,6 +322,25 @@ def test_sessions_are_noted(stand: Stand) -> None:
     stand.say(stand.client(), Notice(what="hand taken", account="anna", place=Place.PANEL))
     (row,) = stand.rows()
     assert (row["what"], row["result"], row["account"]) == ("hand taken", "noted", "anna")
+
+
+def test_failed_logins_of_strangers_push_nobody_else_out_of_the_audit(stand: Stand) -> None:
+    """Five hundred guesses within a moment; then people of the line do their work."""
+    client = stand.client()
+    for n in range(500):
+        client.say(Notice(what=LOGIN_REFUSED, account=f"guess{n}", place=Place.NETWORK))
+        stand.round()
+    assert len(stand.rows()) == 20
+    for n in range(60):
+        client.say(Notice(what="login", account=f"person{n}", place=Place.PANEL))
+        stand.round()
+    assert sum(row["account"].startswith("person") for row in stand.rows()) == 60
+    stand.say(client, stand.command(account="anna"))
+    assert stand.rows()[-1]["account"] == "anna"
+    stand.clock.advance_ns(50 * S)  # 0.02 lines/s: room for one
+    stand.round()
+    (more,) = [row for row in stand.rows() if row["what"] == "more"]
+    assert more["why"].startswith("480 more refused logins of uid ")
 
 
 def test_who_leaves_before_the_answer_disturbs_nobody(stand: Stand) -> None:
