@@ -157,7 +157,6 @@ class Supervisor:
             self._states.step(latest)
         self._forecast.step(self._processes.parameters, latest)
         if self._processes.watch():
-            self._pending.refuse_all(f"{DIED}; see the log")
             self._settings.control_died()
         if self._processes.gave_up:
             self._stop(EXIT_ALARM)
@@ -200,8 +199,12 @@ class Supervisor:
                 self._processes.shapes.hear(self._processes.parameters, message)
 
     def _control_ended(self, why: str) -> None:
-        """End what only a control process does that is gone, and has been heard to its end."""
+        """Answer what one was asked that is gone, and has been heard to its end; once and for all.
+
+        Whoever reads the audit finds what became of everything that was asked.
+        """
         self._probes.end(why)
+        self._pending.refuse_all(f"{why}; see the log" if why == DIED else why)
 
     def _announce_ready(self, made: RingMade) -> None:
         """Log real-time rights and tell the service manager, once."""

@@ -34,7 +34,7 @@ from aff_runtime.app.link.settings_request import SettingsRequest
 from aff_runtime.app.report.status_answer import NOT_SAID
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.edit_session import EditSession
-from aff_runtime.app.supervisor.processes import Processes
+from aff_runtime.app.supervisor.processes import STOPS, Processes
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.settings.history import SiteHistory, digest, history_folder
 from aff_runtime.app.supervisor.settings.listening import hear
@@ -174,7 +174,7 @@ class SettingsDesk:
         self._checks.close()
         if self._tried is not None:
             self._tried.is_over = True
-            self._ended("the service stops")
+            self._ended(STOPS)
 
     # --- checks -------------------------------------------------------------------------------
 
@@ -226,10 +226,11 @@ class SettingsDesk:
         answer = self._answer(changes=tuple(map(str, changes)), remarks=self._new_remarks(result))
 
         def taken(reply: Reply) -> None:
-            if not reply.ok:
+            if not reply.ok or tried.is_over:  # or it was taken by one that ends with the service
                 self._tried = None
-                asked.answer(Done(ok=False, message=reply.message, exit_code=4))
-                self._tell_undone(reply.message)
+                message = reply.message or STOPS
+                asked.answer(Done(ok=False, message=message, exit_code=4))
+                self._tell_undone(message)
                 return
             self._record.say("tried", parameters, plan.who, f"{plan.seconds:g} s: {plan.why}")
             for change in changes:

@@ -6,6 +6,7 @@ import errno
 
 import pytest
 
+from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.status_answer import NOT_SAID
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.settings import desk as desk_module
@@ -318,6 +319,17 @@ def test_a_service_that_stops_in_a_try_says_that_the_former_return(rig):
     rig.desk.close()
     assert rig.rows[-1] == ("returned", "the service stops")
     assert rig.site.read_text() == rig.former
+
+
+def test_a_try_that_is_taken_while_the_service_stops_has_not_been(rig):
+    rig.running.control.deaf = True
+    said = rig.begin()
+    rig.desk.close()
+    rig.pending.resolve(Reply(id=1, ok=True))
+    assert said.json["ok"] is False
+    assert said.json["message"] == "the service stops"
+    assert rig.rows[-1] == ("returned", "the service stops")
+    assert "tried" not in {verb for verb, _ in rig.rows}
 
 
 def test_a_warning_is_new_until_it_is_kept_and_old_from_then_on(rig):
