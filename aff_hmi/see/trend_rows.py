@@ -16,6 +16,9 @@ SCHEMA = (
     "CREATE TABLE IF NOT EXISTS trend_series (id INTEGER PRIMARY KEY, names TEXT UNIQUE NOT NULL)",
     "CREATE TABLE IF NOT EXISTS trend (tier INTEGER NOT NULL, t INTEGER NOT NULL, "
     "series INTEGER NOT NULL, data BLOB NOT NULL, PRIMARY KEY (tier, t)) WITHOUT ROWID",
+    # seconds per curve of a minute that was kept before it was over; one row at most
+    "CREATE TABLE IF NOT EXISTS trend_begun (t INTEGER PRIMARY KEY, curves TEXT NOT NULL, "
+    "seconds BLOB NOT NULL)",
 )
 MINUTE_S, HOUR_S = 60, 3600
 KEPT_S = {MINUTE_S: 30 * 86_400, HOUR_S: 5 * 366 * 86_400}
@@ -36,7 +39,7 @@ def put_bins(
     connection: sqlite3.Connection, tier: int, t_s: int, curves: Sequence[Series], bins: Bins
 ) -> None:
     """Keep one bin (3, curves); one of the same time is replaced."""
-    names = json.dumps([[c.group, c.label, c.role, c.unit] for c in curves])
+    names = _names(curves)
     connection.execute("INSERT OR IGNORE INTO trend_series (names) VALUES (?)", (names,))
     (number,) = connection.execute(
         "SELECT id FROM trend_series WHERE names = ?", (names,)
@@ -47,8 +50,93 @@ def put_bins(
     )
 
 
-def put_hour(connection: sqlite3.Connection, t_s: int, curves: Sequence[Series]) -> None:
-    """Keep the hour that begins at ``t_s``, from its minutes."""
+def put_minute(
+    connection: sqlite3.Connection,
+    t_s: int,
+    curves: Sequence[Series],
+    seconds: Bins,
+    *,
+    is_over: bool,
+) -> None:
+    """Keep the minute that begins at ``t_s``, with what is kept of it already.
+
+    Parameters
+    ----------
+    seconds : (seconds, 3, curves), those that no row has yet.
+    is_over : False where the screen ends in it: the next start may go on with it.
+    """
+    counts = np.isfinite(seconds[:, MEAN]).sum(axis=0).astype(np.float64)
+    new = joined(seconds)
+    old = get_bins(connection, MINUTE_S, t_s, t_s + 1, curves)
+    if len(old.t_s):
+        (kept,) = old.bins
+        before = _seconds_of(connection, t_s, curves, kept)
+        new = _both(kept, before, new, counts)
+        counts = counts + before
+    put_bins(connection, MINUTE_S, t_s, curves, new)
+    connection.execute("DELETE FROM trend_begun")
+    if not is_over:
+        row = (t_s, _names(curves), counts.tobytes())
+        connection.execute("INSERT INTO trend_begun VALUES (?, ?, ?)", row)
+
+
+def _seconds_of(
+    connection: sqlite3.Connection, t_s: int, curves: Sequence[Series], kept: Bins
+) -> NDArray[np.float64]:
+    """Return how many seconds of each curve a kept minute holds; all, where it was over."""
+    found = connection.execute(
+        "SELECT seconds FROM trend_begun WHERE t = ? AND curves = ?", (t_s, _names(curves))
+    ).fetchone()
+    if found is not None:
+        return np.frombuffer(found[0], dtype=np.float64)
+    return np.where(np.isfinite(kept[MEAN]), float(MINUTE_S), 0.0)
+
+
+def _both(a: Bins, a_count: NDArray[np.float64], b: Bins, b_count: NDArray[np.float64]) -> Bins:
+    """Return two bins (3, curves) as one, means by how many seconds are in them."""
+    total = np.nansum([a[MEAN] * a_count, b[MEAN] * b_count], axis=0)
+    with np.errstate(invalid="ignore"):
+        mean = total / (a_count + b_count)
+    return np.stack([np.fmin(a[LEAST], b[LEAST]), mean, np.fmax(a[LARGEST], b[LARGEST])]).astype(
+        np.float32
+    )
+
+
+def put_left_hours(connection: sqlite3.Connection) -> None:
+    """Keep the hours that have minutes and no row, and the newest anew: it may have gone on.
+
+    The screen ended in them, or was ended.
+    """
+    (newest,) = connection.execute(
+        "SELECT max(t) FROM trend WHERE tier = ?", (MINUTE_S,)
+    ).fetchone()
+    begins_s = 0
+    while True:
+        (minute,) = connection.execute(
+            "SELECT min(t) FROM trend WHERE tier = ? AND t >= ?", (MINUTE_S, begins_s)
+        ).fetchone()
+        if minute is None:
+            return
+        hour = minute // HOUR_S * HOUR_S
+        begins_s = hour + HOUR_S
+        found = connection.execute("SELECT 1 FROM trend WHERE tier = ? AND t = ?", (HOUR_S, hour))
+        if found.fetchone() is None or newest < begins_s:
+            put_hour(connection, hour)
+
+
+def _curves_in(connection: sqlite3.Connection, hour: int) -> list[Series]:
+    """Return every curve that the minutes of an hour have."""
+    names = connection.execute(
+        "SELECT DISTINCT names FROM trend_series JOIN trend ON trend.series = trend_series.id "
+        "WHERE tier = ? AND t >= ? AND t < ?",
+        (MINUTE_S, hour, hour + HOUR_S),
+    )
+    return list(dict.fromkeys(Series(*one) for (text,) in names for one in json.loads(text)))
+
+
+def put_hour(connection: sqlite3.Connection, t_s: int) -> None:
+    """Keep the hour that begins at ``t_s``, from its minutes and with every curve of theirs."""
+    curves = _curves_in(connection, t_s)
     minutes = get_bins(connection, MINUTE_S, t_s, t_s + HOUR_S, curves)
     if len(minutes.t_s):
         put_bins(connection, HOUR_S, t_s, curves, joined(minutes.bins))
@@ -105,6 +193,10 @@ def folded(
         return np.stack(
             [np.fmin.reduce(least), np.nansum(mean, axis=0) / count, np.fmax.reduce(largest)]
         ).astype(np.float32)
+
+
+def _names(curves: Sequence[Series]) -> str:
+    return json.dumps([[c.group, c.label, c.role, c.unit] for c in curves])
 
 
 def coarser(stretch: Stretch, bin_s: int) -> Stretch:

@@ -20,10 +20,10 @@ from aff_hmi.see.trend_rows import (
     coarser,
     folded,
     get_bins,
-    joined,
     prune_trend,
-    put_bins,
     put_hour,
+    put_left_hours,
+    put_minute,
 )
 from aff_hmi.view import ripple_of
 from aff_hmi.watch import News, Seen
@@ -71,6 +71,7 @@ class Trends:
         self._fine: Bins = np.empty((FINE, 3, 0), dtype=np.float32)
         self._count = 0
         self._hour: int | None = None
+        store.put(put_left_hours)
 
     @property
     def series(self) -> tuple[Series, ...]:
@@ -136,10 +137,13 @@ class Trends:
         return self._newest(curves, self._wall() - length_s)
 
     def flush(self) -> None:
-        """Keep the minute that has begun: the screen ends."""
-        if self._second is not None:
-            self._close_second()
-            self._close_minute(self._second // MINUTE_S * MINUTE_S)
+        """Keep the minute and the hour that have begun: the screen ends, here as well."""
+        if self._second is None:
+            return
+        self._close_second()
+        self._close_minute(self._second // MINUTE_S * MINUTE_S, is_over=False)
+        begun = self._second // HOUR_S * HOUR_S
+        self._store.put(lambda c: put_hour(c, begun))
 
     # --- bins -------------------------------------------------------------------------------
 
@@ -177,17 +181,17 @@ class Trends:
         self._t_s[at] = self._second
         self._count += 1
 
-    def _close_minute(self, begins_s: int) -> None:
+    def _close_minute(self, begins_s: int, *, is_over: bool = True) -> None:
         minute = self._newest(self.series, begins_s)
         inside = minute.t_s < begins_s + MINUTE_S
         curves, now_s, store = self.series, self._wall(), self._store
         if inside.any():
-            bins = joined(minute.bins[inside])
-            store.put(lambda c: put_bins(c, MINUTE_S, begins_s, curves, bins))
+            seconds = minute.bins[inside]
+            store.put(lambda c: put_minute(c, begins_s, curves, seconds, is_over=is_over))
         hour = begins_s // HOUR_S * HOUR_S
         if self._hour is not None and hour != self._hour:
             over, self._hour = self._hour, hour
-            store.put(lambda c: put_hour(c, over, curves))
+            store.put(lambda c: put_hour(c, over))
             store.put(lambda c: prune_trend(c, now_s, is_full=store.is_full(c)))
 
     def _newest(self, curves: Sequence[Series], from_s: float) -> Stretch:

@@ -149,6 +149,91 @@ def test_what_is_in_memory_and_what_was_stored_follow_each_other_without_overlap
     again.store.close()
 
 
+def hours(store: Store) -> Stretch:
+    """Return the rows of the year view as they are kept, of the tension alone."""
+    curve = Series("tension", "unwind tension", "value", "N")
+    found = store.now(lambda c: get_bins(c, HOUR_S, 0, 2 * T0_S, [curve]))
+    return Stretch(found.t_s, found.bins[:, :, 0], HOUR_S)
+
+
+@pytest.mark.parametrize("is_crash", [False, True])
+def test_the_hour_in_which_the_screen_ended_is_in_the_year(tmp_path: Path, is_crash: bool) -> None:
+    """Two minutes at 88 N and one at 97 N: 91 N of the hour, whenever the screen is back."""
+    line = Line(Store(tmp_path, SCHEMA))
+    for tension in (88.0, 88.0, 97.0):
+        line.second(tension)
+        line.jump(59.0)
+    if not is_crash:
+        line.trends.flush()
+    line.store.close()
+    again = Line(Store(tmp_path, SCHEMA), T0_S + 30 * HOUR_S)
+    found = hours(again.store)
+    assert found.t_s.tolist() == [T0_S]
+    assert found.bins[0].tolist() == [88.0, 91.0, 97.0]
+    assert again.tension("1y").bins[0].tolist() == [88.0, 91.0, 97.0]
+    again.store.close()
+
+
+def test_an_hour_that_goes_on_after_a_stop_is_whole_though_the_screen_then_crashes(
+    tmp_path: Path,
+) -> None:
+    at_s = T0_S
+    for tension in (80.0, 90.0, 100.0):
+        line = Line(Store(tmp_path, SCHEMA), at_s)
+        line.second(tension)
+        line.jump(59.0)
+        at_s = line.at_s + 120.0
+        if tension == 80.0:
+            line.trends.flush()
+        line.store.close()
+    last = Line(Store(tmp_path, SCHEMA), at_s)
+    assert hours(last.store).bins.tolist() == [[80.0, 90.0, 100.0]]
+    last.store.close()
+
+
+def test_a_restart_within_a_minute_adds_to_its_row(tmp_path: Path) -> None:
+    """20 s at 90 N, a restart, 10 s at 96 N: a mean of (20 * 90 + 10 * 96) / 30 = 92 N."""
+    at_s = T0_S
+    for count, tension in ((15, 90.0), (5, 90.0), (10, 96.0)):
+        line = Line(Store(tmp_path, SCHEMA), at_s)
+        for _ in range(count):
+            line.second(tension)
+        line.trends.flush()
+        line.store.close()
+        at_s = line.at_s + 5.0
+    last = Line(Store(tmp_path, SCHEMA), T0_S + 2 * HOUR_S)
+    assert last.tension("8h").bins[0].tolist() == [90.0, pytest.approx(92.0), 96.0]
+    assert hours(last.store).bins[0].tolist() == [90.0, pytest.approx(92.0), 96.0]
+    last.store.close()
+
+
+def test_what_was_not_known_before_a_restart_does_not_count(tmp_path: Path) -> None:
+    at_s = T0_S
+    for tension in (math.nan, 96.0):
+        line = Line(Store(tmp_path, SCHEMA), at_s)
+        for _ in range(10):
+            line.second(tension)
+        line.trends.flush()
+        line.store.close()
+        at_s = line.at_s + 5.0
+    last = Line(Store(tmp_path, SCHEMA), T0_S + 2 * HOUR_S)
+    assert last.tension("8h").bins[0].tolist() == [96.0] * 3
+    last.store.close()
+
+
+def test_a_screen_that_saw_no_line_leaves_what_is_kept_as_it_is(tmp_path: Path) -> None:
+    line = Line(Store(tmp_path, SCHEMA))
+    line.second(90.0)
+    line.trends.flush()
+    line.store.close()
+    blind = Store(tmp_path, SCHEMA)
+    trends = Trends(blind, lambda: T0_S + 30.0)
+    trends.look(replace(seen(), writer_lives=False), LAYOUT, ())
+    trends.flush()
+    assert hours(blind).bins.tolist() == [[90.0, 90.0, 90.0]]
+    blind.close()
+
+
 def test_a_gap_while_the_screen_was_off_stays_a_gap(tmp_path: Path) -> None:
     line = Line(Store(tmp_path, SCHEMA))
     for wait_s in (0.0, 60.0, 7200.0, 60.0):
