@@ -38,6 +38,8 @@ class EditSession:
     saved_meanwhile : something was saved while held.
     accepted : called with every record that has become the running one. ``deferred`` : with one
         that waits for bypass.
+    is_measuring : whether the result of a probe is to come; what waits for bypass waits for it,
+        too, as the control process that fits it would end.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class EditSession:
         self.held = self.saved_meanwhile = False
         self.accepted: Callable[[ParameterRecord], None] = _nobody_listens
         self.deferred: Callable[[ParameterRecord], None] = _nobody_listens
+        self.is_measuring: Callable[[], bool] = lambda: False
 
     @property
     def is_busy(self) -> bool:
@@ -85,8 +88,12 @@ class EditSession:
         if self._check is not None and (result := self._check.result()) is not None:
             self._check = None
             self._judge(result)
-        elif self._waiting is not None and not self.held and not self._processes.is_live():
+        elif self._waiting is not None and not self.held and not self._is_in_use():
             self._judge(self._waiting)
+
+    def _is_in_use(self) -> bool:
+        """Whether the control process may not be exchanged: a correction goes out, or it fits."""
+        return self._processes.is_live() or self.is_measuring()
 
     def look_again(self) -> None:
         """Check the file now; a check under way is of an older file."""
@@ -125,7 +132,7 @@ class EditSession:
         waits += [exchange.objection for exchange in exchanged if not exchange.is_ours]
         if self._processes.control is None:
             self._accept(parameters, result.findings)  # the next start takes it
-        elif waits and self._processes.is_live():
+        elif waits and self._is_in_use():
             self._waiting = result
             self.deferred(parameters)
             self._refuse(f"{what}; waits for bypass" for what in waits)

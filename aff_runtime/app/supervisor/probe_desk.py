@@ -48,6 +48,7 @@ class Probes:
         self._session: ProbeSession | None = None
         self._until_ns: int | None = None
         self.said = ""
+        edits.is_measuring = self._is_measuring
 
     @property
     def is_under_way(self) -> bool:
@@ -127,6 +128,10 @@ class Probes:
             self.end(NOT_HEARD)
         if self._session is not None and self._session.has_answered():
             self._session = None
+
+    def _is_measuring(self) -> bool:
+        """Whether a result is to come."""
+        return self._session is not None and not self._session.is_finished
 
     def _telling(
         self, tell: Callable[[Done | ProbeDone], None]

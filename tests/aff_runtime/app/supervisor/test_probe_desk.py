@@ -11,6 +11,7 @@ from aff_runtime.app.link.answers import Done, ProbeDone
 from aff_runtime.app.link.messages import MeasureResponse, Probed
 from aff_runtime.app.link.replies import ProbeResult, Reply
 from aff_runtime.app.supervisor.probe_desk import FIT_PATIENCE_S, NOT_HEARD
+from aff_runtime.base.signals import State
 from tests.aff_runtime.app.supervisor.whole import Whole
 from tests.security.learned_files import learned, response
 
@@ -81,6 +82,26 @@ def test_what_was_measured_is_kept_though_the_control_process_is_exchanged(
     probing.whole.round()
     assert [one.ok for one in probing.told] == [True]
     assert not probing.whole.probes.is_under_way
+
+
+def test_an_edit_that_waits_for_bypass_waits_for_what_was_measured(probing: Probing) -> None:
+    """A probe of an output that is not armed ends in bypass; its fit takes a moment longer."""
+    whole, former = probing.whole, probing.whole.control
+    whole.tick(State.ACTIVE)
+    text = whole.site.read_text()
+    whole.site.write_text(text.replace("cycle_ms: 5", "cycle_ms: 10", 1))
+    whole.service._edits.look_again()
+    whole.round()
+    assert whole.service._edits.waiting
+    whole.tick(State.BYPASS)
+    whole.wait(0.1)
+    assert whole.control is former
+    former.says = [MEASURED]
+    whole.round()
+    assert whole.control is not former
+    assert whole.children.parameters.site.cycle_s == 0.01
+    assert set(whole.children.parameters.learned) == {"unwind"}
+    assert [one.ok for one in probing.told] == [True]
 
 
 def test_a_probe_ends_with_the_control_process_that_measured(probing: Probing) -> None:
