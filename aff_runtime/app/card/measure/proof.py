@@ -17,6 +17,7 @@ from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.models import Site
 
 AT_LEAST = " (at least: in the noise when on)"
+AT_MOST = " (at most: in the noise when off)"
 TYPED = ("promised", "settle")
 DEFAULT_PROMISE_dB = 0.0  # where none is typed
 TURNS, BROKEN_TURNS = 20, 2
@@ -120,9 +121,14 @@ def reduction(changes: Sequence[Change]) -> Change:
     """Return two changes as one reduction, dB, positive where ripple fell.
 
     Its sign is turned: a change of ``at_most`` a value is a reduction of ``at_least`` it. The
-    interval is that of the mean, and never narrower than half of what the two differ by.
+    interval is that of the mean, and never narrower than half of what the two differ by. An order
+    that is in the noise when off, and rose out of it every time, is a reduction of ``at_most``.
     """
     bounds = {change.bound for change in changes}
+    if bounds == {"at_least"} and all(change.low_dB > 0.0 for change in changes):
+        most = max(-change.value_dB for change in changes)
+        low = max(-change.low_dB for change in changes)
+        return Change(value_dB=most, low_dB=NAN, high_dB=low, bound="at_most")
     values = [-change.value_dB for change in changes if math.isfinite(change.value_dB)]
     if "none" in bounds or "at_least" in bounds or not values:
         return Change(value_dB=NAN, low_dB=NAN, high_dB=NAN, bound="none")
@@ -161,9 +167,9 @@ def reduction_figure(key: Key, changes: Sequence[Change]) -> Figure:
     signal, roll, order = key
     change = reduction(changes)
     noise = change.bound == "none"
-    at_least = AT_LEAST if change.bound and not noise else ""
+    bound = {"at_least": AT_LEAST, "at_most": AT_MOST}.get(change.bound, "")
     return Figure(
-        name=f"{signal}, {roll} {order}x: reduction{at_least}",
+        name=f"{signal}, {roll} {order}x: reduction{bound}",
         value=change.value_dB,
         unit="dB",
         low=change.low_dB,
@@ -172,6 +178,13 @@ def reduction_figure(key: Key, changes: Sequence[Change]) -> Figure:
         good=None if noise else not change.high_dB < 0.0,
         needed=not noise,
     )
+
+
+def surely_fell(figure: Figure) -> bool:
+    """Whether a figure of :func:`reduction_figure` says that its order fell, not only may have."""
+    if figure.name.endswith(AT_LEAST):
+        return figure.value > 0.0
+    return figure.low > 0.0
 
 
 def _overall(

@@ -3,14 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import Figure, Finding, Sample
 from aff_runtime.app.card.measure.phases import Phase, phases
-from aff_runtime.app.card.measure.proof import SETTLES, SLOWEST_M_S, corrected, reduction_figure
+from aff_runtime.app.card.measure.proof import (
+    SETTLES,
+    SLOWEST_M_S,
+    corrected,
+    reduction_figure,
+    surely_fell,
+)
 from aff_runtime.app.report.comparison.comparing import compare
 from aff_runtime.app.report.comparison.turns import order_per_turn
 from aff_runtime.app.report.comparison.window import Window, roll_angle
@@ -20,20 +26,20 @@ from aff_runtime.config.models import Actuator
 
 TURNS = 10.0  # of its roll, that a shape law is given to settle
 RATIO = (0.5, 2.0)  # within which the median of ``gain_of_P`` shall be
-_MOST_TURNS = 400  # a course of twice as many, or more, is thinned out
+_MOST_TURNS = 400  # a course of twice as many or more is thinned to this many, or a few more
 KIND, COLUMNS = "course", ("time_s", "amplitude")
 
 
 def measure(evidence: Evidence) -> Finding:
-    """Return the reduction once the time is over, the course of it, and the response ratio."""
+    """Return the reduction once the settling time is over, its course, and the response ratio."""
     window = evidence.window
-    stretches = phases(window)
-    pairs = [k for k in range(len(stretches) - 1) if not stretches[k].on and stretches[k + 1].on]
-    if not pairs:
+    found = phases(window)
+    armings = [k for k in range(len(found) - 1) if not found[k].on and found[k + 1].on]
+    if not armings:
         return Finding(
             figures=(), missing=("no arming in the window: begin it some turns before",)
         )
-    off, on = stretches[pairs[-1]], stretches[pairs[-1] + 1]
+    off, on = found[armings[-1]], found[armings[-1] + 1]
     waits_s = max(_wait_s(evidence, one, window) for one in evidence.site.actuators.values())
     if not on.to_s - on.from_s > waits_s + 1.0:
         return Finding(
@@ -42,18 +48,22 @@ def measure(evidence: Evidence) -> Finding:
     both = compare(off.of(window), on.later(waits_s).of(window))
     wanted = corrected(evidence.site)
     rows = {(row.signal, row.roll, row.order): row for row in both.rows}
-    figures = [
-        Figure(name="left to settle from arming on", value=waits_s, unit="s"),
-        *(reduction_figure(key, [row.change]) for key, row in rows.items() if key in wanted),
-        *_ratios(on, window),
-    ]
-    fell = any(one.unit == "dB" and one.good for one in figures)
+    orders = [reduction_figure(key, [row.change]) for key, row in rows.items() if key in wanted]
+    settling = Figure(name="left to settle from arming on", value=waits_s, unit="s")
     return Finding(
-        figures=tuple(figures),
+        figures=(settling, *orders, *_ratios(on, window)),
         samples=tuple(_courses(evidence, window, off, on)),
-        missing=() if fell else ("no corrected order stands out of the noise",),
+        missing=tuple(_no_fall(orders)),
         remarks=both.labels,
     )
+
+
+def _no_fall(orders: Sequence[Figure]) -> Iterator[str]:
+    """Yield what the step still waits for, if no corrected order fell."""
+    if all(one.good is None for one in orders):
+        yield "no corrected order stands out of the noise"
+    elif not any(surely_fell(one) for one in orders):
+        yield "no corrected order fell by more than its error: stay off, and on, for more turns"
 
 
 def _wait_s(evidence: Evidence, actuator: Actuator, window: Window) -> float:

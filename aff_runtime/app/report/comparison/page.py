@@ -140,7 +140,7 @@ def _change_cells(change: Change) -> tuple[str, str]:
 
 
 def _span(low: float, high: float) -> str:
-    return "" if math.isnan(low) else f"{low:.3g} to {high:.3g}"
+    return "" if math.isnan(low) or math.isnan(high) else f"{low:.3g} to {high:.3g}"
 
 
 def _chart(rows: Sequence[OrderRow]) -> str:

@@ -170,7 +170,8 @@ class Change:
     Attributes
     ----------
     value_dB : after over before.
-    low_dB, high_dB : 95 % interval.
+    low_dB, high_dB : 95 % interval. Of ``at_least`` the lower end alone is known: that of the
+        amplitude after over the floor before; above 0 the order rose for sure.
     bound : ``at_most``: the amplitude after is in the noise, the change is that or less;
         ``at_least``: that before is; ``none``: both are; else empty.
     """
@@ -197,7 +198,8 @@ def change(before: Estimate, after: Estimate) -> Change:
     value = 20.0 * (_log10(last) - _log10(first))
     if not there or not here:
         bound = "at_most" if there else "at_least"
-        return Change(value_dB=value, low_dB=math.nan, high_dB=math.nan, bound=bound)
+        low = math.nan if there else 20.0 * (_log10(after.low) - _log10(first))
+        return Change(value_dB=value, low_dB=low, high_dB=math.nan, bound=bound)
     shares = ((e.high - e.low) / (2.0 * e.amplitude) for e in (before, after))
     half = 20.0 / math.log(10.0) * math.hypot(*shares)
     return Change(value_dB=value, low_dB=value - half, high_dB=value + half, bound="")

@@ -61,20 +61,20 @@ LOOKED_AT = 50
 RIPPLE_N, LEFT_N, SETTLE_S, NOISE_N = 1.9, 0.15, 4.0, 0.25
 
 
-def switched(seconds, arms):
+def switched(seconds, arms, off_N=RIPPLE_N, left_N=LEFT_N):
     """Return the columns of a follower off centre, and its true part.
 
     The correction is on within the spans ``arms``; from the begin of one on the follower's first
-    order falls from ``RIPPLE_N`` to ``LEFT_N``. The true part is time, tension of the pull roll
+    order goes from ``off_N`` to ``left_N``. The true part is time, tension of the pull roll
     without noise, and the follower's angle (rows, 3).
     """
     found = steady(seconds)
     time_s, angle = found["time_s"], found["swrap_follower_angle_rad"]
-    size_N, on = np.full(time_s.size, RIPPLE_N), np.zeros(time_s.size, dtype=bool)
+    size_N, on = np.full(time_s.size, off_N), np.zeros(time_s.size, dtype=bool)
     for from_s, to_s in arms:
         inside = (time_s >= from_s) & (time_s < to_s)
         falls = np.exp(-(time_s[inside] - from_s) / SETTLE_S)
-        size_N[inside], on = LEFT_N + (RIPPLE_N - LEFT_N) * falls, on | inside
+        size_N[inside], on = left_N + (off_N - left_N) * falls, on | inside
     true_N = 60.0 + size_N * np.cos(angle + 0.3)
     rng = np.random.default_rng(2)
     radius_m = SMALL_M - 1e-5 * time_s

@@ -19,6 +19,7 @@ from tests.aff_runtime.app.card.measure.recorded import (
     figure,
     recorded,
     steady,
+    switched,
     window,
 )
 
@@ -52,6 +53,25 @@ def test_a_record_without_arming_or_too_short_after_it_is_open(abab_run):
     short = ripple.measure(evidence(window(abab_run[0], from_s=5.0, to_s=40.0), site=site))
     assert "stay armed for more than 12 s" in short.missing[0]
     assert {off.verdict, short.verdict} == {Verdict.OPEN}
+
+
+@pytest.mark.parametrize(
+    ("off_N", "left_N", "verdict", "waits_for"),
+    [
+        (1.9, 0.15, Verdict.PASS, ""),
+        (1.9, 1.9, Verdict.OPEN, "fell by more than its error"),
+        (0.0, 0.0, Verdict.OPEN, "stands out of the noise"),
+        (0.15, 1.9, Verdict.FAIL, "fell by more than its error"),
+        (0.0, 1.9, Verdict.FAIL, "fell by more than its error"),
+    ],
+)
+def test_a_first_ripple_passes_only_where_a_corrected_order_fell(
+    tmp_path, off_N, left_N, verdict, waits_for
+):
+    columns, _ = switched(76.0, [(30.0, 76.0)], off_N, left_N)
+    found = ripple.measure(evidence(window(recorded(tmp_path, columns)), site=FAST))
+    assert found.verdict is verdict
+    assert waits_for in "".join(found.missing)
 
 
 BLOCK = BlockStatus(

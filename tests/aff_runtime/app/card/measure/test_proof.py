@@ -133,6 +133,16 @@ def test_what_is_in_the_noise_is_a_bound_or_nothing():
     assert proof.reduction([some, none]).bound == "none"
 
 
+def test_an_order_that_rises_out_of_the_noise_whenever_on_is_a_rise():
+    def rises(low):
+        return Change(value_dB=20.0, low_dB=low, high_dB=math.nan, bound="at_least")
+
+    found = proof.reduction([rises(15.0), rises(3.0)])
+    assert (found.value_dB, found.high_dB, found.bound) == (-20.0, -3.0, "at_most")
+    assert proof.reduction_figure(("T", "unwind", 1), [rises(15.0)]).good is False
+    assert proof.reduction([rises(15.0), rises(-1.0)]).bound == "none"
+
+
 def size(amplitude, half=0.0, floor=0.01):
     low, high = amplitude - half, amplitude + half
     return Estimate(amplitude=amplitude, low=low, high=high, floor=floor, turns=50)

@@ -122,3 +122,9 @@ def test_what_is_in_the_noise_gives_a_bound_and_no_figure(before, after, bound, 
         assert math.isnan(result.value_dB)
     else:
         assert result.value_dB == pytest.approx(value_dB)
+
+
+def test_a_rise_out_of_the_noise_is_at_least_that_of_its_lower_end_over_the_floor():
+    result = change(size(0.001), size(1.0, 0.2))
+    assert result.low_dB == pytest.approx(20.0 * math.log10(0.8 / size(0.001).floor))
+    assert math.isnan(result.high_dB)
