@@ -23,11 +23,14 @@ class Orders:
     resonant : something rings at the order, so size and phase change with speed. Such an effect
         is tried when those that stand still over the angle have been.
     parameter : the one that says the only order, empty where none does.
+    rolls_on : the radius, m, of what turns along with that body without a slip, as the parameter
+        of this name: it shows at the ratio of the radii. Empty where nothing does.
     """
 
     at: Callable[[Values, float], tuple[float, ...]]
     resonant: bool = False
     parameter: str = ""
+    rolls_on: str = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,3 +87,11 @@ def said_by(parameter: str, *, resonant: bool = False) -> Orders:
         resonant=resonant,
         parameter=parameter,
     )
+
+
+def once_per_turn_of(radius: str) -> Orders:
+    """Return the signature of what rolls on a body: once per turn of its own.
+
+    ``radius`` is the parameter that says its radius, m.
+    """
+    return Orders(at=lambda values, radius_m: (radius_m / float(values[radius]),), rolls_on=radius)

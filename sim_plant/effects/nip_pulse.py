@@ -9,7 +9,7 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import DRIVEN, RIPPLE, LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
-from sim_plant.base.signatures import Orders
+from sim_plant.base.signatures import once_per_turn_of
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
 PAIR = Quadrature(
@@ -85,7 +85,7 @@ EFFECT = Effect(
     quadratures=(PAIR,),
     apply=apply,
     text="a nip roller presses unevenly: its driven roller is braked once per turn of the nip",
-    shows=Orders(at=lambda values, radius_m: (radius_m / float(values["nip_radius_m"]),)),
+    shows=once_per_turn_of("nip_radius_m"),
     remedy="put a dial gauge on the nip roller of {place}, look at cover and closing cylinders",
     experiment=experiment,
 )

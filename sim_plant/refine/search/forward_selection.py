@@ -58,8 +58,8 @@ from sim_plant.refine.search.selection import (
 )
 from sim_plant.refine.search.set_apart import Apart, own_spectral_lines, set_apart, wander_of
 from sim_plant.refine.search.unexplained import Unknown, what_is_left
-from sim_plant.refine.spectra.aliases import with_aliases, with_orders
-from sim_plant.refine.spectra.coordinates import is_periodic, travel_of
+from sim_plant.refine.spectra.aliases import with_aliases, with_orders, with_radii
+from sim_plant.refine.spectra.coordinates import is_periodic, rolls_along, travel_of
 
 ACCEPTANCE = CRITERIA.search.acceptance
 
@@ -234,6 +234,7 @@ def next_extensions(
     """
     library = with_aliases(library, selection.travels, selection.after)
     library = with_orders(library, selection.travels, selection.after)
+    library = with_radii(library, selection.travels, selection.after)
     periodic, others = by_periodic_support(library, selection.travels, selection.after)
     resonant = [h for h in periodic if h.effect.resonant]
     plain = [h for h in periodic if not h.effect.resonant]
@@ -287,12 +288,14 @@ def _second_of_pair(
 
     One that is not periodic, or the same at another place (hum on two cells is one spectral line
     in time), or another at the same place: a motor's ripple stands on the orders of its roll.
+    What rolls on a body has a radius of its own: two of one radius at two places would be a
+    coincidence, and their sum imitates any roller that nobody declared.
     """
     name, body = half.hypothesis.effect.name, half.hypothesis.location
     progress(f"trying a second effect beside {name}")
     after = remaining_spectra(objective, half.fit, selection.travels)
     with_half = replace(selection, fit=half.fit, after=after)
-    alike = [h for h in periodic if h.effect.name == name]
+    alike = [h for h in periodic if h.effect.name == name and not rolls_along(h)]
     beside = [h for h in periodic if h.effect.name != name and h.location == body]
     for group in (others, alike, beside):
         second = best_of(objective, with_half, group, progress, beside_half=group is beside)

@@ -1,4 +1,7 @@
-"""Hypotheses that a spectral line itself proposes: where it was before sampling, which order."""
+"""Hypotheses that a spectral line itself proposes.
+
+Where it was before sampling, which order it is, how large the body is that turns so.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,7 @@ from dataclasses import replace
 from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.spectra.coordinates import Travel, line_at_body
+from sim_plant.refine.spectra.coordinates import Travel, line_at_body, radius_at
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 SPECTRA = CRITERIA.spectra
@@ -28,13 +31,7 @@ def with_aliases(
     return [
         *rest,
         *(
-            replace(
-                h,
-                start=tuple(
-                    at if name == shows.parameter else value
-                    for name, value in zip(h.names, h.start, strict=True)
-                ),
-            )
+            replace(h, start=_with(h, shows.parameter, at))
             for h in library
             if (shows := _named(h))
             for at in origins_Hz(h, shows, travels, spectra)
@@ -106,6 +103,48 @@ def whole_orders(
         if whole >= 1 and abs(order - whole) <= min(reach, SPECTRA.whole_order_reach):
             orders.append(whole)
     return list(dict.fromkeys(orders))
+
+
+def with_radii(
+    library: Sequence[Hypothesis],
+    travels: Sequence[Travel],
+    spectra: Sequence[Sequence[SpectralLines]],
+) -> list[Hypothesis]:
+    """Return the library with what rolls on a body also at the radius that the strongest line has.
+
+    A fit finds a radius only from within a third of a turn over the whole record, and no list of
+    radii is that dense.
+    """
+    more = [
+        replace(h, start=_with(h, h.effect.shows.rolls_on, at))
+        for h in {h.key: h for h in library}.values()
+        if isinstance(h.effect.shows, Orders) and h.effect.shows.rolls_on
+        for at in radii_m(h, travels, spectra)
+    ]
+    return [*library, *more]
+
+
+def radii_m(
+    h: Hypothesis, travels: Sequence[Travel], spectra: Sequence[Sequence[SpectralLines]]
+) -> list[float]:
+    """Return the radii of what rolls on the hypothesis' body and turns with a record's line, m."""
+    assert isinstance(h.effect.shows, Orders)
+    bounds = h.effect.accepts[h.effect.shows.rolls_on]
+    found = []
+    for travel, record in zip(travels, spectra, strict=True):
+        known = line_at_body(h, travel, record)
+        if known is not None and known[0] > 0.0:
+            radius_m = radius_at(h, travel) / known[0]
+            if bounds.low <= radius_m <= bounds.high:
+                found.append(radius_m)
+    return found
+
+
+def _with(h: Hypothesis, parameter: str, at: float) -> tuple[float, ...]:
+    """Return the numbers that a hypothesis starts from, one of them at another value."""
+    return tuple(
+        at if name == parameter else value for name, value in zip(h.names, h.start, strict=True)
+    )
 
 
 def _near(frequency_Hz: float, shows: Frequency) -> bool:

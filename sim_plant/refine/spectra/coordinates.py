@@ -134,6 +134,11 @@ def is_periodic(h: Hypothesis) -> bool:
     return isinstance(h.effect.shows, Orders | Frequency)
 
 
+def rolls_along(h: Hypothesis) -> bool:
+    """Return whether a hypothesis shows once per turn of what rolls on the body at its place."""
+    return isinstance(h.effect.shows, Orders) and bool(h.effect.shows.rolls_on)
+
+
 def shown_Hz(h: Hypothesis, travel: Travel) -> float | None:
     """Return where in time a hypothesis shows after sampling, Hz; None where it does not."""
     shows = h.effect.shows
@@ -144,11 +149,12 @@ def shown_Hz(h: Hypothesis, travel: Travel) -> float | None:
 
 def wavenumbers_1_m(h: Hypothesis, travel: Travel) -> list[float]:
     """Return where in web travel the orders of a hypothesis at a roller show, 1/m."""
-    radius_m = _radius_m(h, travel)
+    radius_m = radius_at(h, travel)
     return [n / (TWO_PI * radius_m) for n in orders_of(h, radius_m)]
 
 
-def _radius_m(h: Hypothesis, travel: Travel) -> float:
+def radius_at(h: Hypothesis, travel: Travel) -> float:
+    """Return the declared radius of the body at the hypothesis' location, m."""
     return travel.declaration.rollers[travel.declaration.body(h.location)].radius_m
 
 
@@ -176,7 +182,7 @@ def _over_turns(
     if own is not None:
         return own, 1.0
     shared = by_kind.get(("travel", ""))
-    return None if shared is None else (shared, TWO_PI * _radius_m(h, travel))
+    return None if shared is None else (shared, TWO_PI * radius_at(h, travel))
 
 
 def periodic_support(
@@ -195,4 +201,4 @@ def periodic_support(
     if seen is None:
         return 0.0
     spectrum, orders = seen
-    return max(near(spectrum, n / orders) for n in orders_of(h, _radius_m(h, travel)))
+    return max(near(spectrum, n / orders) for n in orders_of(h, radius_at(h, travel)))

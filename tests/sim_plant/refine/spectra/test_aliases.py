@@ -3,7 +3,7 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.spectra.aliases import origins_Hz, whole_orders, with_orders
+from sim_plant.refine.spectra.aliases import origins_Hz, whole_orders, with_orders, with_radii
 from sim_plant.refine.spectra.coordinates import spectra
 from tests.sim_plant.refine.small import line_with, travel_at
 
@@ -69,3 +69,23 @@ def test_mains_at_half_the_sample_rate_or_folded_are_named(frequency_Hz, seen_Hz
     assert LINE.sample_time_s == 0.01
     cycles = seen_Hz * 5999 * LINE.sample_time_s
     assert hum_origins(cycles) == pytest.approx([frequency_Hz], abs=0.01)
+
+
+NIP = hypothesis(BY_NAME["nip_pulse"], "swrap_lead", (("nip_radius_m", 0.05),))
+
+
+@pytest.mark.parametrize("radius_m", [0.0355, 0.0619, 0.0852])
+def test_a_nip_begins_at_the_radius_that_turns_with_the_line_however_odd_it_is(radius_m):
+    travel, found = of_order(LEAD.radius_m / radius_m)
+    library = with_radii([NIP], [travel], [found])
+    assert library[0] is NIP
+    (proposed,) = library[1:]
+    web_m = float(travel.travel_m[-1] - travel.travel_m[0])
+    turns = web_m / (2.0 * np.pi * radius_m)
+    # a fit needs to begin within a third of a turn at the end of the record
+    assert proposed.at_start["nip_radius_m"] == pytest.approx(radius_m, rel=0.33 / turns)
+
+
+def test_no_nip_is_as_small_as_the_shaft_that_a_fast_line_would_need():
+    travel, found = of_order(LEAD.radius_m / 0.008)
+    assert with_radii([NIP], [travel], [found]) == [NIP]
