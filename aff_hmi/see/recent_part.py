@@ -14,12 +14,12 @@ from aff_hmi.see.trend_rows import LARGEST, LEAST, MEAN, coarser
 from aff_hmi.see.trends import Trends
 
 WINDOW_S, BIN_S = 600, 10
-FEWEST_S = 60  # of seconds that are known, before a band is told
+FEWEST_S = 60  # seconds with data that a band needs
 LOW_PERCENT, HIGH_PERCENT = 1.0, 99.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Line:
+class Trace:
     """One number of the overview over the window: means, None where it was not known."""
 
     slot: str
@@ -46,7 +46,7 @@ class RecentPart:
 
     to_s: float
     bin_s: int
-    lines: tuple[Line, ...]
+    lines: tuple[Trace, ...]
     bands: tuple[Band, ...]
 
 
@@ -61,8 +61,9 @@ def recent_part(trends: Trends, layout: Layout, now_s: float) -> RecentPart:
     )
 
 
-def _lines(trends: Trends, layout: Layout, ends_s: int) -> Iterator[Line]:
+def _lines(trends: Trends, layout: Layout, ends_s: int) -> Iterator[Trace]:
     wanted = {
+        # with the correction as it is, beside WITHOUT, what it would be without
         f"now:{one.actuator}": Series("ripple", one.signal, NOW, one.signal_unit)
         for one in layout.outputs
     }
@@ -71,12 +72,12 @@ def _lines(trends: Trends, layout: Layout, ends_s: int) -> Iterator[Line]:
     }
     kept = {slot: one for slot, one in wanted.items() if one in trends.series}
     found = coarser(trends.seconds(tuple(kept.values()), WINDOW_S), BIN_S)
-    places = (found.t_s - (ends_s - WINDOW_S)) // BIN_S
+    bin_index = (found.t_s - (ends_s - WINDOW_S)) // BIN_S
     for n, slot in enumerate(kept):
         means = np.full(WINDOW_S // BIN_S, np.nan)
-        is_inside = (places >= 0) & (places < len(means))
-        means[places[is_inside]] = found.bins[is_inside, MEAN, n]
-        yield Line(slot=slot, means=tuple(map(_known, means)))
+        is_inside = (bin_index >= 0) & (bin_index < len(means))
+        means[bin_index[is_inside]] = found.bins[is_inside, MEAN, n]
+        yield Trace(slot=slot, means=tuple(map(_known, means)))
 
 
 def _bands(trends: Trends, layout: Layout) -> Iterator[Band]:

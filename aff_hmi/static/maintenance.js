@@ -1,4 +1,5 @@
 // A line over weeks: what grows, the lives of its rollers, exchanges, rolls of web by rank.
+// `roll` of a trend or a life is a body by its name in the site file, a roller or a roll of web.
 import { row } from "/static/curves.js";
 import { drawTrend } from "/static/weeks.js";
 import { showLong } from "/static/long.js";
@@ -9,16 +10,16 @@ import { LONG_MS, button, lookAfter, post } from "/static/work.js";
 const EVERY_MS = 10000;
 const root = document.documentElement;
 const day = new Intl.DateTimeFormat(root.lang, { dateStyle: "medium" });
-const days = (at_s) => day.format(new Date(1000 * at_s));
+const dayText = (at_s) => day.format(new Date(1000 * at_s));
 const short = (value) => new Intl.NumberFormat(root.lang, { maximumSignificantDigits: 3 }).format(value);
-let shown = ""; // the trend whose curve is open
+let openTrendName = ""; // whose curve is shown
 
 function fill(text, values) {
   return Object.entries(values).reduce((said, [key, value]) => said.replaceAll(`{${key}}`, value), text);
 }
 
-/** Put the same children only once, so that who reads or types is not disturbed. */
-function renewed(box, said, make) {
+/** Replace the children only where the data changed: focus and typing survive. */
+function renewIfChanged(box, said, make) {
   const text = JSON.stringify(said);
   if (box.dataset.said === text) return;
   box.dataset.said = text;
@@ -37,16 +38,16 @@ function slope(one) {
 }
 
 function reached(one) {
-  if (one.jump_s !== null) return fill(words.jumped, { day: days(one.jump_s) });
+  if (one.jump_s !== null) return fill(words.jumped, { day: dayText(one.jump_s) });
   if (one.reached === null) return one.stands_out ? "—" : words.no;
-  const late = one.reached.late_s === null ? words.never : days(one.reached.late_s);
-  return `${days(one.reached.at_s)} (${days(one.reached.early_s)} … ${late})`;
+  const late = one.reached.late_s === null ? words.never : dayText(one.reached.late_s);
+  return `${dayText(one.reached.at_s)} (${dayText(one.reached.early_s)} … ${late})`;
 }
 
 function trendRow(one) {
-  const isTold = one.stands_out || one.jump_s !== null;
+  const needsAttention = one.stands_out || one.jump_s !== null;
   const made = row([
-    `${isTold ? "▲ " : ""}${one.roll} ${one.order}x`,
+    `${needsAttention ? "▲ " : ""}${one.roll} ${one.order}x`,
     one.quantity,
     one.signal.replaceAll("_", " "),
     sized(one.now, one.unit),
@@ -55,7 +56,7 @@ function trendRow(one) {
     reached(one),
     String(one.count),
   ]);
-  made.dataset.told = isTold ? "yes" : "no";
+  made.dataset.told = needsAttention ? "yes" : "no";
   made.dataset.trend = nameOf(one);
   const cell = part("td");
   const open = button(words.show, () => openTrend(one));
@@ -67,11 +68,11 @@ function trendRow(one) {
 
 function trends(rows) {
   const heads = [words.roller, words.quantity, words.tension, words.now, words.limit, words.slope];
-  renewed(byId("trends"), rows, () => [
+  renewIfChanged(byId("trends"), rows, () => [
     row([...heads, words.reached, words.readings, ""], "th"),
     ...rows.map(trendRow),
   ]);
-  const open = rows.find((one) => nameOf(one) === shown) ?? rows.find((one) => one.stands_out);
+  const open = rows.find((one) => nameOf(one) === openTrendName) ?? rows.find((one) => one.stands_out);
   if (open) showTrend(open);
   byId("trend").hidden = open === undefined;
 }
@@ -83,9 +84,9 @@ function openTrend(one) {
 }
 
 function showTrend(one) {
-  shown = nameOf(one);
+  openTrendName = nameOf(one);
   for (const line of byId("trends").querySelectorAll("tr")) {
-    line.setAttribute("aria-current", String(line.dataset.trend === shown));
+    line.setAttribute("aria-current", String(line.dataset.trend === openTrendName));
   }
   const of = { roll: one.roll, order: one.order, quantity: one.quantity, unit: one.unit || "1" };
   put(byId("trend-title"), fill(words.of, { ...of, speed: short(one.speed_m_s) }));
@@ -97,14 +98,14 @@ function showTrend(one) {
 
 function lives(rows) {
   const heads = [words.roller, words.life, words.since, words.until, words.km, words.hours];
-  renewed(byId("lives"), rows, () => [
+  renewIfChanged(byId("lives"), rows, () => [
     row([...heads, words.turns, words.why], "th"),
     ...rows.map((one) =>
       row([
         one.roll,
         String(one.number),
-        one.since_s === null ? words.before : days(one.since_s),
-        one.until_s === null ? words.today : days(one.until_s),
+        one.since_s === null ? words.before : dayText(one.since_s),
+        one.until_s === null ? words.today : dayText(one.until_s),
         number(one.web_km, 1),
         number(one.running_h, 0),
         one.turns === null ? "—" : number(one.turns, 0),
@@ -113,7 +114,7 @@ function lives(rows) {
     ),
   ]);
   const names = [...new Set(rows.map((one) => one.roll))];
-  renewed(byId("exchange-roll"), names, () =>
+  renewIfChanged(byId("exchange-roll"), names, () =>
     names.map((name) => {
       const option = part("option", "", name);
       option.value = name;
@@ -139,7 +140,7 @@ function ranking(one) {
       worst(roll.stroke),
       worst(roll.ripple),
       worst(roll.left),
-      `${days(roll.first_s)} – ${days(roll.last_s)}`,
+      `${dayText(roll.first_s)} – ${dayText(roll.last_s)}`,
     ]),
   );
   table.append(row([...heads, words.seen], "th"), ...rows);
@@ -150,20 +151,20 @@ function ranking(one) {
   return box;
 }
 
-function show(view) {
+function showView(view) {
   const { store, nothing } = view;
   put(byId("store"), store);
   byId("nothing").hidden = !nothing;
   put(byId("nothing"), nothing);
-  const span = view.from_s === null ? null : { from: days(view.from_s), to: days(view.to_s) };
+  const span = view.from_s === null ? null : { from: dayText(view.from_s), to: dayText(view.to_s) };
   const facts = { line: view.line, hours: view.hours, km: number(view.web_km, 1) };
   put(byId("facts"), span === null ? "" : fill(words.facts, { ...facts, ...span }));
-  renewed(byId("notes"), view.notes, () => view.notes.map((text) => part("li", "", text)));
+  renewIfChanged(byId("notes"), view.notes, () => view.notes.map((text) => part("li", "", text)));
   byId("quiet").hidden = view.notes.length > 0 || view.trends.length === 0;
   put(byId("quiet"), words.quiet);
   trends(view.trends);
   lives(view.lives);
-  renewed(byId("rankings"), view.rankings, () =>
+  renewIfChanged(byId("rankings"), view.rankings, () =>
     view.rankings.length ? view.rankings.map(ranking) : [part("p", "", words.noRolls)],
   );
 }
@@ -180,7 +181,7 @@ async function look() {
   isAsking = false;
   stamp(found?.ok === true);
   root.dataset.maintenance = found?.ok ? "shown" : "none";
-  if (found?.ok) show(found.maintenance);
+  if (found?.ok) showView(found.maintenance);
 }
 
 let wasBusy = false;

@@ -10,7 +10,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import replace
 
-from aff_runtime.app.control.commands import Commands
+from aff_runtime.app.control.commands import CommandQueue
 from aff_runtime.app.control.law_watch import LawWatch
 from aff_runtime.app.control.probe_run import ProbeRun
 from aff_runtime.app.control.shape_keeper import ShapeKeeper
@@ -65,7 +65,7 @@ class ControlOutside:
         self._troubles = TroubleLog(assembly.gateway, self._say, self._show_wire)
         self._law = assembly.law
         self._link = link
-        self._commands = Commands(link)
+        self._commands = CommandQueue(link)
         self._meta = meta
         self._notifier = ServiceNotifier(
             {k: v for k, v in os.environ.items() if k == "NOTIFY_SOCKET"}

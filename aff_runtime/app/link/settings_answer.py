@@ -22,11 +22,11 @@ class Version:
     Attributes
     ----------
     number : from 1 on.
-    when : UTC. ``who`` : the kernel's word on the caller, or the owner of an edited file.
+    when : UTC. ``who`` : the caller as the kernel names it, or the owner of an edited file.
     verb : ``started``, ``edited``, ``tried``, ``returned``, ``kept`` or ``undone``.
     why : the caller's reason, or the service's.
     sha256 : of the text of the site file.
-    run : folder of the record that ran then; empty when there was none.
+    run : run folder of that time; empty when there was none.
     """
 
     number: int
@@ -51,7 +51,7 @@ class Version:
 
     @property
     def ended_by_itself(self) -> bool:
-        """Whether it runs again because a try ended that nobody took back."""
+        """Whether it runs again because a try ended without anybody undoing it."""
         return self.verb == RETURNED and not self.why.startswith(UNDONE_BY)
 
     @property
@@ -98,7 +98,7 @@ class SettingsAnswer:
         Raises
         ------
         ValueError
-            When the text is none.
+            When ``text`` is not UTF-8 in base64, or a version is none.
         """
         return cls(
             site=said.get("site", ""),

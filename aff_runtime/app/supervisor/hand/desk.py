@@ -26,7 +26,7 @@ from aff_runtime.app.hand.messages import (
 )
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.command_counts import CommandTally, Result, Via
-from aff_runtime.app.supervisor.hand.entries import Now, entry_of
+from aff_runtime.app.supervisor.hand.entries import ServiceState, entry_of
 from aff_runtime.app.supervisor.hand.visits import Caller, Visits
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
@@ -50,7 +50,7 @@ class HandRules:
 class Commanded(Protocol):
     """The service, as far as a screen reaches it."""
 
-    def now(self) -> Now:
+    def now(self) -> ServiceState:
         """Return how it stands."""
 
     def bypass(self) -> None:
@@ -260,7 +260,7 @@ class HandDesk:
             case Action.FORGET:
                 self._service.forget(answer)
 
-    def _against(self, command: Command, now: Now, limits: Limits) -> Reason | None:
+    def _against(self, command: Command, now: ServiceState, limits: Limits) -> Reason | None:
         """Return the first reason why nothing is done; None when it is."""
         if not limits.commands.take():
             return Reason(code=Code.FAST)

@@ -11,7 +11,7 @@ from aff_runtime.base.signals import State
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Now:
+class ServiceState:
     """How the service stands.
 
     Attributes
@@ -35,24 +35,28 @@ class Now:
     remote: bool = False
 
 
-def entry_of(said: Command | Notice, visitor: Caller, now: Now | None = None) -> Entry:
-    """Return what is known of what was said, without what became of it."""
-    peer = str(visitor.peer)
-    if isinstance(said, Notice):
+def entry_of(message: Command | Notice, caller: Caller, now: ServiceState | None = None) -> Entry:
+    """Return the audit entry of a message, before its result is known (a notice has none)."""
+    peer = str(caller.peer)
+    if isinstance(message, Notice):
         return Entry(
-            what=said.what, result="noted", account=said.account, place=said.place, peer=peer
+            what=message.what,
+            result="noted",
+            account=message.account,
+            place=message.place,
+            peer=peer,
         )
     state = now.state.name if now is not None and now.state is not None else ""
     return Entry(
-        what=said.action,
+        what=message.action,
         result="asked",
-        account=said.account,
-        role=said.role.word,
-        place=said.place,
+        account=message.account,
+        role=message.role.word,
+        place=message.place,
         peer=peer,
-        seen=said.seen,
+        seen=message.seen,
         state=state,
         tick=now.tick if now is not None else 0,
         config=now.config if now is not None else "",
-        id=said.id,
+        id=message.id,
     )

@@ -13,7 +13,7 @@ from aff_runtime.app.link.messages import Arm, Forget, Question, Shadow
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.command_counts import CommandTally
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules
-from aff_runtime.app.supervisor.hand.entries import Now
+from aff_runtime.app.supervisor.hand.entries import ServiceState
 from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.probe_desk import Probes
 from aff_runtime.app.supervisor.processes import Processes
@@ -39,12 +39,12 @@ class ServiceEnd:
         self._processes = processes
         self._pending = pending
 
-    def now(self) -> Now:
+    def now(self) -> ServiceState:
         """Return how the service stands."""
         processes = self._processes
         latest = processes.latest() if processes.control is not None else None
         fresh = processes.fresh()
-        return Now(
+        return ServiceState(
             remote=latest is not None and latest.is_remote,
             state=fresh.state if fresh is not None else None,
             blocked=processes.blocked,

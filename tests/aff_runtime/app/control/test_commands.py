@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from aff_runtime.app.control.commands import Commands
+from aff_runtime.app.control.commands import CommandQueue
 from aff_runtime.app.link.messages import (
     Arm,
     Bypass,
@@ -28,13 +28,13 @@ def ends() -> Iterator[tuple[Link, Link]]:
     b.close()
 
 
-def _said(ends: tuple[Link, Link], *said: Message) -> Commands:
+def _said(ends: tuple[Link, Link], *said: Message) -> CommandQueue:
     for message in said:
         assert ends[0].send(message)
-    return Commands(ends[1])
+    return CommandQueue(ends[1])
 
 
-def _rest(commands: Commands) -> list[Message]:
+def _rest(commands: CommandQueue) -> list[Message]:
     found = []
     while (said := commands.next()) is not None:
         found.append(said)
@@ -73,6 +73,6 @@ def test_what_is_no_message_is_passed_over_and_the_next_one_counts() -> None:
     ours.send(b'{"word": "Arm", "id": 1}')  # of a release that asks without end
     link = Link(ours)
     assert link.send(Bypass())
-    assert Commands(Link(theirs)).next() == Bypass()
+    assert CommandQueue(Link(theirs)).next() == Bypass()
     link.close()
     theirs.close()

@@ -17,7 +17,7 @@ from aff_runtime.app.hand.messages import VALID_NS, Answer, Command, Said, Welco
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.command_counts import CommandTally
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules
-from aff_runtime.app.supervisor.hand.entries import Now
+from aff_runtime.app.supervisor.hand.entries import ServiceState
 from aff_runtime.base.signals import State
 from tests.doubles.virtual_clock import VirtualClock
 
@@ -29,7 +29,7 @@ class Service:
 
     def __init__(self, clock: VirtualClock) -> None:
         self._clock = clock
-        self.standing = Now(state=State.READY, tick=7, config="3f9a")
+        self.standing = ServiceState(state=State.READY, tick=7, config="3f9a")
         self.bypassed = 0
         self.asked: list[Callable[[Reply], None]] = []
         self.probes: list[Callable[[Reply], None]] = []
@@ -37,7 +37,7 @@ class Service:
         self.shadows: list[bool] = []
         self.notes: list[str] = []
 
-    def now(self) -> Now:
+    def now(self) -> ServiceState:
         return self.standing
 
     def bypass(self) -> None:

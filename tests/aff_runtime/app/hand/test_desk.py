@@ -17,7 +17,7 @@ from aff_runtime.app.hand.messages import LOGIN_REFUSED, VALID_NS, Answer, Notic
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor.hand import visits
 from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules
-from aff_runtime.app.supervisor.hand.entries import Now
+from aff_runtime.app.supervisor.hand.entries import ServiceState
 from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS
 from aff_runtime.base.errors import RefusedError, WireError
 from aff_runtime.base.signals import State
@@ -166,7 +166,7 @@ def test_an_id_does_nothing_a_second_time_however_it_is_dressed(stand: Stand) ->
 def test_an_arm_of_what_was_seen_before_a_bypass_does_not_undo_it(
     stand: Stand, whose: str
 ) -> None:
-    stand.service.standing = Now(state=State.BYPASS)
+    stand.service.standing = ServiceState(state=State.BYPASS)
     client, other = stand.client(), stand.client()
     pressed_first = stand.command(seen="BYPASS")
     stand.clock.advance_ns(S)
@@ -199,10 +199,10 @@ def test_from_the_network_only_where_the_service_says_so(tmp_path: Path) -> None
 
 
 def test_what_the_guard_is_known_to_refuse_is_not_asked(stand: Stand) -> None:
-    stand.service.standing = Now(state=State.READY, blocked="WEB_INTACT=0")
+    stand.service.standing = ServiceState(state=State.READY, blocked="WEB_INTACT=0")
     answer = stand.say(stand.client(), stand.command())
     assert code(answer) is Code.GUARD
-    stand.service.standing = Now(state=None)
+    stand.service.standing = ServiceState(state=None)
     assert code(stand.say(stand.client(), stand.command())) is Code.SILENT
 
 
@@ -212,7 +212,7 @@ def test_what_the_guard_is_known_to_refuse_is_not_asked(stand: Stand) -> None:
 def test_a_bypass_is_done_whatever_it_carries(
     stand: Stand, state: State | None, role: Role, place: Place
 ) -> None:
-    stand.service.standing = Now(state=state, blocked="REMOTE=1: the PLC arms, by its reset")
+    stand.service.standing = ServiceState(state=state, blocked="REMOTE=1: the PLC arms, by its reset")
     client = stand.client()
     late = stand.command(
         Action.BYPASS, role=role, place=place, seen="ACTIVE", valid_until_ns=0, id="a" * 16
@@ -262,7 +262,7 @@ def test_a_flood_of_bypasses_costs_ten_a_second_and_the_last_is_done(stand: Stan
 def test_a_bypass_that_changes_nothing_is_counted_when_it_comes_too_often(
     stand: Stand, state: State | None
 ) -> None:
-    stand.service.standing = Now(state=state)
+    stand.service.standing = ServiceState(state=state)
     for _ in range(100):
         client = stand.client()
         client.say(stand.command(Action.BYPASS))
