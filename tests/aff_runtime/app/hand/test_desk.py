@@ -212,7 +212,9 @@ def test_what_the_guard_is_known_to_refuse_is_not_asked(stand: Stand) -> None:
 def test_a_bypass_is_done_whatever_it_carries(
     stand: Stand, state: State | None, role: Role, place: Place
 ) -> None:
-    stand.service.standing = ServiceState(state=state, blocked="REMOTE=1: the PLC arms, by its reset")
+    stand.service.standing = ServiceState(
+        state=state, blocked="REMOTE=1: the PLC arms, by its reset"
+    )
     client = stand.client()
     late = stand.command(
         Action.BYPASS, role=role, place=place, seen="ACTIVE", valid_until_ns=0, id="a" * 16
