@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from aff_runtime.base.channel_units import unit_of_channel
+from aff_runtime.base.counted_angle import WORD_COUNTS
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.models import Actuator, Drive, Roll, Site
 from aff_runtime.config.models.drive import slow_band
@@ -32,7 +33,6 @@ SHAPE_GRID = 20
 DRIVE_GRID = 7  # tones below all orders, which tell the drive's own numbers
 FASTER = 2.0  # than the highest line speed that is believed: no roll turns so
 ORDERS_BEYOND = 8  # ripple above the highest order that the site corrects
-_COUNTS = {"u16": 2**16, "i16": 2**16, "u32": 2**32, "i32": 2**32}
 
 
 def site_params(site: Site) -> SiteParams:
@@ -150,7 +150,7 @@ def _modulus_rad(site: Site, angle: str | None) -> float | None:
     if angle is None or not site.gateway.read.channels[angle].wraps:
         return None
     channel = site.gateway.read.channels[angle]
-    return _COUNTS[channel.type] * abs(channel.scale) if channel.type is not None else None
+    return WORD_COUNTS[channel.type] * abs(channel.scale) if channel.type is not None else None
 
 
 def _actuator(site: Site, name: str, actuator: Actuator) -> ActuatorParams:

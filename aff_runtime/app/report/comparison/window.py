@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from aff_runtime.app.report.comparison.turns import Array, Flags
+from aff_runtime.base.counted_angle import LONGEST_GAP_CYCLES, Numbers, counted_angle, modulus_rad
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.run_files import yaml_values
@@ -26,8 +27,6 @@ from aff_runtime.base.signals import Outcome, State, StateBits, Status
 from aff_runtime.base.units import UnitError, read_number
 from aff_runtime.base.yaml_section import Section
 
-LONGEST_GAP_CYCLES = 4.5
-"""Between two readings; a longer one is a hole."""
 DEFAULT_SPEED = "line_speed_m_s"
 SPEED_CHANGES_SHARE = 0.02
 """Range of the line speed over its largest, above which a window is labelled."""
@@ -36,6 +35,8 @@ FEWEST_READINGS = 2
 END_READINGS = 200
 """Readings at either end of a window, the mean of which is the radius there."""
 HIGHEST_ORDER = 64
+MOST_PARTS = 200
+"""Of an angle whose count was set anew again and again: more of them say nothing more."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -241,21 +242,38 @@ class RollAngle:
     angle_rad : rising; ``encoder``: counted, not from speeds.
     good : readings between which it can be followed.
     radius_m : at the start and end of the window.
+    part : (readings,) those of one number hang together in phase.
     """
 
     angle_rad: Array
     encoder: bool
     good: Flags
     radius_m: tuple[float, float]
+    part: Numbers
+
+    def parts(self) -> list[slice]:
+        """Return the readings that hang together in phase, the longest ``MOST_PARTS`` parts."""
+        starts = np.flatnonzero(np.diff(self.part, prepend=self.part[:1] - 1))
+        ends = np.append(starts[1:], self.part.size)
+        longest = np.argsort(starts - ends, kind="stable")[:MOST_PARTS]
+        return [slice(int(starts[k]), int(ends[k])) for k in np.sort(longest)]
+
+    def rate_Hz(self, time_s: Array) -> float:
+        """Return turns per second where the angle is followed: over a hole nobody counted them."""
+        steps_s = np.diff(time_s)
+        followed = self.good[1:] & (steps_s > 0.0)
+        seconds = float(np.sum(steps_s[followed]))
+        return float(np.sum(np.diff(self.angle_rad)[followed])) / math.tau / max(seconds, 1e-9)
 
 
 def roll_angle(window: Window, given: Section) -> RollAngle | None:
     """Return the angle of a roll as its section of the site file says, None without a source."""
     radius = _radius(window, given)
     ends = (_mean(radius[:END_READINGS]), _mean(radius[-END_READINGS:]))
-    counted = window.readings(word(given.get("angle")))
+    name = word(given.get("angle"))
+    counted = window.readings(name)
     if counted is not None:
-        return _counted(window, counted, ends)
+        return _counted(window, name, counted, ends)
     speed = window.readings(word(given.get("speed")))
     if speed is not None and word(given.get("speed")).endswith("_m_s"):
         speed = speed / radius
@@ -268,7 +286,13 @@ def roll_angle(window: Window, given: Section) -> RollAngle | None:
     speed = np.nan_to_num(np.abs(speed))
     steps = np.diff(window.time_s, prepend=window.time_s[0])
     angle = np.cumsum(speed * np.clip(steps, 0.0, None)) + 1e-12 * np.arange(speed.size)
-    return RollAngle(angle_rad=angle, encoder=False, good=window.good, radius_m=ends)
+    return RollAngle(
+        angle_rad=angle,
+        encoder=False,
+        good=window.good,
+        radius_m=ends,
+        part=np.zeros(angle.shape, dtype=np.int64),
+    )
 
 
 def _mean(values: Array) -> float:
@@ -284,17 +308,17 @@ def _radius(window: Window, given: Section) -> Array:
     return np.full(window.time_s.shape, number(given.get("radius_m"), "m"))
 
 
-def _counted(window: Window, values: Array, radius_m: tuple[float, float]) -> RollAngle:
-    """Return a counted angle made to rise, at standstill too; where it jumps it is no good."""
-    steps = np.diff(values, prepend=values[0])
-    usual = float(np.nanmedian(steps))
-    steps = steps * (1.0 if usual >= 0.0 else -1.0)
-    odd = ~(np.abs(steps - abs(usual)) < math.pi)
-    steps = np.where(odd, abs(usual), np.maximum(steps, 0.0))
-    angle = np.cumsum(steps) + 1e-12 * np.arange(steps.size)
-    good = window.good & ~odd
-    good[0] = window.good[0]
-    return RollAngle(angle_rad=angle, encoder=True, good=good, radius_m=radius_m)
+def _counted(window: Window, name: str, values: Array, radius_m: tuple[float, float]) -> RollAngle:
+    """Return a counted angle, unfolded as its channel in the site file says."""
+    channel = window.section("gateway").section("read").section("channels").section(name)
+    found = counted_angle(window.time_s, values, modulus_rad(channel))
+    return RollAngle(
+        angle_rad=found.angle_rad,
+        encoder=True,
+        good=window.good & found.good,
+        radius_m=radius_m,
+        part=found.part,
+    )
 
 
 def orders_of(site: Section, roll: str) -> Sequence[int]:
