@@ -17,7 +17,7 @@ from aff_runtime.app.report.comparison.turns import (
     Change,
     Estimate,
     change,
-    estimate,
+    estimate_of_parts,
     order_per_turn,
 )
 from aff_runtime.app.report.comparison.window import (
@@ -249,13 +249,19 @@ def estimates(
     angle: RollAngle, values: Any, window: Window, orders: Sequence[int]
 ) -> dict[int, tuple[Estimate, float]]:
     """Return estimate and mean frequency per order; orders with too few samples are left out."""
-    good = angle.good & np.isfinite(values)
-    turns, samples = order_per_turn(angle.angle_rad, np.nan_to_num(values), good, orders)
-    seconds = float(window.time_s[-1] - window.time_s[0])
-    rate = float(angle.angle_rad[-1] - angle.angle_rad[0]) / math.tau / max(seconds, 1e-9)
+    good, filled = angle.good & np.isfinite(values), np.nan_to_num(values)
+    parts = [
+        order_per_turn(angle.angle_rad[part], filled[part], good[part], orders)
+        for part in angle.parts()
+    ]
+    samples = np.concatenate([of_part for _, of_part in parts])
+    rate = angle.rate_Hz(window.time_s)
     per_turn = float(np.median(samples)) if samples.size else 0.0
     return {
-        order: (estimate(turns[:, k], encoder=angle.encoder), order * rate)
+        order: (
+            estimate_of_parts([turns[:, k] for turns, _ in parts], encoder=angle.encoder),
+            order * rate,
+        )
         for k, order in enumerate(orders)
         if not samples.size or per_turn / order >= FEWEST_SAMPLES
     }
@@ -271,6 +277,8 @@ def _row_labels(
         yield f"fewer than {FEWEST_TURNS} whole turns: no interval"
     if not all(a[roll].encoder for a in angles):
         yield "no encoder: size only, its phase is not followed"
+    if any(len(a[roll].parts()) > 1 for a in angles):
+        yield "its count was set anew, or a hole hides how often it started over: joined by size"
     first, last = (float(np.mean(f.radius_m[roll])) for f in facts)
     if _apart(first, last) > LIKE_RADIUS:  # false where it is not known
         yield f"radius {1e3 * first:.1f} and {1e3 * last:.1f} mm"

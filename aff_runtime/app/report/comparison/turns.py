@@ -21,8 +21,12 @@ BATCHES = 20
 """Turns are averaged in so many batches: neighbours are not independent."""
 BATCH_TURNS = 20
 """Turns of a batch without encoder: within it the angle is taken to keep its zero."""
+FEWEST_OF_A_PART = 4
+"""Turns of a stretch that is joined with others by its size: two batches of two at least."""
 FEWEST_SAMPLES = 8
 """Samples per period that an order needs; with fewer it is left out."""
+LONGEST_STEP = 0.3
+"""Share of a turn between two samples: one missed tick of ``FEWEST_SAMPLES`` a turn, not two."""
 WHOLE_WITHIN = 0.2
 """Share of a turn by which the angles that its samples cover may differ from it."""
 NOISE_LIMIT = math.sqrt(math.log(20.0))
@@ -61,8 +65,9 @@ def order_per_turn(
     """Return complex amplitudes (turns, orders), and the samples per turn (turns,).
 
     Equation: c_n = (2 / 2 pi) integral (x - mean x) e^{-j n theta} d theta over one turn, by the
-    trapezoid rule on the samples' own angles. A turn with a sample that is not ``good`` is left
-    out, as are the broken ones at both ends; ``angle_rad`` rises.
+    trapezoid rule on the samples' own angles. A turn with a sample that is not ``good``, or with
+    two that are more than ``LONGEST_STEP`` apart, is left out, as are the broken ones at both
+    ends; ``angle_rad`` rises.
     """
     if angle_rad.size < 2:
         return np.empty((0, len(orders)), dtype=np.complex128), np.empty(0)
@@ -70,7 +75,9 @@ def order_per_turn(
     starts = np.flatnonzero(np.diff(turn, prepend=turn[0] - 1))
     width = np.gradient(angle_rad)
     covered = np.add.reduceat(width, starts)
-    bad = np.add.reduceat((~good).astype(np.float64), starts) > 0.0
+    is_far = np.diff(angle_rad) > LONGEST_STEP * math.tau
+    lacks = ~good | np.append(False, is_far) | np.append(is_far, False)
+    bad = np.add.reduceat(lacks.astype(np.float64), starts) > 0.0
     usable = ~bad & (np.abs(covered / math.tau - 1.0) < WHOLE_WITHIN)
     usable[0] = usable[-1] = False
     mean = np.add.reduceat(signal * width, starts) / covered
@@ -105,6 +112,55 @@ def estimate(per_turn: Complex, *, encoder: bool) -> Estimate:
     if encoder:
         return _coherent(_batches(per_turn, min(BATCHES, turns // 2)), turns)
     return _by_size(_batches(per_turn, max(4, turns // BATCH_TURNS)), turns)
+
+
+def estimate_of_parts(parts: Sequence[Complex], *, encoder: bool) -> Estimate:
+    """Return the amplitude of one order from stretches whose phases have nothing in common.
+
+    ``parts`` : complex amplitudes per turn (turns,) of each. Of one part as ``estimate``. Of
+    several it is the rms size of their means, less what noise adds to each of them.
+    """
+    used = [part for part in parts if part.size >= FEWEST_OF_A_PART]
+    turns = sum(part.size for part in used)
+    if len(used) < 2 or turns < FEWEST_TURNS:
+        return estimate(max(parts, key=len, default=np.empty(0, complex)), encoder=encoder)
+    length = min(turns // min(BATCHES, turns // 2), min(part.size for part in used) // 2)
+    return _of_parts([_batches(part, part.size // length) for part in used], turns)
+
+
+def _of_parts(parts: Sequence[Complex], turns: int) -> Estimate:
+    """Equation: A^2 = sum K_s |m_s|^2 / K - S sigma^2 / K; S parts of K_s batches each.
+
+    ``m_s`` are their means, sigma^2 the power of a batch about the mean of its part: own
+    derivation. Of noise alone the first sum is sigma^2 / K times a gamma variate of S degrees.
+    """
+    count, freedom = sum(part.size for part in parts), sum(part.size - 1 for part in parts)
+    means = [complex(part.mean()) for part in parts]
+    off = [np.abs(part - mean) ** 2 for part, mean in zip(parts, means, strict=True)]
+    noise = float(np.sum(np.concatenate(off))) / freedom / count
+    power = sum(part.size * abs(mean) ** 2 for part, mean in zip(parts, means, strict=True))
+    size = math.sqrt(max(0.0, power / count - len(parts) * noise))
+    turned = [
+        np.real(part * np.conj(mean)) / max(abs(mean), 1e-300)
+        for part, mean in zip(parts, means, strict=True)
+    ]
+    along = np.concatenate(turned)
+    spread = math.sqrt(float(np.sum((along - along.mean()) ** 2)) / freedom)
+    half = student_t(freedom) * spread / math.sqrt(count)
+    beyond = _gamma_95(len(parts)) - len(parts)
+    return Estimate(
+        amplitude=size,
+        low=max(0.0, size - half),
+        high=size + half,
+        floor=math.sqrt(beyond * noise),
+        turns=turns,
+    )
+
+
+def _gamma_95(shape: float) -> float:
+    """Return what a gamma variate of this shape exceeds once in 20, by Wilson and Hilferty."""
+    cube = 1.0 - 1.0 / (9.0 * shape) + ONE_SIDED_95 / (3.0 * math.sqrt(shape))
+    return shape * cube**3
 
 
 def _batches(values: Complex, count: int) -> Complex:

@@ -9,6 +9,7 @@ from aff_runtime.app.report.comparison.turns import (
     Estimate,
     change,
     estimate,
+    estimate_of_parts,
     order_per_turn,
     student_t,
 )
@@ -128,3 +129,43 @@ def test_a_rise_out_of_the_noise_is_at_least_that_of_its_lower_end_over_the_floo
     result = change(size(0.001), size(1.0, 0.2))
     assert result.low_dB == pytest.approx(20.0 * math.log10(0.8 / size(0.001).floor))
     assert math.isnan(result.high_dB)
+
+
+def parts(size, noise, seed, lengths=(30, 47, 12, 90)):
+    """Return turns of a size in noise, each stretch of them with a phase of its own."""
+    rng = np.random.default_rng(seed)
+    off = [rng.standard_normal((n, 2)) @ [1.0, 1.0j] for n in lengths]
+    return [size * np.exp(1j * k * 2.1) + noise * one for k, one in enumerate(off)]
+
+
+def test_stretches_without_a_common_phase_are_joined_by_their_size():
+    result = estimate_of_parts(parts(1.0, 0.1, 1), encoder=True)
+    together = estimate(np.concatenate(parts(1.0, 0.1, 1)), encoder=True)
+    assert result.amplitude == pytest.approx(1.0, abs=0.03)
+    assert together.amplitude < 0.9  # what one mean over all of them makes of it
+    assert result.turns == 30 + 47 + 12 + 90
+    one = parts(1.0, 0.1, 1)[:1]
+    assert estimate_of_parts(one, encoder=True) == estimate(one[0], encoder=True)
+
+
+def test_the_interval_of_joined_stretches_holds_the_true_size_in_about_95_of_100():
+    hits = 0
+    for seed in range(400):
+        result = estimate_of_parts(parts(0.3, 0.5, seed), encoder=True)
+        hits += result.low <= 0.3 <= result.high
+    assert 0.90 <= hits / 400 <= 0.99
+
+
+def test_noise_alone_exceeds_the_floor_of_joined_stretches_about_once_in_20():
+    beyond = sum(
+        estimate_of_parts(parts(0.0, 0.5, seed), encoder=True).stands_out for seed in range(600)
+    )
+    assert 0.025 <= beyond / 600 <= 0.085
+
+
+def test_a_turn_with_two_samples_far_apart_is_left_out():
+    """Of a turn that lacks a third of its samples the trapezoid rule makes another size."""
+    keep = np.abs(np.mod(ANGLE, 5.0 * 2.0 * np.pi) - 2.1) > 1.1
+    turns, _ = order_per_turn(ANGLE[keep], signal()[keep], GOOD[keep], [1])
+    assert abs(turns[:, 0].mean()) == pytest.approx(1.0, abs=0.02)
+    assert len(turns) == pytest.approx(0.8 * ANGLE[-1] / (2.0 * np.pi), abs=2)

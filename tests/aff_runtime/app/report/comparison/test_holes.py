@@ -1,0 +1,177 @@
+"""Orders by a counted angle that starts over and has holes: as large as without them."""
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from aff_runtime.app.report.comparison.comparing import compare, estimates
+from aff_runtime.app.report.comparison.window import roll_angle
+from aff_runtime.base.run_window import RunWindow
+from tests.aff_runtime.app.card.measure.recorded import CYCLE_S, SITE_FILE, recorded, steady
+from tests.aff_runtime.app.card.measure.recorded import window as window_in
+
+RIPPLE_N, NOISE_N = 2.0, 0.25
+ROLL, COUNT, SIGNAL = "swrap_follower", "swrap_follower_angle_rad", "pullroll_tension_N"
+RADIUS_M = 1.0 / (2.0 * math.pi * 1.91)  # 1.91 turns a second at 1 m/s
+NEVER = "i32, scale: 4096 counts/turn"
+WORDS = {
+    # turns after which the count starts over: the word, and counts per turn
+    None: (2**32, 4096, NEVER),
+    1.0: (2**16, 65536, "u16, scale: 65536 counts/turn, wraps: true"),
+    1.31072: (2**16, 50000, "u16, scale: 50000 counts/turn, wraps: true"),
+    13.1072: (2**16, 5000, "u16, scale: 5000 counts/turn, wraps: true"),
+    16.0: (2**16, 4096, "u16, scale: 4096 counts/turn, wraps: true"),
+}
+SEGMENT_S = 10.0
+
+
+def site_text(modulus):
+    """Return the shipped site file with the follower's counter in another word."""
+    text, count = re.subn(
+        rf"({COUNT}:\s+{{ register: 13, type: )i32, scale: 4096 counts/turn, wraps: true",
+        rf"\g<1>{WORDS[modulus][2]}",
+        SITE_FILE.read_text(),
+    )
+    assert count == 1
+    return text
+
+
+def columns(seconds, modulus, rate_Hz=1.91, phase_rad=0.3, drift=0.0):
+    """Return a record with a ripple once per turn of the follower, its counter as the word has it.
+
+    ``drift`` : share by which the roll turns faster at the end than at the begin.
+    """
+    found = steady(seconds)
+    time_s = found["time_s"]
+    angle = math.tau * rate_Hz * (time_s + 0.5 * drift / seconds * time_s**2)
+    values, per_turn, _ = WORDS[modulus]
+    counts = np.floor(angle / math.tau * per_turn + 0.37 * values) % values
+    rng = np.random.default_rng(3)
+    noise = NOISE_N * rng.standard_normal(time_s.size)
+    found[COUNT] = counts * math.tau / per_turn
+    found[SIGNAL] = 60.0 + RIPPLE_N * np.cos(angle + phase_rad) + noise
+    return found
+
+
+def without(found, *spans):
+    """Return the record without the rows within these times."""
+    time_s = found["time_s"]
+    keep = np.ones(time_s.size, dtype=bool)
+    for from_s, to_s in spans:
+        keep &= (time_s < from_s) | (time_s >= to_s)
+    return {name: values[keep] for name, values in found.items()}
+
+
+def of(folder, found, modulus, **more):
+    """Return estimate and frequency of the follower's first order in a record."""
+    path = recorded(folder, found, site_text=site_text(modulus), segment_s=SEGMENT_S)
+    window = window_in(path, **more)
+    angle = roll_angle(window, window.section("rolls").section(ROLL))
+    return estimates(angle, window.readings(SIGNAL), window, [1])[1]
+
+
+def assert_true(got):
+    estimate, frequency_Hz = got
+    assert estimate.low - 0.01 <= RIPPLE_N <= estimate.high + 0.01
+    assert estimate.amplitude == pytest.approx(RIPPLE_N, abs=0.02)
+    assert frequency_Hz == pytest.approx(1.91, rel=1e-3)
+
+
+@pytest.mark.parametrize("modulus", WORDS)
+def test_a_counter_that_starts_over_has_the_turns_of_one_that_never_does(modulus, tmp_path):
+    got = of(tmp_path, columns(60.0, modulus), modulus)
+    assert_true(got)
+    assert got[0].turns == math.floor(1.91 * 60.0) - 1  # the first is left out
+
+
+@pytest.mark.parametrize("modulus", WORDS)
+@pytest.mark.parametrize("gone", [(2,), (2, 3), (2, 4)], ids=["one", "two in a row", "two"])
+def test_lost_segments_change_neither_size_nor_frequency(gone, modulus, tmp_path):
+    """The roll turns 2 % faster at the end: over a hole its motion is not known to a turn."""
+    text = site_text(modulus)
+    path = recorded(
+        tmp_path, columns(60.0, modulus, drift=0.02), site_text=text, segment_s=SEGMENT_S
+    )
+    whole = compare(RunWindow(folder=path), RunWindow(folder=path)).rows
+    (whole,) = [r for r in whole if (r.signal, r.roll, r.order) == (SIGNAL, ROLL, 1)]
+    for number in gone:
+        (path / f"signals-{number:04d}.csv.gz").unlink()
+    found = compare(RunWindow(folder=path), RunWindow(folder=path)).rows
+    (row,) = [r for r in found if (r.signal, r.roll, r.order) == (SIGNAL, ROLL, 1)]
+    assert whole.before.low <= row.before.amplitude <= whole.before.high
+    assert row.before.low <= RIPPLE_N <= row.before.high
+    assert row.frequency_Hz[0] == pytest.approx(1.91 * 1.01, rel=5e-3)
+    lost = 1.92 * SEGMENT_S * len(gone)
+    assert row.before.turns == pytest.approx(whole.before.turns - lost, abs=2 * len(gone) + 1)
+
+
+@pytest.mark.parametrize("modulus", WORDS)
+def test_missed_ticks_of_a_fast_roll_do_not_fold_its_angle(modulus, tmp_path):
+    """24.3 turns a second: three missed ticks are half a turn."""
+    found = columns(30.0, modulus, rate_Hz=24.3)
+    whole, _ = of(tmp_path / "whole", found, modulus)
+    spans = [(at_s, at_s + 3.0 * CYCLE_S - 1e-6) for at_s in np.arange(1.0, 29.0, 0.35)]
+    estimate, frequency_Hz = of(tmp_path, without(found, *spans), modulus)
+    assert estimate.amplitude == pytest.approx(whole.amplitude, abs=0.02)
+    assert estimate.amplitude == pytest.approx(RIPPLE_N, rel=0.02)  # of 8 samples a turn
+    assert frequency_Hz == pytest.approx(24.3, rel=1e-4)
+
+
+@pytest.mark.parametrize("modulus", WORDS)
+def test_readings_that_lack_beside_a_wrap_cost_no_turn(modulus, tmp_path):
+    found = columns(30.0, modulus)
+    wraps = np.flatnonzero(np.abs(np.diff(found[COUNT])) > 1.0)[1::2]
+    found[COUNT][[*wraps, 1000, 2001, 2002]] = math.nan
+    got = of(tmp_path, found, modulus)
+    assert_true(got)
+    assert got[0].turns == math.floor(1.91 * 30.0) - 1
+
+
+@pytest.mark.parametrize("modulus", [None, 13.1072, 16.0])
+def test_one_wrong_reading_costs_no_phase(modulus, tmp_path):
+    found = columns(30.0, modulus)
+    found[COUNT][2500] += 8.0
+    assert_true(of(tmp_path, found, modulus))
+
+
+@pytest.mark.parametrize("modulus", [None, 13.1072, 16.0])
+def test_a_counter_that_is_set_anew_joins_what_was_before_and_after_by_size(modulus, tmp_path):
+    found = columns(60.0, modulus)
+    values, per_turn, _ = WORDS[modulus]
+    again = found["time_s"] > 31.0
+    found[COUNT][again] = (found[COUNT][again] + 4.5 * math.tau) % (values / per_turn * math.tau)
+    assert_true(of(tmp_path, found, modulus))
+
+
+def test_a_row_whose_stretches_are_joined_by_size_says_so(tmp_path):
+    found = columns(40.0, 16.0)
+    again = found["time_s"] >= 20.0
+    found[COUNT][again] = (found[COUNT][again] + 4.5 * math.tau) % (16.0 * math.tau)
+    path = recorded(tmp_path, found, site_text=site_text(16.0))
+    for times, joined in (((0.0, 19.0), False), ((0.0, 40.0), True)):
+        window = RunWindow(folder=path, from_s=times[0], to_s=times[1])
+        (row,) = [r for r in compare(window, window).rows if (r.signal, r.roll) == (SIGNAL, ROLL)]
+        assert any("joined by size" in text for text in row.labels) == joined
+
+
+def test_a_roll_that_stood_keeps_its_phase_though_its_count_trembles(tmp_path):
+    """At standstill the count goes to and fro by one: the angle does not creep."""
+    found = columns(60.0, 16.0)
+    time_s = found["time_s"]
+    moves = np.clip(time_s, 0.0, 25.0) + np.clip(time_s - 35.0, 0.0, None)
+    angle = math.tau * 1.91 * moves
+    counts = np.floor(angle / math.tau * 4096) + np.random.default_rng(1).integers(
+        0, 2, angle.size
+    )
+    found[COUNT] = (counts % 65536) * math.tau / 4096
+    found[SIGNAL] = 60.0 + RIPPLE_N * np.cos(angle)
+    estimate, _ = of(tmp_path, found, 16.0)
+    assert estimate.amplitude == pytest.approx(RIPPLE_N, abs=0.02)
+
+
+def test_a_counter_that_counts_down_has_the_same_turns(tmp_path):
+    found = columns(60.0, 13.1072)
+    found[COUNT] = 13.1072 * math.tau - found[COUNT]
+    assert_true(of(tmp_path, found, 13.1072))
