@@ -14,6 +14,7 @@ import numpy as np
 from aff_runtime.app.report.comparison.turns import (
     FEWEST_SAMPLES,
     FEWEST_TURNS,
+    Array,
     Change,
     Estimate,
     change,
@@ -31,6 +32,7 @@ from aff_runtime.app.report.comparison.window import (
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable, word
+from aff_runtime.base.run_table import PERIODS
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
 from aff_runtime.base.yaml_section import Section
@@ -80,7 +82,7 @@ class Facts:
     corrections : per output, rms and largest size, and that over the limit.
     states : share of the rows per state.
     times_us : per timing, median, 99 %, 99.9 % and largest.
-    missed : ticks that never happened.
+    missed : ticks that never happened. ``rows_lost`` : of ticks that did, but are not recorded.
     labels : sentences: why figures of this window may not be what they seem.
     """
 
@@ -93,6 +95,7 @@ class Facts:
     states: Mapping[str, float]
     times_us: Mapping[str, tuple[float, float, float, float]]
     missed: int
+    rows_lost: int
     labels: tuple[str, ...]
 
 
@@ -149,7 +152,7 @@ def _angles(window: Window, other: Window) -> Iterator[tuple[str, RollAngle]]:
 def _facts(window: Window, angles: Mapping[str, RollAngle]) -> Facts:
     columns, speed = window.table.columns, window.speed
     time_s = columns["time_s"]
-    missed = np.maximum(np.diff(time_s) / max(_cycle_s(time_s), 1e-9) - 1.0, 0.0)
+    missed, rows_lost = _missed(columns)
     return Facts(
         name=printable(str(window.table.window)),
         seconds=float(time_s[-1] - time_s[0]),
@@ -159,13 +162,29 @@ def _facts(window: Window, angles: Mapping[str, RollAngle]) -> Facts:
         corrections=dict(_corrections(window)),
         states={s.name: share for s in State if (share := window.in_state(s)) > 0.0},
         times_us={n: percentiles(columns[n]) for n in TIMES if n in columns},
-        missed=round(float(np.sum(missed))),
+        missed=missed,
+        rows_lost=rows_lost,
         labels=tuple(window.labels),
     )
 
 
-def _cycle_s(time_s: Any) -> float:
-    return float(np.median(np.diff(time_s))) if time_s.size > 1 else 1.0
+def _missed(columns: Mapping[str, Array]) -> tuple[int, int]:
+    """Return how many ticks never happened, and how many did that have no row.
+
+    The service counts both: ``missed_count``, in an older record the periods before each row, and
+    ``tick``, those that were done.
+    """
+    by_count = _gone_up(columns.get("missed_count"))
+    periods = np.nan_to_num(columns.get(PERIODS, np.ones(1)))[1:]
+    missed = by_count if by_count is not None else int(np.sum(np.maximum(periods - 1.0, 0.0)))
+    done = _gone_up(columns.get("tick"))
+    return missed, max(0, (done or 0) - columns["time_s"].size + 1)
+
+
+def _gone_up(counts: Array | None) -> int | None:
+    """Return by how much a count of the service went up in a window; None where it has none."""
+    finite = counts[np.isfinite(counts)] if counts is not None else np.empty(0)
+    return round(float(np.clip(finite[-1] - finite[0], 0.0, 2.0**53))) if finite.size else None
 
 
 def _mean_low_high(values: Any) -> tuple[float, float, float]:

@@ -196,6 +196,7 @@ def _facts(windows: tuple[Facts, Facts]) -> str:
         text = ["{:.0f}, {:.0f}, {:.0f}, {:.0f}".format(*t) for t in times]
         rows.append((f"{name}: median, 99 %, 99.9 %, largest", text))
     rows.append(("ticks missed", [str(w.missed) for w in windows]))
+    rows.append(("rows lost from the record", [str(w.rows_lost) for w in windows]))
     rows.append(("", ["<br>".join(_shown(x) for x in w.labels) for w in windows]))
     body = "".join(
         f"<tr><td>{_shown(name)}</td>{''.join(f'<td>{cell}</td>' for cell in cells)}</tr>"

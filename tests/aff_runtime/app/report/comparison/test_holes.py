@@ -175,3 +175,41 @@ def test_a_counter_that_counts_down_has_the_same_turns(tmp_path):
     found = columns(60.0, 13.1072)
     found[COUNT] = 13.1072 * math.tau - found[COUNT]
     assert_true(of(tmp_path, found, 13.1072))
+
+
+def facts_of(folder, found, gone=()):
+    """Return what is said of a record, without these of its segments."""
+    path = recorded(folder, found, segment_s=SEGMENT_S)
+    for number in gone:
+        (path / f"signals-{number:04d}.csv.gz").unlink()
+    return compare(RunWindow(folder=path), RunWindow(folder=path)).windows[0]
+
+
+def skipped(seconds, missed):
+    """Return a record in which the service missed so many ticks at 12 s and one at 25 s."""
+    found = columns(seconds, None)
+    tick = found["tick"].astype(int)
+    keep = ~(((tick > 2400) & (tick <= 2400 + missed)) | (tick == 5000))
+    found = {name: values[keep] for name, values in found.items()}
+    found["periods_count"] = np.diff(tick[keep], prepend=-1).astype(float)
+    found["missed_count"] = 7.0 + np.cumsum(found["periods_count"] - 1.0)  # 7 before the folder
+    found["tick"] = np.arange(float(keep.sum()))  # ticks that were done
+    return found
+
+
+@pytest.mark.parametrize("missed", [1, 3, 400])
+@pytest.mark.parametrize("gone", [(), (4,), (4, 5)])
+def test_rows_that_lack_are_no_ticks_that_were_missed(missed, gone, tmp_path):
+    """Lost segments lie beyond the ticks that were missed."""
+    found = facts_of(tmp_path, skipped(60.0, missed), gone)
+    assert found.missed == missed + 1
+    assert found.rows_lost == pytest.approx(len(gone) * SEGMENT_S / CYCLE_S, abs=60)
+    assert bool(found.rows_lost) == bool(gone)
+
+
+@pytest.mark.parametrize("lacks", [("missed_count",), ("missed_count", "tick")])
+def test_without_the_count_ticks_are_missed_by_the_periods_between_rows(lacks, tmp_path):
+    found = skipped(60.0, 3)
+    for name in lacks:
+        del found[name]
+    assert facts_of(tmp_path, found).missed == 4
