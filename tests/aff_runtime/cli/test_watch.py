@@ -14,11 +14,18 @@ from aff_runtime.app.report.metrics.readings import readings
 from aff_runtime.app.report.run_export import unit_of_column
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.report.watch_notes import FILE, notes_of, read_notes
+from aff_runtime.app.wiring.law_slot import LawSlot
+from aff_runtime.app.wiring.site_to_law import site_params
+from aff_runtime.base.run_files import yaml_values
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
+from aff_runtime.base.yaml_section import Section
 from aff_runtime.cli.main import main
 from aff_runtime.cli.status import watch_lines
+from aff_runtime.config.loader import load_site
+from aff_runtime.core.controller import Controller
 from tests.doubles.virtual_weeks import Weeks, write_weeks
+from tests.parameter_records import CONFIG
 
 DAYS = 14
 
@@ -206,6 +213,28 @@ def test_duckdb_and_pandas_read_an_exported_run_with_its_units(runs, tmp_path, c
 )
 def test_a_columns_unit_is_what_its_name_ends_with(name, unit):
     assert unit_of_column(name) == unit
+
+
+@pytest.mark.parametrize("name", ["euclid", "euclid_blocks"])
+def test_every_number_of_a_law_has_a_unit_and_a_word_none(name):
+    path = CONFIG / f"{name}.yaml"
+    site = Section(yaml_values(path.read_text()))
+    law = LawSlot(Controller(site_params(load_site(path)), {}))
+    units = {column: unit_of_column(column, site) for column in law.law_telemetry_names()}
+    words = {"source", "quality", "state", "stage"}
+    assert {one.rpartition(".")[2] for one, unit in units.items() if not unit} == words
+    ripples = {one for one in units if one.endswith((".ripple", ".ripple_before"))}
+    assert ripples
+    assert {units[one] for one in ripples} == {"N"}
+
+
+def test_ripple_has_the_unit_of_the_signal_of_its_own_actuator():
+    signals = {"unwind": "web_tension_N", "infeed": "line_speed_m_s"}
+    site = Section({"actuators": {n: {"error": {"signal": s}} for n, s in signals.items()}})
+    assert unit_of_column("unwind.r6_1x.ripple", site) == "N"
+    assert unit_of_column("infeed.r6_1x.ripple_before", site) == "m/s"
+    assert unit_of_column("other.r6_1x.ripple", site) == ""
+    assert unit_of_column("unwind.r6_1x.ripple") == ""
 
 
 def test_what_a_run_lost_is_said_once_with_what_is_taken_of_it(runs, tmp_path, capsys):

@@ -90,3 +90,6 @@ def test_duckdb_and_pandas_read_the_records_of_the_demos_line_with_their_units(
     counts = {"tick", "periods_count", "fresh", "plc_heartbeat", "roll_id", "echo_age"}
     words = {"state", "state_bits", "alarm", "outcome", "status", "missed_count"}
     assert {name for name in bare if "." not in name} == counts | words
+    assert units["unwind.r6_1x.ripple"] == units["unwind.r6_1x.ripple_before"] == "N"
+    of_law = {name.rpartition(".")[2] for name in bare if "." in name}
+    assert of_law == {"state", "source", "quality"}
