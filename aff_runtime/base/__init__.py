@@ -21,6 +21,7 @@ __all__ = [
     "release",
     "run_files",
     "run_glance",
+    "run_segment",
     "run_table",
     "run_window",
     "signals",

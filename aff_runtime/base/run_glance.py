@@ -12,7 +12,7 @@ from pathlib import Path
 
 from aff_runtime.base.printable import printable
 from aff_runtime.base.run_files import open_plain, text_of, yaml_values
-from aff_runtime.base.run_table import segments_of
+from aff_runtime.base.run_segment import segments_of
 from aff_runtime.base.run_window import MARK
 
 LONGEST = 200  # characters of a value

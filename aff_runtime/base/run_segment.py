@@ -6,9 +6,11 @@ import gzip
 import io
 import math
 import os
+import re
 import zlib
 from array import array
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +25,70 @@ ALTERED = (
     "its checksum is not that of its rows: something in it is not what was recorded; left out, "
     "copy it anew from the gateway"
 )
+_SEGMENT = re.compile(r"signals-(\d{1,9})\.csv\.gz")
 _CHUNK = 1 << 20
 _OTHER_CONTENT = ("CRC check failed", "Incorrect length of data")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunSegments:
+    """The segments of a run at one look: who reads many windows of it looks once.
+
+    Attributes
+    ----------
+    numbers, paths : in order.
+    starts_s : times of the first rows, None where there is none.
+    """
+
+    numbers: tuple[int, ...]
+    paths: tuple[Path, ...]
+    starts_s: tuple[float | None, ...]
+
+    @classmethod
+    def looked_up(cls, folder: Path, n_columns: int) -> RunSegments:
+        """Return the segments of a folder; the first row of each is unpacked."""
+        found = segments_of(folder)
+        rows = (first_row(path, n_columns) for _, path in found)
+        starts = tuple(row[0] if row else None for row in rows)
+        return cls(
+            numbers=tuple(number for number, _ in found),
+            paths=tuple(path for _, path in found),
+            starts_s=starts,
+        )
+
+    @classmethod
+    def known(cls, folder: Path, starts_s: Mapping[int, float]) -> RunSegments:
+        """Return those of which starts by number are known; what was begun later is not there."""
+        last = max(starts_s, default=0)
+        found = [(number, path) for number, path in segments_of(folder) if number <= last]
+        return cls(
+            numbers=tuple(number for number, _ in found),
+            paths=tuple(path for _, path in found),
+            starts_s=tuple(starts_s.get(number) for number, _ in found),
+        )
+
+    def within(self, from_s: float, to_s: float) -> Iterator[Path]:
+        """Yield the segments that may hold rows of a window; each ends where the next begins."""
+        ends, end = [], math.inf
+        for start in reversed(self.starts_s):
+            ends.append(end)
+            end = end if start is None else start
+        for path, start, end in zip(self.paths, self.starts_s, reversed(ends), strict=True):
+            if start is None or (start < to_s and (end > from_s or end < start)):
+                yield path
+
+    @property
+    def span(self) -> str:
+        """Return a sentence: when segments begin."""
+        starts = [start for start in self.starts_s if start is not None]
+        if not starts:
+            return "no segment of the run holds a row"
+        return f"the run's segments begin between {min(starts):g} s and {max(starts):g} s"
+
+
+def segments_of(folder: Path) -> list[tuple[int, Path]]:
+    """Return the segments of a run that are there, each with its number."""
+    return sorted((int(m[1]), p) for p in folder.iterdir() if (m := _SEGMENT.fullmatch(p.name)))
 
 
 def first_row(path: Path, n_columns: int) -> list[float]:

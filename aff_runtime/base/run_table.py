@@ -12,7 +12,6 @@ import itertools
 import json
 import math
 import os
-import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
@@ -24,7 +23,13 @@ from numpy.typing import NDArray
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import text_of, yaml_values
-from aff_runtime.base.run_segment import LARGEST_VALUES, first_row, rows_of
+from aff_runtime.base.run_segment import (
+    LARGEST_VALUES,
+    RunSegments,
+    first_row,
+    rows_of,
+    segments_of,
+)
 from aff_runtime.base.run_window import HOW_WRITTEN, MARK, RunWindow
 from aff_runtime.base.yaml_section import Section
 
@@ -46,7 +51,6 @@ MOST_SAID = 20
 LONGEST_NAME = 200
 _LARGEST_YAML = _LARGEST_SUMMARY = 1 << 20
 _LARGEST_TEXT = 64 << 20
-_SEGMENT = re.compile(r"signals-(\d{1,9})\.csv\.gz")
 _LOSSES = {
     "rows_lost_to_disk": "{} rows were refused by the disk",
     "files_lost_to_disk": "{} events or small files were refused by the disk",
@@ -80,10 +84,15 @@ class RunTable:
     run_id: str = ""
 
 
-def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> RunTable:
+def read_table(
+    window: RunWindow,
+    keep: Callable[[str], bool] | None = None,
+    segments: RunSegments | None = None,
+) -> RunTable:
     """Return the rows of ``window``; only columns whose name ``keep`` takes, where it is given.
 
-    ``time_s`` is always there. Of segments outside the window only the first row is unpacked.
+    ``time_s`` is always there. Of segments outside the window only the first row is unpacked, and
+    none where ``segments`` says when each begins.
 
     Raises
     ------
@@ -94,15 +103,16 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
     about = _about(folder)
     names: list[str] = about.data["columns"]
     wanted = [k for k, name in enumerate(names) if keep is None or k == 0 or keep(name)]
-    segments = segments_of(folder)
-    lost = few(list(_missing([number for number, _ in segments])))
+    if segments is None:
+        segments = RunSegments.looked_up(folder, len(names))
+    lost = few(list(_missing(segments.numbers)))
     lost += _summary_losses(folder)
     torn: list[str] = []
     parts: dict[Path, NDArray[np.float64]] = {}
     periods_s: dict[Path, float] = {}
     at = names.index(PERIODS) if PERIODS in names else None
     held, to_s = 0, min(window.to_s, LONGEST_RUN_S)
-    for path in _within(segments, names, window):
+    for path in segments.within(window.from_s, window.to_s):
         rows, said = rows_of(path, names, wanted if at is None else [*wanted, at])
         periods_s[path] = _period_s(rows, None if at is None else rows[:, -1])
         rows = rows[:, : len(wanted)]
@@ -114,7 +124,7 @@ def read_table(window: RunWindow, keep: Callable[[str], bool] | None = None) -> 
             raise AffError(f"{window}: holds too much to be read at once; give a shorter window")
         parts[path] = inside
     if held == 0:
-        why = "; ".join(few([*torn, f"{_span(segments, names)}; give times of the run"]))
+        why = "; ".join(few([*torn, f"{segments.span}; give times of the run"]))
         raise AffError(f"{window}: holds no row; {why}")
     for path, said_of_it in _of_another_cycle(parts, periods_s):
         del parts[path]
@@ -222,11 +232,6 @@ def first_rows(folder: Path) -> tuple[Section, tuple[FirstRow, ...]]:
     )
 
 
-def segments_of(folder: Path) -> list[tuple[int, Path]]:
-    """Return the segments of a run that are there, each with its number."""
-    return sorted((int(m[1]), p) for p in folder.iterdir() if (m := _SEGMENT.fullmatch(p.name)))
-
-
 def few(sentences: Sequence[str]) -> list[str]:
     """Return the first ``MOST_SAID`` sentences, and how many more there are."""
     more = len(sentences) - MOST_SAID
@@ -300,33 +305,6 @@ def _summary_losses(folder: Path) -> Iterator[str]:
                 yield text.format(int(summary[key]))
     except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
         yield "summary.json cannot be read"
-
-
-def _within(
-    segments: Sequence[tuple[int, Path]], names: Sequence[str], window: RunWindow
-) -> Iterator[Path]:
-    """Yield the segments that may hold rows of the window; each ends where the next begins."""
-    starts = [_first_time(path, len(names)) for _, path in segments]
-    ends, end = [], math.inf
-    for start in reversed(starts):
-        ends.append(end)
-        end = end if start is None else start
-    for (_, path), start, end in zip(segments, starts, reversed(ends), strict=True):
-        if start is None or (start < window.to_s and (end > window.from_s or end < start)):
-            yield path
-
-
-def _first_time(path: Path, n_columns: int) -> float | None:
-    """Return the time of a segment's first row, None where there is none."""
-    row = first_row(path, n_columns)
-    return row[0] if row else None
-
-
-def _span(segments: Sequence[tuple[int, Path]], names: Sequence[str]) -> str:
-    starts = [s for _, p in segments if (s := _first_time(p, len(names))) is not None]
-    if not starts:
-        return "no segment of the run holds a row"
-    return f"the run's segments begin between {min(starts):g} s and {max(starts):g} s"
 
 
 def _odd_times(path: Path, time_s: NDArray[np.float64]) -> Iterator[str]:

@@ -16,7 +16,8 @@ import yaml
 
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.run_files import open_plain
-from aff_runtime.base.run_table import first_rows, read_table, segments_of
+from aff_runtime.base.run_segment import segments_of
+from aff_runtime.base.run_table import first_rows, read_table
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.telemetry.header import RingHeader
 from aff_runtime.telemetry.recorder_messages import RunContext

@@ -3,6 +3,7 @@
 import contextlib
 import gzip
 import json
+import math
 import os
 import resource
 import shutil
@@ -20,8 +21,9 @@ from aff_runtime.app.report.comparison.window import load_window
 from aff_runtime.base import run_files, run_segment, run_table
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.run_files import yaml_values
+from aff_runtime.base.run_segment import RunSegments
 from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import RunWindow, run_window
+from aff_runtime.base.run_window import run_window
 from sim_plant.refine.records import run_record
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.run_record import NEEDED
@@ -239,14 +241,16 @@ def test_a_run_that_takes_long_to_read_ends_in_words(run, monkeypatch):
         read_record(run)
 
 
-def test_many_segments_are_gone_through_once(monkeypatch):
+def test_many_segments_are_gone_through_once():
     """The start of the next was sought among all that follow, for each."""
-    monkeypatch.setattr(run_table, "_first_time", lambda path, _: float(path.name))
     count = 30_000
-    segments = [(k + 1, Path(str(k))) for k in range(count)]
-    window = RunWindow(folder=Path(), from_s=count - 2.5)
+    segments = RunSegments(
+        numbers=tuple(range(1, count + 1)),
+        paths=tuple(Path(str(k)) for k in range(count)),
+        starts_s=tuple(map(float, range(count))),
+    )
     with bounded():
-        found = list(run_table._within(segments, COLUMNS, window))
+        found = list(segments.within(count - 2.5, math.inf))
     assert [path.name for path in found] == [str(count - k) for k in (3, 2, 1)]
 
 

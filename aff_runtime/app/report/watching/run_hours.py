@@ -21,6 +21,7 @@ from aff_runtime.base.order_columns import RESPONSE_RATIO, SIZES, is_part
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.probe_columns import STAGE
 from aff_runtime.base.run_files import text_of, yaml_values
+from aff_runtime.base.run_segment import RunSegments
 from aff_runtime.base.run_table import (
     LONGEST_RUN_S,
     FirstRow,
@@ -90,6 +91,7 @@ class RunHours:
     hours : that have rows.
     times_s, lengths_m : (points,) times of the run's clock, and the web that ran until each.
     lost : sentences about what the run no longer has, or never had.
+    segments : when each begins, by the one look at them all.
     """
 
     folder: Path
@@ -102,6 +104,7 @@ class RunHours:
     hours: tuple[RecordedHour, ...]
     times_s: Array
     lengths_m: Array
+    segments: RunSegments
     lost: tuple[str, ...] = ()
 
     def utc(self, time_s: float) -> np.datetime64:
@@ -132,7 +135,7 @@ class RunHours:
     def _stretch(self, from_s: float, to_s: float, lost: dict[str, None]) -> Window | None:
         window = RunWindow(folder=self.folder, from_s=from_s, to_s=to_s)
         try:
-            table = read_table(window, keep=_is_needed)
+            table = read_table(window, keep=_is_needed, segments=self.segments)
         except AffError as error:  # a hole in the record, or a segment that cannot be read
             if OF_A_SEGMENT in str(error):
                 lost[str(error)] = None
@@ -172,7 +175,8 @@ def run_hours(folder: Path) -> RunHours:
     if not begins:
         raise AffError(f"{shown}: no segment of the run holds a row")
     site = _site(folder)
-    times, speeds, lost = _speeds(folder, begins, _speed_name(site))
+    segments = RunSegments.known(folder, {one.number: one.values["time_s"] for one in rows})
+    times, speeds, lost = _speeds(segments, begins, _speed_name(site), folder)
     segment_s = _segment_s(about)
     if other := other_line(about, word(site.section("line").get("name"))):
         raise AffError(f"{shown}: {other}")
@@ -187,6 +191,7 @@ def run_hours(folder: Path) -> RunHours:
         hours=_hours([one.values["time_s"] for one in begins], segment_s, float(times[-1])),
         times_s=times,
         lengths_m=_lengths(times, speeds),
+        segments=segments,
         lost=(*lost, *few(list(_odd(rows, begins))), *_unmapped(site, begins[0])),
     )
 
@@ -277,13 +282,13 @@ def _start(shown: str, about: Section) -> datetime:
 
 
 def _speeds(
-    folder: Path, begins: list[FirstRow], name: str
+    segments: RunSegments, begins: list[FirstRow], name: str, folder: Path
 ) -> tuple[Array, Array, tuple[str, ...]]:
     """Return times that rise, the line speed there (segments' begins, the last), what is lost."""
     points = [(one.values["time_s"], one.values.get(name, 0.0)) for one in begins]
     window = RunWindow(folder=folder, from_s=points[-1][0])
     keep: Callable[[str], bool] = name.__eq__
-    table = read_table(window, keep=keep)
+    table = read_table(window, keep=keep, segments=segments)
     last = table.columns
     every = max(1, last["time_s"].size // 100)
     tail = last.get(name, np.zeros_like(last["time_s"]))

@@ -21,7 +21,7 @@ from aff_runtime.app.report.parquet import (
     table,
     write_parquet,
 )
-from aff_runtime.app.report.watching.run_hours import RunHours
+from aff_runtime.app.report.watching.run_hours import HourRead, RecordedHour, RunHours
 from aff_runtime.app.report.watching.tables import (
     EXCHANGES,
     HOURS,
@@ -75,47 +75,65 @@ class Store:
     exchanges: Columns = field(default_factory=lambda: empty(EXCHANGES))
     thinned_utc: np.datetime64 = NEVER
 
-    def add(self, run: RunHours) -> Taken:
-        """Take every hour of a run that is not here yet, or was shorter.
+    def unread(self, run: RunHours) -> tuple[RecordedHour, ...]:
+        """Return the hours of a run that are not here yet, or were shorter.
 
         Raises
         ------
         ConfigError
             It is a run of another line.
         """
+        return tuple(one for one, is_new in self._told_apart(run) if is_new)
+
+    def add(self, run: RunHours, reads: Sequence[HourRead] | None = None) -> Taken:
+        """Take hours of a run that were read, by default all that are ``unread``.
+
+        Raises
+        ------
+        ConfigError
+            It is a run of another line.
+        """
+        told_apart = list(self._told_apart(run))
+        if reads is None:
+            reads = [run.read(one) for one, is_new in told_apart if is_new]
+        self.line = run.line
+        row_of, known, too_old = self._row_of(run), 0, 0
+        for one, is_new in told_apart:
+            at = row_of.get(one.hour)
+            too_old += not is_new and at is None
+            if not is_new and at is not None:
+                known += 1
+                self.hours["length_m"][at] = max(self.hours["length_m"][at], run.web_m(one))
+        self._replace(
+            run.run_id, [one.hour for one in reads], [row for one in reads for row in one.orders]
+        )
+        return Taken(
+            new=len(reads),
+            known=known,
+            too_old=too_old,
+            lacking=sum(bool(one.hour.lacks) for one in reads),
+            lost=tuple(dict.fromkeys(text for one in reads for text in one.lost)),
+        )
+
+    def _row_of(self, run: RunHours) -> dict[int, int]:
+        """Return which row each hour of a run has."""
+        ours = np.flatnonzero(self.hours["run_id"] == run.run_id)
+        return dict(zip(self.hours["hour"][ours].tolist(), ours.tolist(), strict=True))
+
+    def _told_apart(self, run: RunHours) -> Iterator[tuple[RecordedHour, bool]]:
+        """Yield every hour of a run, and whether it is to be read."""
         if self.line and run.line != self.line:
             raise ConfigError(
                 f"{run.folder}: a run of line {run.line}, the store is of {self.line}; nothing is "
                 "taken of it. Give each line a store of its own"
             )
-        self.line = run.line
-        ours = np.flatnonzero(self.hours["run_id"] == run.run_id)
-        row_of = dict(zip(self.hours["hour"][ours].tolist(), ours.tolist(), strict=True))
-        new: list[HourRow] = []
-        orders: list[OrderRow] = []
-        lost: dict[str, None] = {}
-        known = too_old = 0
+        row_of = self._row_of(run)
         for one in run.hours:
             at = row_of.get(one.hour)
-            if at is not None and one.covered_s <= self.hours["covered_s"][at] + LONGER_S:
-                known += 1
-                self.hours["length_m"][at] = max(self.hours["length_m"][at], run.web_m(one))
-                continue
-            if at is None and run.utc(one.from_s) <= self.thinned_utc:
-                too_old += 1
-                continue
-            read = run.read(one)
-            new.append(read.hour)
-            orders += read.orders
-            lost.update(dict.fromkeys(read.lost))
-        self._replace(run.run_id, new, orders)
-        return Taken(
-            new=len(new),
-            known=known,
-            too_old=too_old,
-            lacking=sum(bool(one.lacks) for one in new),
-            lost=tuple(lost),
-        )
+            if at is None:
+                yield one, bool(run.utc(one.from_s) > self.thinned_utc)
+            else:
+                yield one, bool(one.covered_s > self.hours["covered_s"][at] + LONGER_S)
 
     def exchange(self, roll: str, on: datetime, why: str) -> None:
         """Begin a new life of a roller; the same again changes nothing.

@@ -1,9 +1,8 @@
-"""Takes what is new of runs into a store, run by run: what was taken is kept whatever comes."""
+"""Takes what is new of runs into a store, hour by hour: what was read is kept whatever comes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from copy import deepcopy
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -11,7 +10,7 @@ from pathlib import Path
 from aff_runtime.app.report.watch_notes import Limits, WatchNotes, read_notes, write_notes
 from aff_runtime.app.report.watching import sentences
 from aff_runtime.app.report.watching.findings import findings
-from aff_runtime.app.report.watching.run_hours import run_hours
+from aff_runtime.app.report.watching.run_hours import HourRead, RunHours, run_hours
 from aff_runtime.app.report.watching.store import Store, alone, load_store, save_store
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.effort import bounded_effort
@@ -55,28 +54,44 @@ def take_runs(
         for one in runs:
             count += 1
             shown = printable(str(one))
-            try:
-                with bounded_effort(
-                    shown, ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES
-                ):
-                    run = run_hours(one)
-                    with_run = deepcopy(store)  # what ends in the middle of a run leaves no half
-                    taken = with_run.add(run)
-            except AffError as error:
+            run, reads, ended = _read(one, store)
+            if run is None or (ended and not reads):
                 refused += 1
-                complain(f"left out: {error}")
+                complain(f"left out: {ended}")
                 continue
-            store = with_run
+            taken = store.add(run, reads)
             say(f"{shown}: {sentences.taken(taken)}")
             for lost in few(list(dict.fromkeys((*run.lost, *taken.lost)))) if taken.new else ():
                 say(f"{shown}: {lost}")
             if taken.new:
                 save_store(folder, store)
+            if ended:
+                complain(
+                    f"not to its end: {ended} What was read of it is kept; the next "
+                    "`aff-runtime watch add` goes on there"
+                )
         notes: tuple[str, ...] = ()
         if store.line:
             save_store(folder, store)
             notes = _note(folder, store, limits)
     return TakenRuns(store=store, runs=count, refused=refused, notes=notes)
+
+
+def _read(folder: Path, store: Store) -> tuple[RunHours | None, list[HourRead], str]:
+    """Return a run, those of its hours that were read, and why that ended early, else nothing.
+
+    The store is not changed: what ends in the middle of an hour leaves no half of one.
+    """
+    run, reads = None, list[HourRead]()
+    shown = printable(str(folder))
+    try:
+        with bounded_effort(shown, ConfigError, seconds=LONGEST_S, memory_bytes=MEMORY_BYTES):
+            run = run_hours(folder)
+            for one in store.unread(run):
+                reads.append(run.read(one))
+    except AffError as error:
+        return run, reads, str(error)
+    return run, reads, ""
 
 
 def _note(folder: Path, store: Store, limits: Limits | None) -> tuple[str, ...]:

@@ -1,12 +1,17 @@
-"""Runs are taken whole or not at all."""
+"""Runs are taken hour by hour: one that ends early keeps what was read and goes on there."""
 
+import gzip
+import re
 import shutil
+import signal
 
+import numpy as np
 import pytest
 
 from aff_runtime.app.report.watching import taking
-from aff_runtime.app.report.watching.run_hours import run_hours
+from aff_runtime.app.report.watching.run_hours import READ_S, RunHours, run_hours
 from aff_runtime.app.report.watching.store import load_store
+from aff_runtime.base import run_segment
 from aff_runtime.base.errors import ConfigError
 from tests.doubles.virtual_weeks import Weeks, write_weeks
 
@@ -14,19 +19,20 @@ WEEKS = Weeks(r6_m=lambda km, _: 4e-5 + 1e-8 * km)
 
 
 class Torn:
-    """A run of which the second hour cannot be read."""
+    """A run of which an hour cannot be read, the second by default."""
 
-    def __init__(self, run):
+    def __init__(self, run, at=2):
         self._run = run
         self._read = 0
+        self._at = at
 
     def __getattr__(self, name):
         return getattr(self._run, name)
 
     def read(self, hour):
         self._read += 1
-        if self._read == 2:
-            raise ConfigError("segment 2 is torn")
+        if self._read == self._at:
+            raise ConfigError("segment 2 is torn.")
         return self._run.read(hour)
 
 
@@ -39,23 +45,47 @@ def take(folder, runs, said):
     return taking.take_runs(folder, runs, said.append, said.append)
 
 
-def test_a_run_that_fails_in_the_middle_leaves_the_store_as_it_was(runs, tmp_path, monkeypatch):
-    said = []
-    take(tmp_path / "store", runs[:1], said)
-    before = load_store(tmp_path / "store")
+def test_a_run_that_ends_in_the_middle_keeps_what_was_read_and_goes_on_there(
+    runs, tmp_path, monkeypatch
+):
+    said, read = [], []
     monkeypatch.setattr(taking, "run_hours", lambda folder: Torn(run_hours(folder)))
     found = take(tmp_path / "store", runs[1:], said)
-    assert (found.runs, found.refused) == (1, 1)
-    assert "segment 2 is torn" in said[-1]
-    after = load_store(tmp_path / "store")
-    assert after.hours["hour"].tolist() == before.hours["hour"].tolist()
-    assert after.orders["hour"].size == before.orders["hour"].size
+    assert (found.runs, found.refused) == (1, 0)
+    assert said[-1].startswith("not to its end: segment 2 is torn. What was read of it is kept")
+    assert load_store(tmp_path / "store").hours["hour"].tolist() == [0]
     monkeypatch.undo()
-    assert take(tmp_path / "store", runs[1:], said).refused == 0  # and it can be taken later
+    whole, one_by_one = RunHours.read, lambda run, hour: read.append(hour.hour) or whole(run, hour)
+    monkeypatch.setattr(RunHours, "read", one_by_one)
+    assert take(tmp_path / "store", runs[1:], said).refused == 0
+    assert read == [run_hours(runs[1]).hours[1].hour]  # the first is not read again
+    take(tmp_path / "at_once", runs[1:], said)
+    found, wanted = (load_store(tmp_path / name) for name in ("store", "at_once"))
+    for name in ("hours", "orders"):
+        for column, values in getattr(wanted, name).items():
+            assert np.array_equal(
+                getattr(found, name)[column], values, equal_nan=values.dtype.kind == "f"
+            )
+
+
+def test_a_run_that_takes_too_long_goes_on_where_it_was(runs, tmp_path, monkeypatch):
+    whole, read = RunHours.read, []
+
+    def slow(run, hour):
+        if read:
+            signal.raise_signal(signal.SIGALRM)  # what comes when the time is over
+        read.append(hour.hour)
+        return whole(run, hour)
+
+    monkeypatch.setattr(RunHours, "read", slow)
+    said = []
+    take(tmp_path / "store", runs[:1], said)
+    assert "takes more than 600 s to read" in said[-1]
+    assert load_store(tmp_path / "store").hours["hour"].tolist() == read == [0]
 
 
 def test_a_first_run_that_fails_does_not_give_the_store_its_line(runs, tmp_path, monkeypatch):
-    monkeypatch.setattr(taking, "run_hours", lambda folder: Torn(run_hours(folder)))
+    monkeypatch.setattr(taking, "run_hours", lambda folder: Torn(run_hours(folder), at=1))
     found = take(tmp_path / "store", runs[:1], [])
     assert found.refused == 1
     assert found.store.line == ""
@@ -81,3 +111,37 @@ def test_a_run_with_the_site_file_of_another_line_is_left_out(runs, tmp_path):
     assert (found.refused, found.store.line) == (1, "")
     assert "left out: " in said[-1]
     assert "its site.yaml is of line Film, its run.yaml of Weeks" in said[-1]
+
+
+SECONDS = 10_000
+"""Of the run below, a segment each: hours 0, 1 and a part of 2."""
+
+
+@pytest.fixture(scope="module")
+def in_pieces(runs, tmp_path_factory):
+    """A run in 10 000 segments of two rows."""
+    run = shutil.copytree(runs[0], tmp_path_factory.mktemp("pieces") / "run")
+    for segment in run.glob("signals-*"):
+        head = gzip.decompress(segment.read_bytes()).split(b"\n")[0]
+        segment.unlink()
+    about = run / "run.yaml"
+    about.write_text(re.sub(r"(?m)^segment_s: .*$", "segment_s: 1.0", about.read_text()))
+    rest = b",0" * head.count(b",")
+    for number in range(SECONDS):
+        rows = b"".join(b"%.1f%s\n" % (number + half, rest) for half in (0.0, 0.5))
+        content = gzip.compress(head + b"\n" + rows, compresslevel=1)
+        (run / f"signals-{number + 1:04d}.csv.gz").write_bytes(content)
+    return run
+
+
+def test_the_segments_of_a_run_are_looked_at_once(in_pieces, tmp_path, monkeypatch):
+    """Each of up to three looks at an hour opened them all again."""
+    opened, whole = [], run_segment.open_plain
+    monkeypatch.setattr(
+        run_segment, "open_plain", lambda path: opened.append(path.name) or whole(path)
+    )
+    said = []
+    assert take(tmp_path / "store", [in_pieces], said).refused == 0
+    assert load_store(tmp_path / "store").hours["covered_s"].sum() == pytest.approx(SECONDS, abs=5)
+    looks = 3 * 3 * (READ_S + 2)  # at three places of three hours, a segment more at either end
+    assert SECONDS <= len(opened) <= SECONDS + looks + 10
