@@ -2,6 +2,10 @@
 
 A correction computed in one tick is sent in the next, is taken by a scan of the PLC after that,
 and acts until the following scan. A record's row is sampled before its correction acts.
+
+A scan that no row shows takes the command that was sent last, as every scan does. In a tick that
+was missed nothing was sent: the first scan after a row takes what that row's own exchange left
+with the PLC, and all take it until the next exchange, whose row shows it.
 """
 
 from __future__ import annotations
@@ -11,11 +15,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from aff_runtime.base.signals import Outcome
 from sim_plant.base.arrays import Array
-from sim_plant.refine.records.run_grid import Rows
+from sim_plant.refine.records.run_grid import Flags, Rows
 
 LEAST_COUNT = 1e-12
 """SI per count of the word; a smaller one is not worth rounding to."""
+SAME_SCAN = 1e-3
+"""Of a scan; stamps this close are of the same one."""
 USUAL_CYCLES = 2
 """From a snapshot to the scan whose output has its correction: sent one tick later, and then the
 scan after that takes it."""
@@ -84,3 +91,33 @@ def _at_tick(sent: Array, tick: Array, wanted: Array) -> Array:
     """Return what was decided in each wanted tick; of one that is missing, the last before it."""
     at = np.searchsorted(tick, wanted, side="right") - 1
     return np.where(at >= 0, sent[np.maximum(at, 0)], 0.0)
+
+
+def sent_unseen(columns: Mapping[str, Array], rows: Rows) -> Flags:
+    """Return per row (scans,) whether a scan before it may have taken a command that none shows.
+
+    That is where an exchange between it and the row before failed, showed a scan that is left out,
+    or is of a row that is lost. An exchange that showed no new scan came before those missing.
+    """
+    waited = (columns["outcome"] == Outcome.OK) & ~(columns["fresh"] > 0)
+    other = np.concatenate(([0], np.cumsum(~waited)))
+    unseen = np.zeros(rows.shape, dtype=np.bool_)
+    between = other[rows[1:]] - other[rows[:-1] + 1]
+    lost = np.diff(columns["tick"][rows]) > np.diff(rows)
+    unseen[1:] = (between > 0) | lost
+    return unseen
+
+
+def on_grid(values: Array, taken_s: Array, grid: Array, *, scan_s: float, unseen: Flags) -> Array:
+    """Return what acted from every sample of a grid (samples,) on, s as ``taken_s``.
+
+    ``values``, ``taken_s`` : what acted from each scan with a row on, and when that was (scans,).
+    Where a scan that no row shows may have taken an ``unseen`` command, what lies on a straight
+    line between its neighbours stands in.
+    """
+    newest = np.searchsorted(taken_s, grid + 1e-9, side="right") - 1
+    following = np.minimum(newest + 1, values.size - 1)
+    shown = grid - taken_s[newest] < (1.0 - SAME_SCAN) * scan_s
+    between = np.interp(grid, taken_s, values)
+    held = np.where(unseen[following], between, values[following])
+    return np.where(shown, values[newest], held)

@@ -22,7 +22,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recorded_only import filled
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_activity import Activity, activity_of
-from sim_plant.refine.records.run_delivery import Delivered, delivered
+from sim_plant.refine.records.run_delivery import Delivered, delivered, on_grid, sent_unseen
 from sim_plant.refine.records.run_grid import (
     Break,
     Rows,
@@ -233,16 +233,18 @@ def _on_grid(
     # per sample of the grid, the newest row that was there
     newest = np.searchsorted(taken_s, grid + 1e-9, side="right") - 1
     acted = _acted(table.columns, site, rows, scans.cycle_s)
+    unseen = sent_unseen(table.columns, rows)
+    going = {}
     for name, correction in acted.items():
-        suffix = site.actuators[name].suffix
-        columns[f"{CORRECTION}{name}_{suffix}"] = correction.values[newest]
+        going[name] = on_grid(correction.values, taken_s, grid, scan_s=scans.scan_s, unseen=unseen)
+        columns[f"{CORRECTION}{name}_{site.actuators[name].suffix}"] = going[name]
         said.append(f"corrections of {name}: {correction.how}")
     zeros = {n: float(v[0]) for n, v in columns.items() if n.endswith("_rad")}
     columns |= {name: columns[name] - zero for name, zero in zeros.items()}
     speed = columns.get(site.speed, columns.get(DEFAULT_SPEED, np.zeros(grid.size)))
     activity = activity_of(
         {n: v[rows][newest] for n, v in table.columns.items() if _of_service(n)},
-        [correction.values[newest] for correction in acted.values()],
+        list(going.values()),
         speed,
         scans.step_s,
     )

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from sim_plant.refine.records.run_delivery import delivered
+from aff_runtime.base.signals import Outcome
+from sim_plant.refine.records.run_delivery import delivered, on_grid, sent_unseen
 
 ROWS = np.arange(40)
 TICK = np.arange(1.0, 41.0)
@@ -65,3 +66,49 @@ def test_a_missed_tick_sent_nothing_new():
     found = of(table, rows=np.arange(39))
     at = int(np.flatnonzero(table["tick"] == 23.0)[0])  # wants tick 21, which is not there
     assert found.values[at] == pytest.approx(SENT[19])
+
+
+SCAN_S = 0.005
+FIVE_SCANS = np.array([0.0, 1.0, 4.0]) * SCAN_S
+ACTED = np.array([1.0, 2.0, 8.0])
+
+
+def filled(unseen=(False, False, False), grid=None):
+    grid = np.arange(5) * SCAN_S if grid is None else grid
+    return on_grid(ACTED, FIVE_SCANS, grid, scan_s=SCAN_S, unseen=np.array(unseen)).tolist()
+
+
+def test_scans_of_missed_ticks_take_what_the_next_row_shows():
+    # nothing was sent between the second row and the third: one command for all scans after it
+    assert filled() == [1.0, 2.0, 8.0, 8.0, 8.0]
+
+
+def test_scans_in_which_another_command_may_have_come_lie_between_their_neighbours():
+    assert filled((False, False, True)) == pytest.approx([1.0, 2.0, 4.0, 6.0, 8.0])
+
+
+def test_within_its_scan_a_row_counts_and_after_the_last_one_too():
+    grid = np.array([0.4, 1.9, 2.1, 4.5, 5.5]) * SCAN_S
+    assert filled(grid=grid) == [1.0, 2.0, 8.0, 8.0, 8.0]
+
+
+def exchanges(**more):
+    """Return columns of eight good rows."""
+    given = {"tick": np.arange(8.0), "outcome": np.full(8, float(Outcome.OK)), "fresh": np.ones(8)}
+    return given | more
+
+
+def test_an_exchange_that_failed_or_whose_row_is_lost_may_have_sent_what_no_row_shows():
+    outcome = np.full(8, float(Outcome.OK))
+    outcome[3] = float(Outcome.TIMEOUT)
+    good = np.array([0, 1, 2, 4, 5, 6, 7])
+    assert np.flatnonzero(sent_unseen(exchanges(outcome=outcome), good)).tolist() == [3]
+    lost = np.array([0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 7.0, 8.0])
+    assert np.flatnonzero(sent_unseen(exchanges(tick=lost), np.arange(8))).tolist() == [5]
+
+
+def test_an_exchange_that_showed_no_new_scan_was_before_those_that_are_missing():
+    fresh = np.array([1.0, 1.0, 1.0, 0.0, 1.0, 1.0, 1.0, 1.0])
+    good = np.flatnonzero(fresh)
+    assert not sent_unseen(exchanges(fresh=fresh), good).any()
+    assert not sent_unseen(exchanges(), np.arange(8)).any()

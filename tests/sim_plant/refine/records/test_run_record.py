@@ -63,6 +63,25 @@ def test_readings_and_corrections_are_those_of_the_plant_sample_by_sample(made):
     assert applied == pytest.approx(truth[shift : shift + rows, 1], abs=1.1e-5)
 
 
+def test_in_ticks_that_were_missed_the_correction_is_still_that_of_the_plant(tmp_path):
+    run = RecordedRun(files(tmp_path, [OUT_OF_ROUND], cycle_ms=10), tmp_path / "runs")
+    truth, bench = [], run.bench
+    bench.plant.observers.append(lambda plant: truth.append(plant.applied_m_s["unwind"]))
+    bench.run(8.0)
+    bench.arm(1.0)
+    for missed in (1, 2, 4, 1, 3) * 3:
+        bench.clock.advance_ns((missed + 1) * bench.period_ns)  # held up before it could tick
+        bench.run(0.8)
+    record = read_record(run.end())
+    assert said_of(record, "33 ticks were missed")
+    assert said_of(record, "33 missing samples are filled in between")
+    applied, acted = record.columns[APPLIED], np.array(truth)
+    rows = record.samples - 4  # of which scan the first row is, is not asked here
+    errors = [np.max(np.abs(applied[:rows] - acted[k : k + rows])) for k in range(4)]
+    assert np.ptp(applied) > 0.01
+    assert min(errors) < 1.1e-5  # a count
+
+
 @pytest.mark.parametrize("missing", ["plc_applied_unwind_m_s", "echo_age"])
 def test_the_correction_is_the_same_without_the_plcs_own_words(made, run, missing):
     whole = read_record(made[0]).columns[APPLIED]
