@@ -35,6 +35,12 @@ class JudgeCriteria:
         "beside something unknown, an effect that adds more to a record held out is not there",
         "what is there takes power away wherever it shows; right ones add up to 0.06 (cases)",
     )
+    mains_share: float = criterion(
+        0.004,
+        "of the frequency",
+        "how far from the fitted one the mains are sought in a record held out",
+        "a grid's steady state stays within 0.2 Hz of 50 Hz [ENTSO-E]",
+    )
     standing_power: float = criterion(
         0.1,
         "of the power of noise, mean of all channels but angles",

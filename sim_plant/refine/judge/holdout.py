@@ -20,6 +20,7 @@ from sim_plant.refine.fit.start_angles import (
     with_turned,
 )
 from sim_plant.refine.fit.start_states import changes_by_starts, with_start_state
+from sim_plant.refine.judge.frequencies import drifts, frequency_Hz, with_frequencies
 from sim_plant.refine.judge.moments import has_moments, with_moments
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
@@ -48,6 +49,7 @@ class Evaluation:
         (``turns_with``), and per location the age of a profile, the length of web that has left
         the roll since it was formed; all else is as fitted.
     moments : when events begin in this record, s or m of web, by "effect at location".
+    frequencies_Hz : those of the mains in this record, by the same.
     first : index of the first judged sample.
     travel_m : length of web that has passed, from the speed reference (samples,).
     """
@@ -65,6 +67,7 @@ class Evaluation:
     first: int
     travel_m: Array
     moments: Mapping[str, float] = field(default_factory=dict)
+    frequencies_Hz: Mapping[str, float] = field(default_factory=dict)
 
 
 def rms(channels: Sequence[str], residual: Array, first: int) -> Array:
@@ -89,7 +92,8 @@ def evaluate(
 
     ``shifts`` are changes of declared numbers as re-estimated with the effects. With
     ``find_angles`` what differs from record to record is found anew: start angles of rolls, ages
-    of profiles, moments of events. The start state of a run is found anew always.
+    of profiles, moments of events, the frequency of the mains. The start state of a run is found
+    anew always.
     """
     twin = pool.twins[0]
     runs = pool.run([Case(quick=False), Case(quick=False, seed=0)])
@@ -118,6 +122,7 @@ def evaluate(
         angles_rad=found.angles_rad,
         unwound_m=found.unwound_m,
         moments=found.moments,
+        frequencies_Hz=found.frequencies_Hz,
         first=first,
         travel_m=np.cumsum(np.abs(twin.speed_m_s)) * twin.declaration.sample_time_s,
     )
@@ -131,6 +136,7 @@ class OwnState:
     angles_rad: dict[str, float] = field(default_factory=dict)
     unwound_m: dict[str, float] = field(default_factory=dict)
     moments: dict[str, float] = field(default_factory=dict)
+    frequencies_Hz: dict[str, float] = field(default_factory=dict)
 
 
 def at_its_own_state(
@@ -140,15 +146,35 @@ def at_its_own_state(
 
     A moment is sought beside rolls that stand as in this record: of a roll at another angle more
     is left than of the event. So where there is both, the rolls are turned before that, and once
-    more beside the events at their moments. Last, the rolls that are wound are brought into step,
-    where that costs less: what another record asks of their radii held its own start radius too.
+    more beside the events at their moments. The frequency of the mains is sought beside rolls so
+    turned too, and its phase is turned with them. Last, the rolls that are wound are brought into
+    step, where that costs less: what another record asks of their radii held its own start radius
+    too.
     """
     first = OwnState(case=case)
-    if has_moments(case) and any(phased(effect) for effect in case.effects):
+    sought = has_moments(case) or any(drifts(effect) for effect in case.effects)
+    if sought and any(phased(effect) for effect in case.effects):
         first = _with_rolls(pool, measured, first, model)
+    first = _at_mains(pool, measured, first, model)
     effects, moments = with_moments(pool, measured, first.case, model)
     found = replace(first, case=replace(case, effects=effects), moments=moments)
     return _in_step(pool, measured, _with_rolls(pool, measured, found, model), model)
+
+
+def _at_mains(
+    pool: SimulationPool, measured: Array, found: OwnState, model: NoiseModel
+) -> OwnState:
+    """Return the state with the mains at their frequency in this record, if better."""
+    if not any(drifts(effect) for effect in found.case.effects):
+        return found
+    moved = replace(found.case, effects=with_frequencies(pool, measured, found.case, model))
+    there = _with_rolls(pool, measured, replace(found, case=moved), model)
+    as_it_was, anew = costs_of(pool, measured, model, [found.case, there.case])
+    best = there if anew < as_it_was else found
+    known = {
+        f"{e.effect} at {e.location}": frequency_Hz(e) for e in best.case.effects if drifts(e)
+    }
+    return replace(best, frequencies_Hz=known)
 
 
 def _in_step(

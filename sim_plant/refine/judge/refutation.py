@@ -86,4 +86,5 @@ def as_declared(evaluation: Evaluation) -> Evaluation:
         angles_rad={},
         unwound_m={},
         moments={},
+        frequencies_Hz={},
     )

@@ -207,6 +207,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         accepted=selection.accepted,
         angles=judged.angles_rad,
         unwound=judged.unwound_m,
+        mains=judged.frequencies_Hz,
         shifts=shifts,
         shown_shifts=max(SHOWN_SHIFTS, sum(row.is_outside for row in shifts)),
         keys={key for e in verdict.effects for key in e.parameters},
