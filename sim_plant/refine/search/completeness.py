@@ -10,7 +10,7 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import sure_fall
 from sim_plant.refine.search.unexplained import strongest_peak
-from sim_plant.refine.spectra.coordinates import Travel, periodic_support, spectra
+from sim_plant.refine.spectra.coordinates import Travel, is_periodic, periodic_support, spectra
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 COMPLETENESS = CRITERIA.search.completeness
@@ -64,6 +64,20 @@ def explains_own_spectral_lines(
         if partly and rest > NOISE_PEAK:
             return False
     return True
+
+
+def left_at_own_line(
+    objective: Objective, fit: Fit, travels: Sequence[Travel], h: Hypothesis
+) -> float:
+    """Return how much of the spectral line of one of its effects a fit leaves (chi2).
+
+    Less what noise leaves in the mean; 0 of an effect without a line, or where no more is left.
+    """
+    if not travels or not is_periodic(h):
+        return 0.0
+    left = remaining_spectra(objective, fit, travels)
+    noise = max(line.degrees for record in left for line in record)
+    return max(0.0, _strongest_support(h, travels, left) - noise)
 
 
 def leaves_much(objective: Objective, base: Fit, fit: Fit) -> bool:

@@ -18,7 +18,7 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.search.candidate import Progress, bic_penalty, sure_fall
-from sim_plant.refine.search.completeness import sure_excess
+from sim_plant.refine.search.completeness import left_at_own_line, sure_excess
 from sim_plant.refine.search.selection import ACCEPTANCE, AcceptedEffect, Selection, alike_margin
 
 EXCHANGE = CRITERIA.search.exchange
@@ -28,7 +28,9 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
     """Return the selection with every effect at the place where it explains most beside the rest.
 
     Places that explain as much are named with it; so is the place it is moved from, while the fit
-    leaves more than noise or has gained no more than the margin.
+    leaves more than noise or has gained no more than the margin. What the best place leaves at its
+    own spectral line is an error of the record or of the model: one of that size may as well be
+    at a rival, so one that leaves no more than twice as much there is named too.
     """
     fit, accepted = selection.fit, list(selection.accepted)
     for k in range(len(accepted)):
@@ -45,7 +47,10 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
                 progress(f"{here} is better told as {place} beside the others")
                 fit = other
         there = fit.hypotheses[k].key
-        alike = [place for place, other in tried if other.cost < fit.cost + margin]
+        known_to = max(
+            margin, left_at_own_line(objective, fit, selection.travels, fit.hypotheses[k])
+        )
+        alike = [place for place, other in tried if other.cost < fit.cost + known_to]
         # missing effects had favoured the first place; those still missing may favour the other
         undecided = selection.fit.cost < fit.cost + margin or leaves_more(objective, fit)
         if there != here and here not in alike and undecided:
@@ -59,6 +64,24 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
         gains = {place: was.cost - other.cost for place, other in tried}
         accepted[k] = scored_at(chosen, gains | {here: 0.0}) if there != here or alike else chosen
     return replace(selection, fit=fit, accepted=tuple(accepted))
+
+
+def with_rivals_at_own_line(objective: Objective, selection: Selection) -> Selection:
+    """Return the selection of a lone effect with the places named that its own line does not tell.
+
+    As in ``exchanged``, by the scores of the search: those behind by no more than what the
+    effect leaves at its own spectral line.
+    """
+    (found,) = selection.accepted
+    h = found.hypothesis
+    known_to = left_at_own_line(objective, selection.fit, selection.travels, h)
+    behind = [
+        place
+        for place, score in found.rejected
+        if place.effect == h.effect.name and found.score - score < known_to
+    ]
+    alike = tuple(dict.fromkeys([*found.ambiguous, *behind]))
+    return replace(selection, accepted=(replace(found, ambiguous=alike),))
 
 
 def scored_at(chosen: AcceptedEffect, gains: Mapping[EffectAt, float]) -> AcceptedEffect:

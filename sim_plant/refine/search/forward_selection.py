@@ -24,7 +24,7 @@ from sim_plant.refine.search.completeness import (
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised
 from sim_plant.refine.search.events import event_candidates, placed_anew
-from sim_plant.refine.search.exchange import exchanged, joined, pruned
+from sim_plant.refine.search.exchange import exchanged, joined, pruned, with_rivals_at_own_line
 from sim_plant.refine.search.free_terms import (
     PERIODIC_KINDS,
     explained_by_free_term,
@@ -143,8 +143,10 @@ def _with_events_placed_anew(
 
 def looked_over(objective: Objective, selection: Selection, progress: Progress) -> Selection:
     """Return the selection with its effects at their best places, without those not missed."""
-    if len(selection.accepted) < 2:
+    if not selection.accepted:
         return selection
+    if len(selection.accepted) == 1:
+        return with_rivals_at_own_line(objective, selection)
     progress("every effect elsewhere, and without it, beside the others")
     before = selection.fit.hypotheses
     selection = joined(objective, selection, progress)

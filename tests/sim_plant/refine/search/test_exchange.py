@@ -8,9 +8,16 @@ from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.twin import Case
-from sim_plant.refine.search.exchange import exchanged, joined, scored_at
+from sim_plant.refine.search.exchange import exchanged, joined, scored_at, with_rivals_at_own_line
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
-from tests.sim_plant.refine.small import STEP_S, formula_twin, line_with, objective_of, white
+from tests.sim_plant.refine.small import (
+    STEP_S,
+    formula_twin,
+    line_with,
+    objective_of,
+    travel_at,
+    white,
+)
 
 SAMPLES = 3000
 SPEED = 1.0 + 0.4 * np.sin(0.5 * STEP_S * np.arange(SAMPLES))
@@ -74,13 +81,13 @@ AHEAD = {"R1": 0.10, "R2": 0.20}
 """Radians by which an eccentric roller is seen earlier at the second cell."""
 
 
-def turning(case):
+def turning(case, turn=TURN):
     both = np.zeros((2, SAMPLES))
     for added in case.effects:
         given = dict(added.parameters)
         for row, ahead in enumerate((0.0, AHEAD.get(added.location, 2.0))):
-            both[row] += 1e5 * given["cos_m"] * np.cos(TURN + ahead)
-            both[row] += 1e5 * given["sin_m"] * np.sin(TURN + ahead)
+            both[row] += 1e5 * given["cos_m"] * np.cos(turn + ahead)
+            both[row] += 1e5 * given["sin_m"] * np.sin(turn + ahead)
     return both
 
 
@@ -194,3 +201,52 @@ def test_a_place_far_off_that_was_named_is_tried_again_beside_the_others():
     )
     (found,) = exchanged(objective, selection, lambda _text: None).accepted
     assert "R9" in [place.location for place in found.ambiguous]
+
+
+FASTER = 5.0 * STEP_S * np.arange(SAMPLES)
+"""Angle of an idler, rad: 24 turns in the record."""
+
+
+def at_r2_with(error_N):
+    """Return objective and selection of R2, found where the first cell shows more than it does.
+
+    The idler's 22 N are seen 0.1 rad apart by R1 and R2 at the second cell: R1 leaves 1.1 N in
+    quadrature on both, a chi-square of 2 (1.1^2 / 2) 2250 = 2.7e3. ``error_N`` in phase on one
+    cell leaves half of itself on both: a quarter of ``error_N``^2 by 2250.
+    """
+    first, second = (hypothesis(BY_NAME["eccentric_roller"], at, line=LINE) for at in AHEAD)
+    channels = ("pullroll_tension_N", "unwind_tension_N")
+    twin = formula_twin(lambda case: turning(case, FASTER), channels, SAMPLES, line=LINE)
+    true = twin.simulate(Case(effects=(second.added((2.2e-4, 0.0)),)))
+    error = error_N * np.stack([np.cos(FASTER), np.zeros(SAMPLES)])
+    objective = objective_of(twin, true + error + white((2, SAMPLES), 8))
+    fit, rival = (gauss_newton_fit(objective, (h,), ((2.2e-4, 0.0),), {}) for h in (second, first))
+    rest = SAMPLES - objective.whitening.noise[0].first
+    radius_m = LINE.rollers[LINE.body("R2")].radius_m
+    nominal = nominal_fit(objective, {})
+    score = nominal.cost - fit.cost
+    accepted = AcceptedEffect(
+        hypothesis=second,
+        score=score,
+        runner_up=first.key,
+        margin=rival.cost - fit.cost,
+        rejected=((first.key, score - (rival.cost - fit.cost)),),
+    )
+    return objective, Selection(
+        nominal=nominal,
+        fit=fit,
+        accepted=(accepted,),
+        travels=(travel_at(np.full(rest, 5.0 * radius_m), LINE),),
+        before=(),
+        after=(),
+    )
+
+
+@pytest.mark.parametrize(("error_N", "alike"), [(0.0, []), (1.0, []), (4.0, ["R1"])])
+def test_an_error_at_its_own_line_is_as_large_as_a_neighbour_may_be_behind(error_N, alike):
+    objective, selection = at_r2_with(error_N)
+    (alone,) = with_rivals_at_own_line(objective, selection).accepted
+    (beside,) = exchanged(objective, selection, lambda _text: None).accepted
+    for found in (alone, beside):
+        assert found.hypothesis.location == "R2"
+        assert [place.location for place in found.ambiguous] == alike
