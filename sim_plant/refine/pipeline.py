@@ -21,6 +21,7 @@ from sim_plant.refine.judge.refutation import (
     refuted,
     takes_little,
 )
+from sim_plant.refine.judge.rest import what_stays
 from sim_plant.refine.lacking import limits_of
 from sim_plant.refine.model.asked import asked_by
 from sim_plant.refine.model.hypotheses import library
@@ -89,10 +90,10 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         limits.append(not_confirmed(selection, judged.record, against))
         progress(limits[-1])
         selection, evaluation = withdrawn(selection), as_declared(evaluation)
-    while held and (weak := imitating(judged, selection, evaluation, plan.workers, progress)):
-        limits.append(weak.said)
-        progress(weak.said)
-        selection, evaluation = weak.selection, weak.evaluation
+    if held:
+        claimed = without_imitations(judged, selection, evaluation, plan.workers, progress)
+        selection, evaluation = claimed.selection, claimed.evaluation
+        limits += claimed.said
     verdict = verdict_of(
         selection,
         evaluation,
@@ -222,6 +223,40 @@ def begun(
     with SimulationPool([shown.twin], workers, progress) as pool:
         found = evaluate(pool, shown.measured, there, shifts, find_angles=False)
     return Begun(moment=moments[0], evaluation=found)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Claimed:
+    """What is claimed after imitations were left out, and a sentence on each."""
+
+    selection: Selection
+    evaluation: Evaluation
+    said: tuple[str, ...] = ()
+
+
+def without_imitations(
+    judged: Recorded,
+    selection: Selection,
+    evaluation: Evaluation,
+    workers: int,
+    progress: Progress,
+) -> Claimed:
+    """Return what is claimed without effects that can be imitations, one after the other.
+
+    What an imitation explained has a cause that is not named. Where the record held out shows
+    surely more than noise without it, that is unknown, and the verdict says so.
+    """
+    said: list[str] = []
+    while weak := imitating(judged, selection, evaluation, workers, progress):
+        said.append(weak.said)
+        progress(weak.said)
+        selection, evaluation = weak.selection, weak.evaluation
+    if said and leaves_much(evaluation):
+        stays = what_stays(judged.twin, evaluation)
+        said.append(f"unknown: what is left on {judged.record.path.name}: {stays.text}")
+        progress(said[-1])
+        selection = replace(selection, unknown=(stays,))
+    return Claimed(selection=selection, evaluation=evaluation, said=tuple(said))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -8,8 +8,9 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.pipeline import Recorded, imitating
+from sim_plant.refine.pipeline import Recorded, imitating, without_imitations
 from sim_plant.refine.records.recording import Recording
+from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, one_peak, quiet
 
@@ -20,21 +21,22 @@ DRAGS = [
 ]
 
 
-def held_out():
-    """A record in which no drag begins, with twice the power of noise left."""
+def held_out(noise=2.0**0.5, sine_N=0.0):
+    """A record in which no drag begins, with noise of this size, and a sine of 0.9 Hz."""
     twin = formula_twin(lambda _case: np.zeros((1, SAMPLES)), ["unwind_tension_N"], SAMPLES)
-    force = np.sqrt(2.0) * np.random.default_rng(3).standard_normal(SAMPLES)
+    force = noise * np.random.default_rng(3).standard_normal(SAMPLES)
+    force += sine_N * np.sin(2.0 * np.pi * 0.9 * 0.01 * np.arange(SAMPLES))
     columns = {"unwind_tension_N": force}
     record = Recording(path=Path("B"), sha256="", sample_time_s=0.01, columns=columns)
     return Recorded(record=record, twin=twin)
 
 
-def of_both(moments):
+def of_both(moments, after=2.0**0.5):
     one = np.ones(1)
     return Evaluation(
         channels=("unwind_tension_N",),
-        before=np.sqrt(2.0) * one,
-        after=np.sqrt(2.0) * one,
+        before=after * one,
+        after=after * one,
         floor=one,
         measured=np.zeros((1, SAMPLES)),
         declared=np.zeros((1, SAMPLES)),
@@ -53,11 +55,22 @@ def of_both(moments):
 )
 def test_an_event_that_the_record_does_not_have_is_no_imitation_of_what_is_left(there, left_out):
     """R7 explains less of the fitted record than R5; none takes power from this one."""
+    evaluation = of_both({f"bearing_drag at {place}": 40.0 for place in there})
+    found = imitating(held_out(), both_drags(), evaluation, 1, quiet)
+    if left_out is None:
+        assert found is None
+    else:
+        assert found is not None
+        assert f"bearing_drag at {left_out}" in found.said
+
+
+def both_drags():
+    """R5 and R7 as they were found on the fitted record."""
     accepted = tuple(
         AcceptedEffect(hypothesis=h, score=score, runner_up=None, margin=score, rejected=())
         for h, score in zip(DRAGS, (900.0, 600.0), strict=True)
     )
-    selection = Selection(
+    return Selection(
         nominal=fit_of(cost=1e4),
         fit=fit_of(*DRAGS),
         travels=(),
@@ -66,10 +79,30 @@ def test_an_event_that_the_record_does_not_have_is_no_imitation_of_what_is_left(
         accepted=accepted,
         ranges=({}, {}),
     )
-    evaluation = of_both({f"bearing_drag at {place}": 40.0 for place in there})
-    found = imitating(held_out(), selection, evaluation, 1, quiet)
-    if left_out is None:
-        assert found is None
-    else:
-        assert found is not None
-        assert f"bearing_drag at {left_out}" in found.said
+
+
+@pytest.mark.parametrize(
+    ("noise", "sine_N", "kind"), [(1.0, 4.0, "time"), (2.0, 0.0, "broadband"), (1.0, 0.0, None)]
+)
+def test_what_an_imitation_leaves_is_unknown_where_the_record_shows_it(noise, sine_N, kind):
+    """16 / 2 of the power of noise in a sine, 3 in noise; without either nothing is left."""
+    judged = held_out(noise, sine_N)
+    begun = {"bearing_drag at R5": 40.0, "bearing_drag at R7": 40.0}
+    evaluation = of_both(begun, max(2.0, noise**2 + 0.5 * sine_N**2) ** 0.5)
+    found = without_imitations(judged, both_drags(), evaluation, 1, quiet)
+    (claimed,) = found.selection.accepted
+    assert claimed.hypothesis.location == "R5"
+    verdict = verdict_of(found.selection, found.evaluation, "B")
+    assert verdict.answer == ("traced" if kind is None else "unknown")
+    assert [u.kind for u in found.selection.unknown] == ([] if kind is None else [kind])
+    assert len(found.said) == 1 + (kind is not None)
+    if kind == "time":
+        (stays,) = found.selection.unknown
+        assert stays.coordinate["frequency_Hz"] == pytest.approx(0.9, abs=0.04)  # half a bin
+
+
+def test_without_an_imitation_what_is_left_is_no_unknown():
+    evaluation = of_both({})
+    selection = both_drags()
+    found = without_imitations(held_out(), selection, evaluation, 1, quiet)
+    assert (found.selection, found.evaluation, found.said) == (selection, evaluation, ())
