@@ -15,6 +15,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import EffectEntry
+from sim_plant.refine.fit.roll_synchronisation import shifts_in_step
 from sim_plant.refine.model.hypotheses import turned
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case, Twin
@@ -41,8 +42,9 @@ def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]
     """Return the twin with its declared effects as they stood when the record began.
 
     A declaration's angles are those of the record it was made from; on every other one the rolls
-    begin elsewhere. Also returned: by how much they are turned, rad, per location; none, and the
-    twin as it was, where nothing declared has an angle or the line does not run with it.
+    begin elsewhere. They are sought with wound rolls in step with recorded angles, as the fit has
+    them. Also returned: by how much they are turned, rad, per location; none, and the twin as it
+    was, where nothing declared has an angle or the line does not run with it.
 
     Parameters
     ----------
@@ -65,6 +67,8 @@ def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]
     if not all(np.isfinite(run[0]).all() for run in runs):
         return twin, {}
     model = declared_noise(bare, (runs[1][0] - runs[0][0])[None])
+    # out of step a roll is turned by half of what it loses: its angle would be that of the middle
+    case = replace(case, shifts=shifts_in_step(pool, measured, case, model.first))
     effects, angles = start_angles(pool, measured, case, model)
     return _with_effects(twin, (*others, *(e.entry() for e in effects))), angles
 

@@ -8,6 +8,7 @@ from sim_plant.line.declaration import EffectEntry
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.fit.start_angles import at_start_angles, phased
 from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
+from tests.sim_plant.refine.small import formula_twin, line_with
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
 SAMPLES = 1500
@@ -68,3 +69,41 @@ def test_a_profile_declared_without_an_angle_is_turned_too():
 def test_an_angle_makes_an_effect_one_that_is_turned():
     assert phased(Added("eccentric_roller", "R6", (("cos_m", 1e-4),)))
     assert not phased(Added("loop_delay", "unwind", (("delay_s", 0.05),)))
+
+
+ROWS = 4000
+RADIUS = "rollers.unwind.effective_radius"
+TURN_RAD = 0.05 * np.arange(ROWS)
+"""Of the declared unwind at 100 Hz: 32 turns in 40 s."""
+
+
+def lump_of_smaller_roll(case):
+    """Angle of the unwind, and a tension of its lump; a smaller radius turns it the faster."""
+    theta = TURN_RAD / (1.0 + dict(case.shifts).get(RADIUS, 0.0))
+    force = np.zeros(ROWS)
+    for added in case.effects:
+        force += 20.0 * np.cos(theta + dict(added.parameters)["angle_rad"])
+    return np.stack([theta, force])
+
+
+@pytest.mark.parametrize("shift", [-0.004, 0.0, 0.003])
+def test_a_declared_profile_is_turned_with_its_roll_in_step(shift):
+    """0.4 % of 200 rad are 0.8 rad at the end: out of step the angle is off by half of that."""
+    declared, true = (lump(angle_rad) for angle_rad in (0.4, 1.9))
+    channels = ("unwind_angle_rad", "unwind_tension_N")
+    line = line_with({RADIUS: 0.01, "*": 0.0}, effects=(declared,))
+    there = formula_twin(lump_of_smaller_roll, channels, ROWS, noise_sd=(1e-3, 1.0), line=line)
+    added = Added(true.effect, true.location, tuple(true.parameters.items()))
+    case = Case(effects=(added,), shifts=((RADIUS, shift),), seed=5)
+    found, angles = at_start_angles(there, there.simulate(case))
+    (entry,) = found.declaration.effects
+    assert entry.parameters["angle_rad"] == pytest.approx(1.9, abs=0.03)
+    assert angles["unwind"] == pytest.approx(1.5, abs=0.03)
+
+
+def lump(angle_rad):
+    return EffectEntry(
+        effect="out_of_round_roll",
+        location="unwind",
+        parameters={"shape": "flat", "size_m": 0.01, "angle_rad": angle_rad},
+    )
