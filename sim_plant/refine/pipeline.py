@@ -21,7 +21,7 @@ from sim_plant.refine.judge.refutation import (
     refuted,
     takes_little,
 )
-from sim_plant.refine.judge.rest import what_stays
+from sim_plant.refine.judge.rest_shown import rest_shown
 from sim_plant.refine.lacking import limits_of
 from sim_plant.refine.model.asked import asked_by
 from sim_plant.refine.model.hypotheses import library
@@ -46,6 +46,7 @@ from sim_plant.refine.report.verdict import Verdict
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
 from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
+from sim_plant.refine.search.unexplained import line_or_broadband
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -252,7 +253,8 @@ def without_imitations(
         progress(weak.said)
         selection, evaluation = weak.selection, weak.evaluation
     if said and leaves_much(evaluation):
-        stays = what_stays(judged.twin, evaluation)
+        after, strength = rest_shown(judged.twin, evaluation)
+        stays = line_or_broadband([after], strength, strength)
         said.append(f"unknown: what is left on {judged.record.path.name}: {stays.text}")
         progress(said[-1])
         selection = replace(selection, unknown=(stays,))

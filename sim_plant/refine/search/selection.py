@@ -13,7 +13,7 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import Spectra
-from sim_plant.refine.search.unexplained import Unknown, periodic_left
+from sim_plant.refine.search.unexplained import Unknown, line_or_broadband
 from sim_plant.refine.spectra.coordinates import Travel, is_periodic, orders_of
 
 ACCEPTANCE = CRITERIA.search.acceptance
@@ -238,11 +238,8 @@ def withdrawn(selection: Selection) -> Selection:
     )
     if selection.unknown:
         return bare
-    left = periodic_left(selection.before, excess=0.0)
-    if left is None:
-        explained = selection.nominal.cost - selection.fit.cost
-        left = Unknown(kind="broadband", strength=explained, coordinate={})
-    return replace(bare, unknown=(left,))
+    explained = selection.nominal.cost - selection.fit.cost
+    return replace(bare, unknown=(line_or_broadband(selection.before, 0.0, explained),))
 
 
 def without_accepted(selection: Selection, at: int) -> Selection:

@@ -128,6 +128,14 @@ def periodic_left(after: Sequence[Sequence[SpectralLines]], excess: float) -> Un
     return None
 
 
+def line_or_broadband(
+    after: Sequence[Sequence[SpectralLines]], excess: float, strength: float
+) -> Unknown:
+    """Return what is left as its strongest free spectral line, else ``broadband``, this strong."""
+    found = periodic_left(after, excess)
+    return found or Unknown(kind="broadband", strength=strength, coordinate={})
+
+
 def outside_tolerance(conflict: PriorConflict) -> Unknown:
     """Return declared numbers beyond tolerance as what is left, of kind ``state``."""
     where: dict[str, float | str] = {

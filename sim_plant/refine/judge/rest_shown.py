@@ -1,4 +1,4 @@
-"""What stays of a record held out when an effect is left out and nothing stands in its place."""
+"""What a record held out shows beyond the effects that are claimed."""
 
 from __future__ import annotations
 
@@ -8,12 +8,12 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.judge.refutation import STATES, left
 from sim_plant.refine.model.twin import Case, Twin
-from sim_plant.refine.search.unexplained import Unknown, periodic_left
 from sim_plant.refine.spectra.coordinates import spectra, travel_of
+from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 
-def what_stays(twin: Twin, evaluation: Evaluation) -> Unknown:
-    """Return the strongest spectral line of what is left there, or ``broadband`` without one.
+def rest_shown(twin: Twin, evaluation: Evaluation) -> tuple[tuple[SpectralLines, ...], float]:
+    """Return the spectra of what is left there, and its power beyond noise as a chi-square.
 
     Channels count by their noise floor and without their mean; angles and radii, whose start
     differs from record to record, do not.
@@ -23,7 +23,5 @@ def what_stays(twin: Twin, evaluation: Evaluation) -> Unknown:
     residual = (evaluation.measured - evaluation.amended)[judged, first:]
     white: Array = residual / evaluation.floor[judged, np.newaxis]
     white = white - white.mean(axis=1, keepdims=True)
-    strength = left(evaluation) * white.size
     travel = travel_of(twin, evaluation.measured, Case(effects=evaluation.effects), first)
-    found = periodic_left([spectra(travel, white)], excess=strength)
-    return found or Unknown(kind="broadband", strength=strength, coordinate={})
+    return tuple(spectra(travel, white)), left(evaluation) * white.size
