@@ -17,7 +17,7 @@ from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Recording
-from sim_plant.refine.report.announce import holdout_limits
+from sim_plant.refine.report.announce import holdout_limits, shared_angle
 from sim_plant.refine.report.folder import check_apart
 from sim_plant.refine.report.outcome import Plan
 
@@ -40,7 +40,7 @@ def lacking(plan: Plan, line: Declaration) -> Lacking:
             found.append(record)
             rows.append(_row(record, twin, is_held=is_held))
     together = _given_twice(fitted, held) or shared(fitted, held)
-    together += [*holdout_limits(held), *lines_of((*fitted, *held))]
+    together += [*shared_angle(fitted), *holdout_limits(held), *lines_of((*fitted, *held))]
     return Lacking(records=tuple(rows), together=tuple(together))
 
 

@@ -34,7 +34,7 @@ from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.aff_block import started_blocks, write_block
 from sim_plant.refine.report.amend import write_amended
-from sim_plant.refine.report.announce import announce, holdout_limits
+from sim_plant.refine.report.announce import announce, holdout_limits, shared_angle
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
 from sim_plant.refine.report.outcome import Begun, Outcome, Plan
@@ -76,6 +76,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     site = SiteFile.read(plan.site) if plan.site is not None else None
     fitted, held = read_all(plan, line.declaration)
     limits = limits_of([(f.record, f.twin) for f in fitted])
+    limits += shared_angle([f.record for f in fitted])
     limits += holdout_limits([h.record for h in held])
     records = tuple(recorded.record for recorded in (*fitted, *held))
     limits += [*shared([r.record for r in fitted], [h.record for h in held]), *lines_of(records)]

@@ -16,6 +16,20 @@ def holdout_limits(held: Sequence[Recording]) -> list[str]:
     return []
 
 
+def shared_angle(fitted: Sequence[Recording]) -> list[str]:
+    """Return what several fitted records keep from being claimed, as sentences.
+
+    Every record begins with its rolls elsewhere; the fit has one start angle of an effect for all.
+    """
+    if len(fitted) < 2:
+        return []
+    names = " and ".join(record.path.name for record in fitted)
+    return [
+        f"{names} are fitted with one start angle per effect: what turns with a roller is found "
+        "only where it began alike in all; give one of them, and hold another out"
+    ]
+
+
 def announce(
     limits: Iterable[str], records: Iterable[Recording], progress: Callable[[str], None]
 ) -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.records.recording import Recording
-from sim_plant.refine.report.announce import announce, holdout_limits
+from sim_plant.refine.report.announce import announce, holdout_limits, shared_angle
 
 
 def record(name, *findings):
@@ -27,6 +27,13 @@ def test_the_number_of_held_out_records_limits_what_can_be_claimed(held, said):
 
 def test_one_held_out_record_limits_nothing():
     assert holdout_limits([record("h.csv")]) == []
+
+
+def test_several_fitted_records_have_one_start_angle_and_the_page_says_so():
+    assert shared_angle([record("a.csv")]) == []
+    (said,) = shared_angle([record("a.csv"), record("b.csv")])
+    assert said.startswith("a.csv and b.csv are fitted with one start angle per effect")
+    assert said.endswith("give one of them, and hold another out")
 
 
 def test_limits_are_said_first_then_what_is_odd_about_each_record():
