@@ -46,7 +46,8 @@ from sim_plant.refine.report.verdict import Verdict
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
 from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
-from sim_plant.refine.search.unexplained import line_or_broadband
+from sim_plant.refine.search.set_apart import wanders
+from sim_plant.refine.search.unexplained import Unknown, line_or_broadband
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -246,7 +247,8 @@ def without_imitations(
     """Return what is claimed without effects that can be imitations, one after the other.
 
     What an imitation explained has a cause that is not named. Where the record held out shows
-    surely more than noise without it, that is unknown, and the verdict says so.
+    surely more than noise without it, that is unknown, and the verdict says so. Beside an effect
+    that is never quite constant no spectral line is named: its changes have slow ones too.
     """
     said: list[str] = []
     while weak := imitating(judged, selection, evaluation, workers, progress):
@@ -256,6 +258,8 @@ def without_imitations(
     if said and leaves_much(evaluation):
         after, strength = rest_shown(judged.twin, evaluation)
         stays = line_or_broadband([after], strength, strength)
+        if any(wanders(accepted) for accepted in selection.accepted):
+            stays = Unknown(kind="broadband", strength=strength, coordinate={})
         said.append(f"unknown: what is left on {judged.record.path.name}: {stays.text}")
         progress(said[-1])
         selection = replace(selection, unknown=(stays,))

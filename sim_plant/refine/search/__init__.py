@@ -1,3 +1,3 @@
 """Forward selection: which effects explain the residual, one after another."""
 
-__all__ = ["candidate", "forward_selection", "selection"]
+__all__ = ["candidate", "forward_selection", "selection", "set_apart", "unexplained"]

@@ -1,5 +1,6 @@
 """Which of several effects may count as an imitation on the record held out."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -99,6 +100,18 @@ def test_what_an_imitation_leaves_is_unknown_where_the_record_shows_it(noise, si
     if kind == "time":
         (stays,) = found.selection.unknown
         assert stays.coordinate["frequency_Hz"] == pytest.approx(0.9, abs=0.04)  # half a bin
+
+
+def test_beside_slip_no_line_is_named_for_its_changes_have_slow_ones_of_their_own():
+    slip = hypothesis(BY_NAME["slip"], "swrap", line=LINE)
+    both = both_drags()
+    first = replace(both.accepted[0], hypothesis=slip, score=2e5)
+    selection = replace(both, accepted=(first, both.accepted[1]), fit=fit_of(slip, DRAGS[1]))
+    evaluation = of_both({"bearing_drag at R7": 40.0}, 3.0)
+    found = without_imitations(held_out(1.0, 4.0), selection, evaluation, 1, quiet)
+    (claimed,), (stays,) = found.selection.accepted, found.selection.unknown
+    assert claimed.hypothesis == slip
+    assert (stays.kind, dict(stays.coordinate)) == ("broadband", {})
 
 
 def test_without_an_imitation_what_is_left_is_no_unknown():
