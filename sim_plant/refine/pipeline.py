@@ -46,7 +46,7 @@ from sim_plant.refine.report.verdict import Verdict
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
 from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
-from sim_plant.refine.search.set_apart import wanders
+from sim_plant.refine.search.set_apart import has_large_wander
 from sim_plant.refine.search.unexplained import Unknown, line_or_broadband
 
 
@@ -258,7 +258,7 @@ def without_imitations(
     if said and leaves_much(evaluation):
         after, strength = rest_shown(judged.twin, evaluation)
         stays = line_or_broadband([after], strength, strength)
-        if any(wanders(accepted) for accepted in selection.accepted):
+        if any(has_large_wander(accepted) for accepted in selection.accepted):
             stays = Unknown(kind="broadband", strength=strength, coordinate={})
         said.append(f"unknown: what is left on {judged.record.path.name}: {stays.text}")
         progress(said[-1])

@@ -21,7 +21,7 @@ from sim_plant.refine.fit.projection import Inner
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import Candidate
 from sim_plant.refine.search.distinct_events import moment_of
-from sim_plant.refine.search.shifted_responses import Start, lasting
+from sim_plant.refine.search.shifted_responses import StartValues, lasting_response
 from sim_plant.refine.spectra.onset_filter import Axis, later
 
 EVENTS = CRITERIA.search.events
@@ -42,7 +42,7 @@ def ended_again(
     for c in places.values():
         h = c.hypothesis
         columns = objective.whitened_all(
-            [lasting(objective, axis, h, m) for m in moments.tolist()]
+            [lasting_response(objective, axis, h, m) for m in moments.tolist()]
         )
         inner = objective.projector.inner(residual, columns)
         begin, end, chi2 = _best_of_pairs(inner, moments, moments, slice(None), slice(None))
@@ -51,7 +51,9 @@ def ended_again(
     return found
 
 
-def best_episodes(objective: Objective, fit: Fit, c: Candidate, residual: Array) -> list[Start]:
+def best_episodes(
+    objective: Objective, fit: Fit, c: Candidate, residual: Array
+) -> list[StartValues]:
     """Return two starts: with the best beginning and end, and with that beginning and no end.
 
     The response is simulated at the candidate's own moment and shifted from there.
@@ -79,7 +81,7 @@ def best_episodes(objective: Objective, fit: Fit, c: Candidate, residual: Array)
     return [with_episode(c, begin, end - begin), with_episode(c, begin, FOREVER_S)]
 
 
-def with_episode(c: Candidate, later_s: float, hold_s: float) -> Start:
+def with_episode(c: Candidate, later_s: float, hold_s: float) -> StartValues:
     """Return the candidate's numbers with its moment ``later_s`` later and held for ``hold_s``."""
     h = c.hypothesis
     change = {h.moment: moment_of(c) + later_s, HOLD_S: hold_s}

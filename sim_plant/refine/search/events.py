@@ -28,7 +28,11 @@ from sim_plant.refine.search.screening import (
     sensitivities,
     sure_look,
 )
-from sim_plant.refine.search.shifted_responses import beginning, begun, with_number
+from sim_plant.refine.search.shifted_responses import (
+    hypothesis_beginning_at,
+    response_begun_at,
+    with_number,
+)
 from sim_plant.refine.spectra.onset_filter import (
     Axis,
     best_moments,
@@ -153,7 +157,9 @@ def _by_matched_filter(
         return []
     axis, white = axes[onset.unit], on_grid[onset.unit]
     parts = parts_of(axis)
-    columns = sensitivities(objective, fit, [beginning(h, part.middle) for part in parts])
+    columns = sensitivities(
+        objective, fit, [hypothesis_beginning_at(h, part.middle) for part in parts]
+    )
     candidates: list[Candidate] = []
     for part, column in zip(parts, columns, strict=True):
         if not np.isfinite(column).all():
@@ -162,7 +168,7 @@ def _by_matched_filter(
         response = objective.split(column[:, 0])[record]
         response = response[objective.whitening.noise[record].analogue]
         for chi2, moment in best_moments(axis, white, response, part, onset.unit):
-            start = beginning(h, moment).start
+            start = hypothesis_beginning_at(h, moment).start
             candidates.append(
                 Candidate(hypothesis=h, chi2_reduction=chi2, penalty=0.0, start=start)
             )
@@ -227,7 +233,9 @@ def _shifted(
     found: list[Candidate] = []
     for at in range(0, len(looks), AT_ONCE):
         some = looks[at : at + AT_ONCE]
-        columns = objective.whitened_all([begun(objective, axis, h, m) for h, m in some])
+        columns = objective.whitened_all(
+            [response_begun_at(objective, axis, h, m) for h, m in some]
+        )
         explained = objective.projector.explained(residual, columns)
         rows = zip(some, explained, strict=True)
         found += [
@@ -235,7 +243,7 @@ def _shifted(
                 hypothesis=h,
                 chi2_reduction=float(chi2),
                 penalty=0.0,
-                start=beginning(h, moment).start,
+                start=hypothesis_beginning_at(h, moment).start,
             )
             for (h, moment), chi2 in rows
         ]

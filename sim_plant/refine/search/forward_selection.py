@@ -50,13 +50,13 @@ from sim_plant.refine.search.selection import (
     accept,
     also_explained_by,
     at_noise_floor,
+    confirmed_scores,
     imitates,
     least_beside,
     preferred,
-    score,
     standing,
 )
-from sim_plant.refine.search.set_apart import Apart, own_spectral_lines, set_apart, wander_of
+from sim_plant.refine.search.set_apart import JudgedApart, own_spectral_lines, set_apart, wander_of
 from sim_plant.refine.search.unexplained import Unknown, what_is_left
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders, with_radii
 from sim_plant.refine.spectra.coordinates import is_periodic, rolls_along, travel_of
@@ -319,7 +319,7 @@ def best_of(
     progress: Progress,
     rivals: Sequence[FittedCandidate] = (),
     events: Sequence[Candidate] = (),
-    apart: Apart | None = None,
+    apart: JudgedApart | None = None,
     *,
     beside_half: bool = False,
 ) -> Extension | None:
@@ -339,11 +339,13 @@ def best_of(
     fitted = [*rivals, *fit_candidates(objective, base, tried, progress)]
     candidates = without_failed(candidates, tried, fitted)
     if apart is not None:
-        fitted = [apart.reweighted_candidate(c) for c in fitted]
+        fitted = [apart.re_evaluated_candidate(c) for c in fitted]
     if selection.accepted:
         fitted = [replace(c, told=told_by_record(weigh, c.fit)) for c in fitted]
         fitted = settling_conflict(weigh, base, fitted)
-    scored = score(judged, fitted, lambda fit: chi2_without_last(objective, fit, apart), progress)
+    scored = confirmed_scores(
+        judged, fitted, lambda fit: chi2_without_last(objective, fit, apart), progress
+    )
     extension = accept(judged, scored, candidates, progress)
     if extension is None or extension.accepted.score >= ACCEPTANCE.beyond_doubt:
         return extension
@@ -353,7 +355,7 @@ def best_of(
     return also_explained_by(extension, pair)
 
 
-def _looked_from(fit: Fit, apart: Apart | None) -> Fit:
+def _looked_from(fit: Fit, apart: JudgedApart | None) -> Fit:
     """Return the fit from which effects that are not periodic get their first look.
 
     Declared numbers may have moved to imitate the effect, so all but effective radii are back as
@@ -363,7 +365,7 @@ def _looked_from(fit: Fit, apart: Apart | None) -> Fit:
     return fit if apart is not None else replace(fit, shifts=rolling_only(fit.shifts))
 
 
-def chi2_without_last(objective: Objective, fit: Fit, apart: Apart | None = None) -> float:
+def chi2_without_last(objective: Objective, fit: Fit, apart: JudgedApart | None = None) -> float:
     """Return how much the cost rises without the last effect, all else fitted anew from here.
 
     With ``apart`` that is the cost apart from what those found leave by nature. Both are at the
@@ -378,12 +380,12 @@ def chi2_without_last(objective: Objective, fit: Fit, apart: Apart | None = None
         objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=2, quick=False
     )
     if apart is not None:
-        without, there = (apart.reweighted_fit(f, quick=False) for f in (without, there))
+        without, there = (apart.re_evaluated_fit(f, quick=False) for f in (without, there))
     return sure_fall(objective if apart is None else apart.objective, without, there)
 
 
 def _explains_own_spectral_lines(
-    objective: Objective, selection: Selection, fit: Fit, apart: Apart | None = None
+    objective: Objective, selection: Selection, fit: Fit, apart: JudgedApart | None = None
 ) -> bool:
     if apart is not None:
         return apart.explains_own_spectral_lines(fit)

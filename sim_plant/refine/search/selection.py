@@ -90,7 +90,8 @@ def alike_margin(explained: float) -> float:
     """Return by how much (chi2) a rival may be behind and still be the true one.
 
     Equation: max(margin, 4 e^2 X): a response that is wrong by the share e can shift the
-    difference of two candidates that explain X by 2 e sqrt(X dX)  [own].
+    difference of two candidates that explain X by 2 e sqrt(X dX); solved for dX it is 4 e^2 X
+    [own].
     """
     error = CRITERIA.search.exchange.model_error
     return max(ACCEPTANCE.margin, 4.0 * error**2 * explained)
@@ -123,20 +124,21 @@ def least_beside(selection: Selection, least: float) -> float:
         least,
         ACCEPTANCE.explained_share * explained,
         ACCEPTANCE.free_term_share * selection.chi2_of_free_terms,
-        sum(_wander(selection, f.hypothesis) * f.score for f in selection.accepted),
+        sum(_share_left(selection, f.hypothesis) * f.score for f in selection.accepted),
     )
 
 
-def _wander(selection: Selection, h: Hypothesis) -> float:
+def _share_left(selection: Selection, h: Hypothesis) -> float:
     """Return the share of what an effect explains that it leaves at any coordinate.
 
-    That is what its size wanders. And an outline of orders that no profile has is known on the
-    roll as it is: as the roll gets smaller the orders change, and leave something everywhere.
+    That is what its size wanders. And a shape that was fitted order by order, without a named
+    profile, is known at the present radius only: as the roll gets smaller its orders change, and
+    leave something everywhere.
     """
     own = {name for pair in h.effect.quadratures for name in (pair.cos, pair.sin)}
-    outlined = h.effect.profiles is not None and not own.isdisjoint(h.names)
+    has_free_orders = h.effect.profiles is not None and not own.isdisjoint(h.names)
     own_wander = 0.0 if selection.wander_is_free else h.effect.wander
-    return max(own_wander, ACCEPTANCE.explained_share if outlined else 0.0)
+    return max(own_wander, ACCEPTANCE.explained_share if has_free_orders else 0.0)
 
 
 def rank(fitted: Sequence[FittedCandidate]) -> list[FittedCandidate]:
@@ -149,18 +151,18 @@ def rank(fitted: Sequence[FittedCandidate]) -> list[FittedCandidate]:
     return list(best.values())
 
 
-def score(
+def confirmed_scores(
     selection: Selection,
     fitted: Sequence[FittedCandidate],
-    chi2_without: Callable[[Fit], float],
+    rise_without: Callable[[Fit], float],
     progress: Progress,
 ) -> list[FittedCandidate]:
     """Return fits, small scores limited to what is lost without the effect, best first.
 
-    ``chi2_without`` gives by how much the cost rises without the last effect of a fit. The first
-    that may be accepted so, and those within the margin of it, are weighed in this way, so that a
-    margin is between like and like; the scores of all others are no higher than theirs. Looks go
-    on until one passes: several imitations of one thing hide nothing behind them.
+    ``rise_without`` gives by how much the cost rises when the last effect of a fit is removed and
+    all else fitted again. Candidates are judged by it in order of score, until one passes and
+    ``most_looks`` were judged, so several imitations of one thing hide nothing behind them. All
+    others score no higher than the best judged, so that a margin is between like and like.
     """
     ranked = rank(fitted)
     looked_at: list[FittedCandidate] = []
@@ -173,7 +175,7 @@ def score(
             break
         seen = c
         if c.score < ACCEPTANCE.beyond_doubt:
-            seen = c.at_most(chi2_without(c.fit) - c.penalty)
+            seen = c.at_most(rise_without(c.fit) - c.penalty)
             if seen.score < least:
                 progress(f"  {h.key}: not missed when all else is fitted again")
         passed = passed or seen.score >= least
@@ -200,11 +202,11 @@ def accept(
     if best.score < least_score(selection, h, best.told, settles=best.settles):
         return None
     others = _others(scored, candidates)
-    runner_up, second = others[0] if others else (None, 0.0)
+    runner_up, second_score = others[0] if others else (None, 0.0)
     if (
         runner_up
         and best.score < ACCEPTANCE.weak
-        and best.score - second < ACCEPTANCE.margin
+        and best.score - second_score < ACCEPTANCE.margin
         and not is_periodic(h)
     ):
         progress(f"  {h.key}: weak, and not to be told from {runner_up}")
@@ -216,7 +218,7 @@ def accept(
         hypothesis=h,
         score=best.score,
         runner_up=runner_up,
-        margin=best.score - max(second, 0.0),
+        margin=best.score - max(second_score, 0.0),
         rejected=tuple(others[: ACCEPTANCE.reported_rejected]),
         ambiguous=tuple(dict.fromkeys(alike)),
     )
@@ -226,7 +228,7 @@ def accept(
 def withdrawn(selection: Selection) -> Selection:
     """Return the selection without its effects: what they explained is unknown.
 
-    Where something is unknown already, that stays what is named.
+    Where unknowns are named already, those stay.
     """
     bare = replace(
         selection,
@@ -264,11 +266,13 @@ def preferred(
     ``complete`` explain their own spectral lines, ``partial`` leave much of them. A complete one
     that explains less than a partial one gives way to that: it may be half of a pair.
     """
-    whole = min(complete, key=lambda e: e.fit.cost, default=None)
-    half = min(partial, key=lambda e: e.fit.cost, default=None)
-    if whole is not None and (half is None or whole.fit.cost < half.fit.cost):
-        return whole, True
-    return half, False
+    best_complete = min(complete, key=lambda e: e.fit.cost, default=None)
+    best_partial = min(partial, key=lambda e: e.fit.cost, default=None)
+    if best_complete is not None and (
+        best_partial is None or best_complete.fit.cost < best_partial.fit.cost
+    ):
+        return best_complete, True
+    return best_partial, False
 
 
 def at_noise_floor(selection: Selection, expected_cost: float, sure_excess: float) -> bool:
@@ -285,10 +289,10 @@ def at_noise_floor(selection: Selection, expected_cost: float, sure_excess: floa
 def imitates(effects: Sequence[AcceptedEffect], excess: float, nominal_excess: float) -> bool:
     """Return whether effects beside a spectral line leave too much to be more than an imitation.
 
-    What is left counts against what those without a spectral line explain, once it is
-    more than ``imitated_share`` of what there was without effects (``nominal_excess``):
-    ``remainder_share`` of a strong roll would be more than any delay explains. Both excesses are
-    chi-squares.
+    More is left than a fair share of what those without a spectral line explain, and than
+    ``imitated_share`` of what there was without effects (``nominal_excess``). The larger
+    ``remainder_share``, as `what_is_left` has it, would be too much beside a strong roll: more
+    than any delay explains. Both excesses are chi-squares.
     """
     beside = [e for e in effects if not is_periodic(e.hypothesis)]
     if not beside or len(beside) == len(effects):

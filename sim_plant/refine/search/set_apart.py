@@ -29,36 +29,36 @@ LOW_ORDERS = CRITERIA.search.free_terms.harmonics["angle"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Apart:
+class JudgedApart:
     """A selection, judged apart from the model error of its effects.
 
     Attributes
     ----------
     objective : their spectral lines are free terms, and so are slow changes of their sizes.
-    selection : the same effects and numbers, weighed by it.
+    selection : the same effects and numbers, judged by it.
     """
 
     objective: Objective
     selection: Selection
 
-    def reweighted_fit(self, fit: Fit, quick: bool = True) -> Fit:
-        """Return the fit with cost and residual weighed by ``objective``, nothing fitted again.
+    def re_evaluated_fit(self, fit: Fit, quick: bool = True) -> Fit:
+        """Return the fit with its cost and residual under ``objective``, nothing fitted again.
 
         ``quick``: simulated with the longer drive tick, for differences between fits.
         """
-        return _weighed(self.objective, fit, quick)
+        return _under(self.objective, fit, quick)
 
-    def reweighted_candidate(self, candidate: FittedCandidate) -> FittedCandidate:
-        """Return a candidate by what it explains when weighed by ``objective``."""
-        left = self.reweighted_fit(candidate.fit)
-        fall = sure_fall(self.objective, self.selection.fit, left)
-        return replace(candidate, chi2_reduction=fall)
+    def re_evaluated_candidate(self, candidate: FittedCandidate) -> FittedCandidate:
+        """Return a candidate by what it explains under ``objective``."""
+        fit_apart = self.re_evaluated_fit(candidate.fit)
+        explained = sure_fall(self.objective, self.selection.fit, fit_apart)
+        return replace(candidate, chi2_reduction=explained)
 
     def explains_own_spectral_lines(self, fit: Fit) -> bool:
         """Return whether ``fit`` explains a fair share of what is left apart from the lines."""
         base = self.selection
         return explains_own_spectral_lines(
-            self.objective, base.fit, base.after, base.travels, self.reweighted_fit(fit)
+            self.objective, base.fit, base.after, base.travels, self.re_evaluated_fit(fit)
         )
 
 
@@ -68,36 +68,38 @@ def set_apart(
     *,
     at_spectral_lines: bool,
     wander: Sequence[Changes] | None = None,
-) -> Apart | None:
+) -> JudgedApart | None:
     """Return the selection, judged apart from the model error of its effects.
 
     ``at_spectral_lines``: their spectral lines are free terms as well. ``wander``: the result of
     ``wander_of``; simulated here where it is not given. None where that decides nothing: their
     model error is too small to hide another effect.
     """
-    apart = apart_from_spectral_lines(objective, selection) if at_spectral_lines else None
-    weigh = objective if apart is None else apart
+    with_free_lines = (
+        apart_from_spectral_lines(objective, selection) if at_spectral_lines else None
+    )
+    target = objective if with_free_lines is None else with_free_lines
     if wander is None:
         wander = wander_of(objective, selection)
     if wander:
-        weigh = with_wander(weigh, wander)
-    if weigh is objective:
+        target = with_wander(target, wander)
+    if target is objective:
         return None
-    fit = _weighed(weigh, selection.fit, quick=False)
-    reweighted = replace(
+    fit = _under(target, selection.fit, quick=False)
+    judged = replace(
         selection,
-        nominal=_weighed(weigh, selection.nominal, quick=False),
+        nominal=_under(target, selection.nominal, quick=False),
         fit=fit,
-        after=remaining_spectra(weigh, fit, selection.travels),
+        after=remaining_spectra(target, fit, selection.travels),
         wander_is_free=bool(wander),
     )
-    return Apart(objective=weigh, selection=reweighted)
+    return JudgedApart(objective=target, selection=judged)
 
 
 def wander_of(objective: Objective, selection: Selection) -> list[Changes]:
     """Return what changes as the sizes of effects wander, one term per pair of intervals."""
-    at = [k for k, accepted in enumerate(selection.accepted) if wanders(accepted)]
-    return [change for k in at for change in wander_changes(objective, selection.fit, k)]
+    indices = [k for k, accepted in enumerate(selection.accepted) if has_large_wander(accepted)]
+    return [change for k in indices for change in wander_changes(objective, selection.fit, k)]
 
 
 def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Objective | None:
@@ -107,15 +109,15 @@ def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Obj
     error to hide another, or where free terms are there already.
     """
     explained = selection.nominal.cost - selection.fit.cost
-    lines = own_spectral_lines(selection)
+    spectral = own_spectral_lines(selection)
     free = any(terms is not None for terms in objective.whitening.basis)
-    if free or not lines or ACCEPTANCE.explained_share * explained <= ACCEPTANCE.score:
+    if free or not spectral or ACCEPTANCE.explained_share * explained <= ACCEPTANCE.score:
         return None
-    basis = [free_term_basis(lines, travel) for travel in selection.travels]
+    basis = [free_term_basis(spectral, travel) for travel in selection.travels]
     return conditioned_on(objective, basis)
 
 
-def wanders(found: AcceptedEffect) -> bool:
+def has_large_wander(found: AcceptedEffect) -> bool:
     """Return whether the size of an effect changes by more than may hide another."""
     return found.hypothesis.effect.wander * found.score > ACCEPTANCE.score
 
@@ -123,32 +125,33 @@ def wanders(found: AcceptedEffect) -> bool:
 def own_spectral_lines(selection: Selection) -> Sequence[Unknown]:
     """Return spectral lines of the accepted effects: the orders of a body, or a frequency.
 
-    Of a body all low orders, and each one of the effect that is not among those: a fine one, or
-    one that is not whole.
+    Of a body all low orders (one line of order 1: the free terms take those up to ``LOW_ORDERS``
+    with it), and each order of the effect that is not among them: a fine one, or one that is not
+    whole. The fine ones of a profile are its own and are left.
     """
     bodies = [roller.name for roller in selection.travels[0].declaration.rollers]
-    lines: list[Unknown] = []
+    spectral: list[Unknown] = []
     for accepted in selection.accepted:
         h = accepted.hypothesis
         in_time = shown_Hz(h, selection.travels[0])
         if in_time is not None:
-            lines.append(_line("time", {"frequency_Hz": in_time}))
+            spectral.append(_spectral_line("time", {"frequency_Hz": in_time}))
         elif orders_of(h, 1.0) and h.location in bodies:
-            lines.append(_line("angle", {"roll": h.location, "order": 1.0}))
-            at = selection.travels[0].declaration.rollers[bodies.index(h.location)]
-            lines += [
-                _line("angle", {"roll": h.location, "order": order})
-                for order in orders_of(h, at.radius_m)
+            spectral.append(_spectral_line("angle", {"roll": h.location, "order": 1.0}))
+            roller = selection.travels[0].declaration.rollers[bodies.index(h.location)]
+            spectral += [
+                _spectral_line("angle", {"roll": h.location, "order": order})
+                for order in orders_of(h, roller.radius_m)
                 if h.effect.profiles is None and not (order.is_integer() and order <= LOW_ORDERS)
             ]
-    return lines
+    return spectral
 
 
-def _line(kind: str, coordinate: dict[str, float | str]) -> Unknown:
+def _spectral_line(kind: str, coordinate: dict[str, float | str]) -> Unknown:
     return Unknown(kind=kind, coordinate=coordinate, strength=0.0)
 
 
-def _weighed(objective: Objective, fit: Fit, quick: bool) -> Fit:
+def _under(objective: Objective, fit: Fit, quick: bool) -> Fit:
     """Return the fit with the cost and residual that it has under ``objective``."""
     again = gauss_newton_fit(
         objective, fit.hypotheses, fit.values, fit.shifts, rounds=0, quick=quick

@@ -11,30 +11,34 @@ from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.screening import responses_of
 from sim_plant.refine.spectra.onset_filter import Axis, later, parts_of
 
-Start = tuple[float, ...]
+StartValues = tuple[float, ...]
 
 
-def begun(objective: Objective, axis: Axis, h: Hypothesis, moment: float) -> list[Array]:
+def response_begun_at(
+    objective: Objective, axis: Axis, h: Hypothesis, moment: float
+) -> list[Array]:
     """Return the response to an effect that begins at ``moment``, s: the nearest one, shifted.
 
-    (channels, samples) per record; all but that of ``h`` as simulated.
+    (channels, samples) per record; other records than that of ``h`` as simulated.
     """
     record = h.record or 0
     nearest = min((part.middle for part in parts_of(axis)), key=lambda m: abs(m - moment))
-    change = list(responses_of(objective, beginning(h, nearest))[0])
+    change = list(responses_of(objective, hypothesis_beginning_at(h, nearest))[0])
     sample_s = objective.pool.twins[record].declaration.sample_time_s
     change[record] = later(change[record], round((moment - nearest) / sample_s))
     return change
 
 
-def lasting(objective: Objective, axis: Axis, h: Hypothesis, moment: float) -> list[Array]:
+def lasting_response(
+    objective: Objective, axis: Axis, h: Hypothesis, moment: float
+) -> list[Array]:
     """Return the response to an effect that begins at ``moment``, s, and does not end.
 
     It is the sum of the responses to episodes one after another, as long as ``h`` has them, until
     the record is over.
     """
     record = h.record or 0
-    change = begun(objective, axis, h, moment)
+    change = response_begun_at(objective, axis, h, moment)
     sample_s = objective.pool.twins[record].declaration.sample_time_s
     held = round(h.start[h.names.index(HOLD_S)] / sample_s)
     once = change[record]
@@ -42,12 +46,12 @@ def lasting(objective: Objective, axis: Axis, h: Hypothesis, moment: float) -> l
     return change
 
 
-def beginning(h: Hypothesis, moment: float) -> Hypothesis:
+def hypothesis_beginning_at(h: Hypothesis, moment: float) -> Hypothesis:
     """Return the hypothesis with the moment to begin at."""
     return replace(h, start=with_number(h, h.start, h.moment, float(moment)))
 
 
-def with_number(h: Hypothesis, start: Start, name: str, value: float) -> Start:
+def with_number(h: Hypothesis, start: StartValues, name: str, value: float) -> StartValues:
     """Return numbers to start from with another value of one of them."""
     at = h.names.index(name)
     return (*start[:at], value, *start[at + 1 :])

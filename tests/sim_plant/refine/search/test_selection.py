@@ -15,10 +15,10 @@ from sim_plant.refine.search.selection import (
     Selection,
     accept,
     at_noise_floor,
+    confirmed_scores,
     imitates,
     least_score,
     preferred,
-    score,
     standing,
     withdrawn,
     without_accepted,
@@ -58,7 +58,7 @@ def claimed(rivals, missed, found=None):
     def chi2_without(fit):
         return missed[fit.hypotheses[-1].key] + PENALTY
 
-    return accept(found, score(found, rivals, chi2_without, quiet), [], quiet)
+    return accept(found, confirmed_scores(found, rivals, chi2_without, quiet), [], quiet)
 
 
 def test_a_fit_that_is_not_missed_makes_room_for_the_next():
@@ -143,7 +143,9 @@ def test_the_mean_radius_of_a_roll_with_a_profile_is_the_profile_s(name, taken):
 
 def test_a_score_beyond_doubt_is_not_looked_at_again():
     asked = []
-    found = score(selection(), [rival(DRAG, 5000.0)], lambda fit: asked.append(fit) or 0.0, quiet)
+    found = confirmed_scores(
+        selection(), [rival(DRAG, 5000.0)], lambda fit: asked.append(fit) or 0.0, quiet
+    )
     assert [c.score for c in found] == [pytest.approx(5000.0)]
     assert asked == []
 
