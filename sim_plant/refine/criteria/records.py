@@ -50,6 +50,27 @@ class RecordCriteria:
     stuck_levels: int = criterion(
         20, "levels", "a column of no more levels is not reported as stuck", NOT_RECORDED
     )
+    turning_steps: int = criterion(
+        21,
+        "steps",
+        "around a step of an angle, whose median says how fast its roll turns there",
+        "0.1 s at 5 ms: with a quarter of them starts over the median is of the others",
+    )
+    start_over_rad: float = criterion(
+        0.3,
+        "rad",
+        "an angle that is off the expected one by whole starts over to within this, and its own "
+        "scatter, has started over",
+        "a speed that is wrong by 2 % over 5.5 steps of 2 rad is off by 0.22 rad; of counts that "
+        "begin anew anywhere a tenth is that close to a whole turn",
+    )
+    start_over_scatter: float = criterion(
+        4.0,
+        "1",
+        "times the scatter (99 % of the steps without a start over) is added to that",
+        "a drive that reads its encoder by a clock of its own is off by one of its cycles, over "
+        "a hole too; four times that has room for both ends",
+    )
     spike_sigma: float = criterion(
         12.0,
         "robust standard deviations",

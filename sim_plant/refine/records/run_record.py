@@ -22,6 +22,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recorded_only import filled
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_activity import Activity, activity_of
+from sim_plant.refine.records.run_angle import without_starts_over
 from sim_plant.refine.records.run_delivery import Delivered, delivered, on_grid, sent_unseen
 from sim_plant.refine.records.run_grid import (
     Break,
@@ -32,7 +33,7 @@ from sim_plant.refine.records.run_grid import (
     scans_of,
 )
 from sim_plant.refine.records.run_site import DEFAULT_SPEED, RunSite, run_site
-from sim_plant.refine.records.sanity import counts_seen, oddities, unwrapped
+from sim_plant.refine.records.sanity import counts_seen, oddities
 from sim_plant.refine.records.word_steps import counts_of
 
 READ_TIMEOUT_S = 300.0
@@ -105,8 +106,9 @@ def read_run_record(path: Path) -> Recording:
     read = {n: table.columns[n][scans.rows] for n in channels}
     time_s = table.columns["time_s"][scans.rows]
     site = replace(site, steps=counts_of(read, site.steps))
-    whole = {n: filled(values, scans.taken_s, time_s, scans.step_s) for n, values in read.items()}
-    readings, counted = unwrapped({n: one.values for n, one in whole.items()})
+    turned, counted = without_starts_over(read, scans.taken_s, scans.step_s)
+    whole = {n: filled(v, scans.taken_s, time_s, scans.step_s) for n, v in turned.items()}
+    readings = {n: one.values for n, one in whole.items()}
     pieces, breaks = _pieces(table.columns, scans, readings)
     piece = _longest(path, pieces, [*few(table.lost), *few(breaks)])
     lost = {n: one.holes_in(piece.first, piece.end) for n, one in whole.items()}

@@ -1,0 +1,78 @@
+"""Angles of a run without their starts over: every step is what the roll can have turned.
+
+A count starts over after each turn or a few, or where its register ends. Between two readings the
+roll turned as fast as around them, for as long as lies between them: what a step differs from
+that by whole starts over is taken off. So no turn is lost where ticks or readings are missing,
+and none comes in where the count began anew.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.ndimage import median_filter
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.records.run_grid import LARGEST, LONGEST_HOLE_STEPS
+
+RECORDS = CRITERIA.records
+
+
+def without_starts_over(
+    columns: Mapping[str, Array], taken_s: Array, step_s: float
+) -> tuple[dict[str, Array], list[str]]:
+    """Return the columns with angles that go on and on, and remarks.
+
+    Parameters
+    ----------
+    columns : (scans,) each; a reading that is missing stays so.
+    taken_s : when each scan was taken. ``step_s`` : of the grid that scans belong on.
+    """
+    continuous, remarks = dict(columns), []
+    for name, values in columns.items():
+        read = np.flatnonzero(np.abs(values) < LARGEST)
+        if not name.endswith("_rad") or read.size < 3:
+            continue
+        over_rad = _starts_over(values[read], taken_s[read], step_s)
+        if np.any(over_rad):
+            continuous[name] = values.copy()
+            continuous[name][read[1:]] -= np.cumsum(over_rad)
+            count = np.count_nonzero(over_rad)
+            remarks.append(f"{name} starts over {count} times: unwrapped")
+    return continuous, remarks
+
+
+def _starts_over(values: Array, taken_s: Array, step_s: float) -> Array:
+    """Return by how much each step (readings - 1,) is off because the count started over, rad.
+
+    Over a hole that ends a piece no phase is kept: there the nearest whole number is taken.
+    """
+    gone_s = np.diff(taken_s)
+    off = np.diff(values) - _expected(np.diff(values), gone_s)
+    odd = np.abs(off) > 0.5 * math.tau
+    over_rad = math.tau * np.rint(off / math.tau) * odd
+    told = np.abs(off - over_rad) <= _scatter_rad(off[~odd])
+    return np.where(told | (gone_s > LONGEST_HOLE_STEPS * step_s), over_rad, 0.0)
+
+
+def _expected(steps: Array, gone_s: Array) -> Array:
+    """Return how far the roll turned between two readings, by its speed around them, rad.
+
+    The speed is the median of the usual steps around; starts over are fewer than half of these
+    where the roll turns by less than half a turn from reading to reading.
+    """
+    usual = (gone_s > 0.0) & (gone_s < 1.5 * np.median(gone_s))
+    if not usual.any():
+        return np.zeros_like(steps)
+    at_s = np.cumsum(gone_s) - 0.5 * gone_s
+    rate = median_filter(steps[usual] / gone_s[usual], RECORDS.turning_steps, mode="nearest")
+    return np.asarray(np.interp(at_s, at_s[usual], rate) * gone_s)
+
+
+def _scatter_rad(off: Array) -> float:
+    """Return how far a step may be off the expected one, by those without a start over."""
+    usual = float(np.quantile(np.abs(off), 0.99)) if off.size else 0.0
+    return min(RECORDS.start_over_rad + RECORDS.start_over_scatter * usual, 0.5 * math.tau)
