@@ -22,7 +22,10 @@ RECORDS = CRITERIA.records
 
 
 def without_starts_over(
-    columns: Mapping[str, Array], taken_s: Array, step_s: float
+    columns: Mapping[str, Array],
+    taken_s: Array,
+    step_s: float,
+    registers_rad: Mapping[str, float] | None = None,
 ) -> tuple[dict[str, Array], list[str]]:
     """Return the columns with angles that go on and on, and remarks.
 
@@ -30,13 +33,14 @@ def without_starts_over(
     ----------
     columns : (scans,) each; a reading that is missing stays so.
     taken_s : when each scan was taken. ``step_s`` : of the grid that scans belong on.
+    registers_rad : by column, what its register holds before it starts over, where that is known.
     """
-    continuous, remarks = dict(columns), []
+    continuous, remarks, known = dict(columns), [], registers_rad or {}
     for name, values in columns.items():
         read = np.flatnonzero(np.abs(values) < LARGEST)
         if not name.endswith("_rad") or read.size < 3:
             continue
-        over_rad = _starts_over(values[read], taken_s[read], step_s)
+        over_rad = _starts_over(values[read], taken_s[read], step_s, known.get(name, 0.0))
         if np.any(over_rad):
             continuous[name] = values.copy()
             continuous[name][read[1:]] -= np.cumsum(over_rad)
@@ -45,17 +49,26 @@ def without_starts_over(
     return continuous, remarks
 
 
-def _starts_over(values: Array, taken_s: Array, step_s: float) -> Array:
+def _starts_over(values: Array, taken_s: Array, step_s: float, register_rad: float) -> Array:
     """Return by how much each step (readings - 1,) is off because the count started over, rad.
 
-    Over a hole that ends a piece no phase is kept: there the nearest whole number is taken.
+    A register that holds no whole turns starts over where it ends, unless most of its odd steps
+    are whole turns: the PLC counts from zero in it then, each turn or each few. Over a hole that
+    ends a piece no phase is kept: there the nearest whole number is taken.
     """
     gone_s = np.diff(taken_s)
     off = np.diff(values) - _expected(np.diff(values), gone_s)
-    odd = np.abs(off) > 0.5 * math.tau
-    over_rad = math.tau * np.rint(off / math.tau) * odd
-    told = np.abs(off - over_rad) <= _scatter_rad(off[~odd])
-    return np.where(told | (gone_s > LONGEST_HOLE_STEPS * step_s), over_rad, 0.0)
+    ends = gone_s > LONGEST_HOLE_STEPS * step_s
+    found = np.zeros_like(off)
+    for period_rad in ((register_rad,) if register_rad > 0.0 else ()) + (math.tau,):
+        odd = np.abs(off) > 0.5 * period_rad
+        over_rad = period_rad * np.rint(off / period_rad)
+        within_rad = min(_scatter_rad(off[~odd]), 0.5 * period_rad)
+        told = odd & (np.abs(off - over_rad) <= within_rad)
+        found = np.where(told | ends, over_rad, 0.0)
+        if 2 * np.count_nonzero(told & ~ends) > np.count_nonzero(odd & ~ends):
+            break
+    return found
 
 
 def _expected(steps: Array, gone_s: Array) -> Array:
@@ -75,4 +88,4 @@ def _expected(steps: Array, gone_s: Array) -> Array:
 def _scatter_rad(off: Array) -> float:
     """Return how far a step may be off the expected one, by those without a start over."""
     usual = float(np.quantile(np.abs(off), 0.99)) if off.size else 0.0
-    return min(RECORDS.start_over_rad + RECORDS.start_over_scatter * usual, 0.5 * math.tau)
+    return RECORDS.start_over_rad + RECORDS.start_over_scatter * usual

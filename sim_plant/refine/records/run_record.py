@@ -106,7 +106,7 @@ def read_run_record(path: Path) -> Recording:
     read = {n: table.columns[n][scans.rows] for n in channels}
     time_s = table.columns["time_s"][scans.rows]
     site = replace(site, steps=counts_of(read, site.steps))
-    turned, counted = without_starts_over(read, scans.taken_s, scans.step_s)
+    turned, counted = without_starts_over(read, scans.taken_s, scans.step_s, site.registers_rad)
     whole = {n: filled(v, scans.taken_s, time_s, scans.step_s) for n, v in turned.items()}
     readings = {n: one.values for n, one in whole.items()}
     pieces, breaks = _pieces(table.columns, scans, readings)

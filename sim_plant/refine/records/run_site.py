@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from aff_runtime.base.channel_units import unit_of_name
@@ -16,6 +16,8 @@ DEFAULT_SPEED = "line_speed_m_s"
 FLOAT = "f32"
 UNITS = {"velocity_reference": ("m/s", "m_s"), "torque_reference": ("N m", "N_m")}
 """What an actuator's output is counted in: symbol, and end of its columns' names."""
+COUNTS = {"u16": 1 << 16, "i16": 1 << 16, "u32": 1 << 32, "i32": 1 << 32}
+"""Of a register, before it starts over."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +54,8 @@ class RunSite:
     needed : channels that the service's corrections wait for; others are for the record alone.
     steps : per channel one count of its word, SI; where the scale is a factor of what a DBC gives,
         or of a float, that factor: see ``word_steps.one_count``.
+    registers_rad : per channel that ``wraps``, what its register holds, rad; none of a CAN signal,
+        whose length is in the DBC alone.
     """
 
     name: str
@@ -62,6 +66,7 @@ class RunSite:
     needed: frozenset[str]
     steps: Mapping[str, float]
     cycle_s: float = 0.0
+    registers_rad: Mapping[str, float] = field(default_factory=dict)
 
 
 def run_site(text: str, where: str) -> RunSite:
@@ -92,6 +97,11 @@ def run_site(text: str, where: str) -> RunSite:
             steps={
                 str(name): abs(_number(row.get("scale"), unit_of_name(str(name)), 0.0))
                 for name, row in channels.items()
+            },
+            registers_rad={
+                str(name): COUNTS[row["type"]] * abs(_number(row.get("scale"), "rad", 0.0))
+                for name, row in channels.items()
+                if row.get("wraps") is True and row.get("type") in COUNTS
             },
         )
     except (KeyError, TypeError, AttributeError, ValueError) as error:

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import yaml
 
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.run_angle import without_starts_over
@@ -36,6 +37,30 @@ def angle_of(folder, columns, site_text=None):
     record = read_record(recorded(folder, columns, site_text=site_text))
     assert record.duration_s == pytest.approx(SECONDS, abs=0.02)
     return record.columns[ANGLE]
+
+
+def in_register(counts_per_turn, kind="u16"):
+    """Return the site file with the follower's counter in such a register."""
+    site = yaml.safe_load(SITE_FILE.read_text())
+    channel = site["gateway"]["read"]["channels"][ANGLE]
+    channel |= {"type": kind, "scale": f"{counts_per_turn} counts/turn", "wraps": True}
+    return yaml.safe_dump(site)
+
+
+@pytest.mark.parametrize("counts_per_turn", [1000, 2500, 3600, 4096, 5000, 100_000, 200_000])
+def test_a_register_that_holds_no_whole_turns_starts_over_where_it_ends(tmp_path, counts_per_turn):
+    """Of 2500 counts per turn u16 holds 26.2 turns, of 100 000 it holds two thirds of one."""
+    columns, truth = run(40.0, TURN * 65536 / counts_per_turn)
+    gone = np.concatenate([np.arange(first, first + 3) for first in range(300, 4500, 381)])
+    found = angle_of(tmp_path, without_rows(columns, gone), in_register(counts_per_turn))
+    np.testing.assert_allclose(found, truth - truth[0], atol=1e-6)
+
+
+@pytest.mark.parametrize("turns", [1, 3])
+def test_a_plc_that_counts_turns_anew_in_such_a_register_is_told_by_its_steps(tmp_path, turns):
+    columns, truth = run(-40.0, turns * TURN)
+    found = angle_of(tmp_path, columns, in_register(2500))
+    np.testing.assert_allclose(found, truth - truth[0], atol=1e-6)
 
 
 @pytest.mark.parametrize("rate_rad_s", [160.0, -160.0, 6.0])

@@ -1,3 +1,5 @@
+import math
+
 import pytest
 
 from aff_runtime.app.setup.draft import FoundWord
@@ -64,3 +66,20 @@ def test_units_and_uses_that_a_site_may_have():
     assert site.speed_reference == "line_speed_m_s"
     assert site.steps["line_speed_m_s"] == pytest.approx(0.001)
     assert site.steps["unwind_angle_rad"] == pytest.approx(0.5 * 3.14159265 / 180)
+
+
+def test_what_a_register_of_an_angle_holds_is_told_by_its_type_and_scale():
+    text = (ROOT / "config/euclid.yaml").read_text()
+    old = "unwind_angle_rad: { register: 11, type: i32, scale: 4096 counts/turn, wraps: true }"
+    assert old in text
+    for new, holds in (
+        (old, 2**32 / 4096),
+        ("unwind_angle_rad: { register: 11, type: u16, scale: -0.01 deg, wraps: true }", 1.82044),
+        ("unwind_angle_rad: { register: 11, type: i32, scale: 4096 counts/turn }", None),
+        ("unwind_angle_rad: { register: 11, type: f32, scale: 1, wraps: true }", None),
+    ):
+        held = run_site(text.replace(old, new), "site.yaml").registers_rad
+        turns = held["unwind_angle_rad"] / math.tau if "unwind_angle_rad" in held else None
+        assert turns == (None if holds is None else pytest.approx(holds, rel=1e-5)), new
+    can = run_site((ROOT / "config/euclid_can.yaml").read_text(), "site.yaml")
+    assert can.registers_rad == {}
