@@ -18,8 +18,11 @@ from sim_plant.base.arrays import Array
 
 WORD = 1 << 16
 """The heartbeat starts over after as many counts."""
-SAME_PERIOD_SHARE = 0.01
-"""A scan period this close to a whole number of cycles is taken for that."""
+SAME_PERIOD_SHARE = 1e-4
+"""A scan period this close to a whole number of cycles is taken for that: two crystals differ by
+as much. So it is where the rows tell it no better."""
+NEAR_PERIOD_SHARE = 0.01
+"""A PLC that runs free and scans this close to a whole number of cycles is put on those."""
 LATE_S = 0.25
 """Between two rows: a heartbeat further off the clock is a break. Rows further apart give no
 period of the scan."""
@@ -58,7 +61,8 @@ class Scans:
     ----------
     rows : of the table (scans,).
     taken_s : when, on the PLC's own clock (scans,), counted from the first.
-    step_s : of the grid that they belong on: of the scans, or the run's cycle if that is longer.
+    step_s : of the grid that they belong on: of the scans, or the run's cycle if that is longer;
+        whole cycles where scans take nearly as long.
     scan_s, cycle_s : from scan to scan of the PLC, from tick to tick of the service.
     breaks : in order.
     findings : sentences.
@@ -93,22 +97,26 @@ def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
     time_s, beat = time_s[rows], columns["plc_heartbeat"][rows]
     moved = np.mod(np.diff(beat), WORD)
     gone_s = np.diff(time_s)
-    scan_s = _scan_s(gone_s, moved)
+    scan_s, unsure = _scan_s(gone_s, moved)
     breaks = {int(k) + 1: "the clock of the run goes back" for k in np.flatnonzero(gone_s <= 0.0)}
     for k in np.flatnonzero(np.abs(moved * scan_s - gone_s) > LATE_S):
         breaks.setdefault(int(k) + 1, "the PLC's heartbeat jumps: it started anew, or stood still")
     for row in breaks:
         moved[row - 1] = max(1.0, round(float(gone_s[row - 1]) / scan_s))
     said = _losses(columns, good)
-    cycles = max(1, round(scan_s / cycle_s))
-    if abs(scan_s / (cycles * cycle_s) - 1.0) < SAME_PERIOD_SHARE:
-        scan_s = cycles * cycle_s
-    if scan_s > cycle_s:
+    whole_s = max(1, round(scan_s / cycle_s)) * cycle_s
+    off = abs(scan_s / whole_s - 1.0)
+    step_s = whole_s if off < NEAR_PERIOD_SHARE else max(scan_s, cycle_s)
+    if off < max(SAME_PERIOD_SHARE, min(unsure, NEAR_PERIOD_SHARE)):
+        scan_s = whole_s
+    if step_s != scan_s:
+        said.append(
+            f"the PLC scans every {1e3 * scan_s:.4g} ms: put on the run's cycle"
+            + (f" times {round(step_s / cycle_s)}" if step_s > 1.5 * cycle_s else "")
+        )
+    elif scan_s > cycle_s:
         said.append(f"the PLC scans every {1e3 * scan_s:.4g} ms: one sample a scan")
-    elif scan_s < cycle_s:
-        said.append(f"the PLC scans every {1e3 * scan_s:.4g} ms: put on the run's cycle")
     taken_s: Array = np.concatenate(([0.0], np.cumsum(moved))) * scan_s
-    step_s = max(scan_s, cycle_s)
     holes = np.diff(taken_s) / step_s
     for k in np.flatnonzero(holes > LONGEST_HOLE_STEPS):
         breaks.setdefault(int(k) + 1, f"nothing was read for {holes[k] * step_s:.3g} s")
@@ -132,12 +140,19 @@ def _cycle_s(columns: Mapping[str, Array]) -> float:
     return _long_enough(float(np.median(gone[usable] / periods[usable])))
 
 
-def _scan_s(gone_s: Array, moved: Array) -> float:
-    """Return the period of the PLC's scan, s: time over counts, where both go on as usual."""
+def _scan_s(gone_s: Array, moved: Array) -> tuple[float, float]:
+    """Return the period of the PLC's scan, s: time over counts, where both go on as usual.
+
+    And how far it may be off, as a share of it: at either end of a stretch a row shows a scan that
+    ended up to a scan before, some part of a cycle late.
+    """
     usual = (gone_s > 0.0) & (gone_s < LATE_S) & (moved > 0.0) & (moved < MOST_SCANS)
     if not usual.any():
         raise PlantError("the times of the rows do not go on; give another window")
-    return _long_enough(float(np.sum(gone_s[usual]) / np.sum(moved[usual])))
+    span_s = float(np.sum(gone_s[usual]))
+    scan_s = _long_enough(span_s / float(np.sum(moved[usual])))
+    stretches = 1 + np.count_nonzero(usual[1:] & ~usual[:-1])
+    return scan_s, stretches * (scan_s + float(np.median(gone_s[usual]))) / span_s
 
 
 def _long_enough(period_s: float) -> float:

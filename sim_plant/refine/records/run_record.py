@@ -230,7 +230,8 @@ def _on_grid(
     rows, taken_s = scans.rows[part], scans.taken_s[part] - scans.taken_s[piece.first]
     grid: Array = np.arange(round(taken_s[-1] / scans.step_s) + 1) * scans.step_s
     columns = {name: np.interp(grid, taken_s, values[part]) for name, values in readings.items()}
-    missing = grid.size - np.unique(np.rint(taken_s / scans.step_s)).size
+    pace_s = max(scans.scan_s, scans.step_s)  # a scan that takes a bit longer leaves out none
+    missing = round(taken_s[-1] / pace_s) + 1 - np.unique(np.rint(taken_s / pace_s)).size
     said = [f"{missing} missing samples are filled in between"] if missing > 0 else []
     # per sample of the grid, the newest row that was there
     newest = np.searchsorted(taken_s, grid + 1e-9, side="right") - 1

@@ -5,7 +5,9 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Outcome, Status
+from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.run_grid import angle_breaks, line_breaks, scans_of
+from tests.aff_runtime.app.card.measure.recorded import recorded, switched
 
 CYCLE_S = 0.005
 RUNNING = float(Status.LINE_RUN | Status.WEB_INTACT)
@@ -81,6 +83,49 @@ def test_a_fast_plc_is_put_on_the_runs_cycle():
     assert found.step_s == pytest.approx(CYCLE_S)
     assert found.scan_s == pytest.approx(CYCLE_S / 2.5, rel=1e-3)
     assert found.taken_s[-1] == pytest.approx(799 * CYCLE_S, abs=0.002)
+
+
+def free_running(scan_s, seconds):
+    """Return rows that show the newest scan of a PLC with a clock of its own."""
+    ticks = np.arange(1.0, round(seconds / CYCLE_S) + 1.0)
+    return rows(np.floor(ticks * CYCLE_S / scan_s), ticks=ticks), ticks[-1] * CYCLE_S
+
+
+@pytest.mark.parametrize("scan_s", [0.00504, 0.00496, 0.00503, 0.00998])
+def test_a_plc_that_runs_free_keeps_its_own_time(scan_s):
+    columns, to_s = free_running(scan_s, 120.0)
+    found = scans_of(columns, ())
+    span_s = to_s - columns["time_s"][0]
+    assert found.taken_s[-1] == pytest.approx(span_s, rel=1e-4)
+    assert found.scan_s == pytest.approx(scan_s, rel=1e-4)
+    assert found.step_s == pytest.approx(CYCLE_S * round(scan_s / CYCLE_S))
+    assert (
+        f"the PLC scans every {1e3 * scan_s:.4g} ms: put on the run's cycle"
+        in (found.findings[-1])
+    )
+    assert found.findings[-1].endswith("cycle times 2") == (scan_s > 0.009)
+    assert not found.breaks
+
+
+def test_a_plc_that_runs_free_leaves_out_no_sample(tmp_path):
+    scans, _ = free_running(0.00504, 24.0)
+    columns, _ = switched(24.0, [])
+    for name in ("plc_heartbeat", "fresh"):
+        columns[name] = scans[name]
+    shown_s = scans["plc_heartbeat"] * 0.00504  # each row shows the tension of its scan
+    columns["pullroll_tension_N"] = 60.0 + 3.0 * np.sin(2.0 * shown_s)
+    record = read_record(recorded(tmp_path, columns))
+    assert record.sample_time_s == pytest.approx(CYCLE_S)
+    assert not any("missing samples" in text for text in record.findings)
+    true_N = 60.0 + 3.0 * np.sin(2.0 * np.arange(record.samples) * CYCLE_S)
+    np.testing.assert_allclose(record.columns["pullroll_tension_N"], true_N, atol=0.01)
+
+
+@pytest.mark.parametrize(("off", "seconds"), [(3e-5, 300.0), (3e-4, 20.0)])
+def test_what_two_crystals_or_a_short_window_do_not_tell_apart_is_one_clock(off, seconds):
+    found = scans_of(free_running(CYCLE_S * (1.0 + off), seconds)[0], ())
+    assert found.scan_s == found.step_s == pytest.approx(CYCLE_S)
+    assert not any("scans every" in text for text in found.findings)
 
 
 def test_an_outage_ends_a_piece_and_says_how_long_it_was():
