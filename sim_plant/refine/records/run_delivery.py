@@ -17,7 +17,7 @@ import numpy as np
 
 from aff_runtime.base.signals import Outcome
 from sim_plant.base.arrays import Array
-from sim_plant.refine.records.run_grid import Flags, Rows
+from sim_plant.refine.records.run_grid import FILLED_SAMPLES, Flags, Rows
 
 LEAST_COUNT = 1e-12
 """SI per count of the word; a smaller one is not worth rounding to."""
@@ -37,11 +37,14 @@ class Delivered:
     values : (scans,), SI.
     how : a sentence: what this rests on.
     known : the PLC itself says it, or which command it took; False: a delay is assumed.
+    unknown_first : so many of the first rows carry what was decided before the record, or before
+        a hole in it, while AFF corrected: no one knows what.
     """
 
     values: Array
     how: str
     known: bool
+    unknown_first: int = 0
 
 
 def delivered(
@@ -70,21 +73,33 @@ def delivered(
         sent = np.rint(sent / count) * count
     tick = columns["tick"]
     age = columns.get("echo_age", np.full(tick.shape, -1.0))[rows]
-    if bool(np.all(age >= 0.0)):
+    if known := bool(np.all(age >= 0.0)):
         of_tick = tick[rows] - age - 1.0  # a tick sends what the one before it computed
-        return Delivered(
-            values=_at_tick(sent, tick, of_tick),
-            how="as sent, with the command that the PLC's echo names",
-            known=True,
-        )
-    # a declared delay includes the cycle in which the drive takes the correction
-    cycles = USUAL_CYCLES if delay_s is None else max(0, round(delay_s / cycle_s) - 1)
-    said = "the usual" if delay_s is None else "the site file's"
+        how = "as sent, with the command that the PLC's echo names"
+    else:
+        # a declared delay includes the cycle in which the drive takes the correction
+        cycles = USUAL_CYCLES if delay_s is None else max(0, round(delay_s / cycle_s) - 1)
+        said = "the usual" if delay_s is None else "the site file's"
+        of_tick = tick[rows] - cycles
+        how = f"as sent, {cycles} cycles late ({said} delay)"
     return Delivered(
-        values=_at_tick(sent, tick, tick[rows] - cycles),
-        how=f"as sent, {cycles} cycles late ({said} delay)",
-        known=False,
+        values=_at_tick(sent, tick, of_tick),
+        how=how,
+        known=known,
+        unknown_first=_unknown_first(sent, tick, of_tick, rows),
     )
+
+
+def _unknown_first(sent: Array, tick: Array, wanted: Array, rows: Rows) -> int:
+    """Return of how many first rows the wanted ticks are none of those that are there.
+
+    None where nothing was sent in as many ticks from the first row on: nothing was before either.
+    """
+    at = np.searchsorted(tick, wanted, side="right") - 1
+    gone = (at < 0) | (wanted - tick[np.maximum(at, 0)] > FILLED_SAMPLES)
+    count = int(np.argmin(gone)) if not gone.all() else gone.size
+    begins = int(rows[0])
+    return count if np.any(sent[begins : begins + max(count, 1)]) else 0
 
 
 def _at_tick(sent: Array, tick: Array, wanted: Array) -> Array:

@@ -111,9 +111,10 @@ def read_run_record(path: Path) -> Recording:
     readings = {n: one.values for n, one in whole.items()}
     pieces, breaks = _pieces(table.columns, scans, readings)
     piece = _longest(path, pieces, [*few(table.lost), *few(breaks)])
+    piece, acted = _with_corrections(table.columns, site, scans, piece)
     lost = {n: one.holes_in(piece.first, piece.end) for n, one in whole.items()}
     kept = {n: values for n, values in readings.items() if not lost[n]}
-    grid = _on_grid(table, site, scans, piece, kept)
+    grid = _on_grid(table.columns, site, scans, piece, kept, acted)
     said = [_unread(name, table.columns) for name in site.steps if name not in channels]
     said += [f"{n} is left out: {text}" for n, text in lost.items() if text]
     said += [
@@ -125,7 +126,7 @@ def read_run_record(path: Path) -> Recording:
         *counted,
     ]
     if len(pieces) > 1:
-        others = ", ".join(few([str(p) for p in pieces if p is not piece]))
+        others = ", ".join(few([str(p) for p in pieces if p.end != piece.end]))
         said.append(f"taken is {piece} of the run; left out {others}")
     measured = {n: v for n, v in grid.columns.items() if not n.startswith(CORRECTION)}
     return Recording(
@@ -222,8 +223,31 @@ def _pieces(
     return pieces, said
 
 
+def _with_corrections(
+    columns: Mapping[str, Array], site: RunSite, scans: Scans, piece: Piece
+) -> tuple[Piece, dict[str, Delivered]]:
+    """Return the piece from where it is known what acted, and what did.
+
+    A correction acts some cycles after its row: the first rows of a window, or after a hole, carry
+    what was decided in rows that are not there.
+    """
+    acted = _acted(columns, site, scans.rows[piece.first : piece.end], scans.cycle_s)
+    late = max((one.unknown_first for one in acted.values()), default=0)
+    if not 0 < late < piece.end - piece.first:
+        return piece, acted
+    first = piece.first + late
+    from_s = float(columns["time_s"][scans.rows[first]])
+    known = {n: replace(one, values=one.values[late:]) for n, one in acted.items()}
+    return replace(piece, first=first, from_s=from_s), known
+
+
 def _on_grid(
-    table: RunTable, site: RunSite, scans: Scans, piece: Piece, readings: Mapping[str, Array]
+    table: Mapping[str, Array],
+    site: RunSite,
+    scans: Scans,
+    piece: Piece,
+    readings: Mapping[str, Array],
+    acted: Mapping[str, Delivered],
 ) -> _Grid:
     """Return everything of one piece on its grid."""
     part = slice(piece.first, piece.end)
@@ -235,8 +259,7 @@ def _on_grid(
     said = [f"{missing} missing samples are filled in between"] if missing > 0 else []
     # per sample of the grid, the newest row that was there
     newest = np.searchsorted(taken_s, grid + 1e-9, side="right") - 1
-    acted = _acted(table.columns, site, rows, scans.cycle_s)
-    unseen = sent_unseen(table.columns, rows)
+    unseen = sent_unseen(table, rows)
     going = {}
     for name, correction in acted.items():
         going[name] = on_grid(correction.values, taken_s, grid, scan_s=scans.scan_s, unseen=unseen)
@@ -246,7 +269,7 @@ def _on_grid(
     columns |= {name: columns[name] - zero for name, zero in zeros.items()}
     speed = columns.get(site.speed, columns.get(DEFAULT_SPEED, np.zeros(grid.size)))
     activity = activity_of(
-        {n: v[rows][newest] for n, v in table.columns.items() if _of_service(n)},
+        {n: v[rows][newest] for n, v in table.items() if _of_service(n)},
         list(going.values()),
         speed,
         scans.step_s,

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.signals import Outcome
+from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.run_delivery import delivered, on_grid, sent_unseen
+from tests.aff_runtime.app.card.measure.recorded import CYCLE_S, recorded, switched
 
 ROWS = np.arange(40)
 TICK = np.arange(1.0, 41.0)
@@ -112,3 +114,46 @@ def test_an_exchange_that_showed_no_new_scan_was_before_those_that_are_missing()
     good = np.flatnonzero(fresh)
     assert not sent_unseen(exchanges(fresh=fresh), good).any()
     assert not sent_unseen(exchanges(), np.arange(8)).any()
+
+
+@pytest.mark.parametrize(("age", "delay_s"), [(1, None), (3, None), (None, None), (None, 0.025)])
+def test_rows_that_carry_what_was_decided_before_the_record_are_counted(age, delay_s):
+    echo = {} if age is None else {"echo_age": np.full(40, float(age))}
+    found = of(columns(**echo), delay_s=delay_s)
+    # a command of the echo's age was decided a tick before it; else by the delay as taken
+    late = age + 1 if age is not None else 2 if delay_s is None else 4
+    assert found.unknown_first == late
+    assert found.values[late:] == pytest.approx(SENT[:-late])
+    later = of(columns(**echo), delay_s=delay_s, rows=np.arange(10, 40))
+    assert later.unknown_first == 0
+
+
+def test_after_a_hole_the_command_from_before_it_is_not_taken_for_the_newest():
+    keep = np.concatenate([np.arange(15), np.arange(25, 40)])
+    table = {name: values[keep] for name, values in columns().items()}
+    found = of(table, rows=np.arange(15, 30))
+    assert found.unknown_first == 2
+    assert found.values[2:] == pytest.approx(SENT[25:38])
+
+
+def test_a_correction_that_is_off_when_the_record_begins_was_off_before():
+    sent = np.where(TICK < 10, 0.0, SENT)
+    assert of(columns(correction_unwind_m_s=sent, echo_age=np.ones(40))).unknown_first == 0
+
+
+@pytest.mark.parametrize("age", [2.0, -1.0])
+def test_a_part_of_a_long_run_has_the_corrections_of_the_whole(tmp_path, age):
+    table, _ = switched(60.0, [(8.0, 55.0)])
+    table["plc_applied_swrap_follower_m_s"] *= np.nan
+    table["echo_age"] += age
+    path, name = recorded(tmp_path, table), "correction_swrap_follower_m_s"
+    whole = read_record(path).columns[name]
+    part = read_record(f"{path}@20..50")
+    assert part.run is not None
+    first, end = (round(at_s / CYCLE_S) for at_s in (part.run.from_s, part.run.to_s))
+    assert part.run.from_s == pytest.approx(20.0 + CYCLE_S * (3 if age > 0.0 else 2))
+    assert np.all(whole[first : first + 4] != 0.0)
+    assert part.columns[name].tolist() == whole[first : end + 1].tolist()
+    off = read_record(f"{path}@2..30")
+    assert off.run is not None
+    assert off.run.from_s == pytest.approx(2.0)
