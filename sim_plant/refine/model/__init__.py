@@ -10,6 +10,7 @@ __all__ = [
     "run_limits",
     "run_match",
     "simulation_pool",
+    "site_match",
     "start_state",
     "twin",
 ]

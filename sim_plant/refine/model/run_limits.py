@@ -12,6 +12,7 @@ from aff_runtime.base.run_window import run_window
 from sim_plant.line.declaration import Declaration, LoadCell
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.run_match import SPEED_REF
+from sim_plant.refine.model.site_match import driven_roller
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.records.recording import Recording
 
@@ -45,7 +46,10 @@ def run_limits(record: Recording, twin: Twin) -> list[str]:
     if missing:
         sentences.append(f"{name}: not recorded: {', '.join(missing)}; {_cost(line, record)}")
     for actuator, known in record.run.delivery_known.items():
-        if not known and np.any(twin.aff_m_s.get(actuator, 0.0)):
+        declared = record.run.site.actuators.get(actuator)
+        roller = driven_roller(line, actuator, declared.roll if declared is not None else "")
+        acted = [kind.get(roller, 0.0) for kind in (twin.aff_m_s, twin.aff_N_m)]
+        if not known and any(np.any(values) for values in acted):
             sentences.append(
                 f"{name}: when a correction of {actuator} acted is not recorded, the usual delay "
                 "is taken: a delay of that drive is not told from it (map aff_echo or applied)"

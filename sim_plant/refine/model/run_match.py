@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import (
-    CarriagePosition,
-    Declaration,
-    DriveSpeed,
-    LoadCell,
-    RollAngle,
-    RollRadius,
-    Sensor,
-)
+from sim_plant.line.declaration import Declaration, LoadCell
+from sim_plant.refine.model.site_match import channels_of, driven_roller, tension_references
 from sim_plant.refine.model.speed_stand_in import stand_in_speed
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_record import CORRECTION
@@ -41,7 +34,7 @@ def run_on_line(line: Declaration, record: Recording) -> Recording:
     if record.run is None:
         return record
     run = record.run
-    names = dict(_channels(line, run, record.columns))
+    names = channels_of(line, run.site, record.columns)
     if not any(isinstance(s, LoadCell) and s.channel in names for s in line.sensors):
         raise PlantError(
             f"{record.path}: holds no tension of this line: its site file maps "
@@ -53,7 +46,7 @@ def run_on_line(line: Declaration, record: Recording) -> Recording:
     said = [f"{mine} is the run's {theirs}" for mine, theirs in names.items() if mine != theirs]
     said += _unused(run, names, record.columns)
     columns[SPEED_REF], speed_said = _speed_reference(line, run, record, columns)
-    columns[TENSION_REF], tension_said = _tension_reference(line, run, record, columns)
+    columns[TENSION_REF], tension_said = _tension_reference(line, run, record, columns, names)
     columns |= _corrections(line, record)
     return replace(
         record,
@@ -66,78 +59,6 @@ def run_on_line(line: Declaration, record: Recording) -> Recording:
 
 def _steps(run: RunFacts, names: Mapping[str, str]) -> dict[str, float]:
     return {mine: run.site.steps.get(theirs, 0.0) for mine, theirs in names.items()}
-
-
-def _channels(
-    line: Declaration, run: RunFacts, columns: Mapping[str, Array]
-) -> Iterator[tuple[str, str]]:
-    """Yield (channel of the line, column of the run) for every sensor that is recorded."""
-    taken = {s.channel for s in line.sensors if s.channel in columns}
-    for sensor in line.sensors:
-        if sensor.channel in columns:
-            yield sensor.channel, sensor.channel
-            continue
-        by_use = _by_use(line, run, sensor, columns)
-        if by_use in columns and by_use not in taken:
-            taken.add(by_use)
-            yield sensor.channel, by_use
-
-
-def _by_use(line: Declaration, run: RunFacts, sensor: Sensor, columns: Mapping[str, Array]) -> str:
-    """Return the column that the site file uses for what this sensor measures, or nothing."""
-    rolls = {name.lower(): uses for name, uses in run.site.rolls.items()}
-    uses = rolls.get(sensor.roller.lower(), {})
-    if isinstance(sensor, RollAngle):
-        return uses.get("angle", "")
-    if isinstance(sensor, RollRadius):
-        return uses.get("radius", "")
-    if isinstance(sensor, CarriagePosition):
-        return ""  # a site file has no word for it
-    if isinstance(sensor, LoadCell):
-        return _signal_of(line, run, sensor) or _signal_behind(line, run, sensor, columns)
-    end = "_m_s" if sensor.scale_radius_m is not None else "_rad_s"
-    own = uses.get("speed", "")
-    if own.endswith(end):
-        return own
-    first = next((s for s in line.sensors if isinstance(s, DriveSpeed) and s.scale_radius_m), None)
-    return run.site.speed if sensor is first else ""
-
-
-def _signal_of(line: Declaration, run: RunFacts, cell: LoadCell) -> str:
-    """Return what the actuator of this cell's tension loop keeps quiet, if that is a tension."""
-    for loop in line.control.tension_pi:
-        actuator = run.site.actuators.get(loop.acts_on)
-        if actuator is not None and loop.load_cell == cell.roller:
-            return actuator.signal if actuator.signal.endswith("_N") else ""
-    return ""
-
-
-def _signal_behind(
-    line: Declaration, run: RunFacts, cell: LoadCell, columns: Mapping[str, Array]
-) -> str:
-    """Return what the actuator of the drive before this cell keeps quiet, if no loop acts on it.
-
-    That is a tension of the zone behind its roller; which cell has it is clear only where the zone
-    has no more than one that is not recorded by its own name.
-    """
-    at = line.body(cell.roller)
-    driven = sorted(line.body(d.roller) for d in line.control.drives)
-    before = max((k for k in driven if k < at), default=-1)
-    end = min((k for k in driven if k > at), default=len(line.rollers))
-    cells = [
-        s
-        for s in line.sensors
-        if isinstance(s, LoadCell)
-        and s.channel not in columns
-        and before < line.body(s.roller) < end
-    ]
-    roller = line.rollers[before].name if before >= 0 else ""
-    if len(cells) > 1 or roller in ("", *(loop.acts_on for loop in line.control.tension_pi)):
-        return ""
-    for name, actuator in run.site.actuators.items():
-        if roller.lower() in (name.lower(), actuator.roll.lower()):
-            return actuator.signal if actuator.signal.endswith("_N") else ""
-    return ""
 
 
 def _unused(run: RunFacts, names: Mapping[str, str], columns: Mapping[str, Array]) -> list[str]:
@@ -182,11 +103,14 @@ def acting(read: Array, scan_rows: float) -> Array:
 
 
 def _tension_reference(
-    line: Declaration, run: RunFacts, record: Recording, columns: Mapping[str, Array]
+    line: Declaration,
+    run: RunFacts,
+    record: Recording,
+    columns: Mapping[str, Array],
+    names: Mapping[str, str],
 ) -> tuple[Array, list[str]]:
     """Return the tension reference; the mean of the loop's own cell where none is mapped."""
-    named = [a.reference for a in run.site.actuators.values() if a.reference.endswith("_N")]
-    for name in (TENSION_REF, *named):
+    for name in (TENSION_REF, *tension_references(line, run.site, names)):
         if name in record.columns:
             return _acting(record, name), []
     cells = {s.roller: s.channel for s in line.sensors if isinstance(s, LoadCell)}
@@ -207,17 +131,17 @@ def _corrections(line: Declaration, record: Recording) -> dict[str, Array]:
         Something acted through an actuator that is no drive of the line.
     """
     assert record.run is not None
-    drives = {drive.roller.lower(): drive.roller for drive in line.control.drives}
     corrections: dict[str, Array] = {}
     for name, actuator in record.run.site.actuators.items():
         values = record.columns.get(f"{CORRECTION}{name}_{actuator.suffix}")
         if values is None or not np.any(values):
             continue
-        roller = drives.get(name.lower()) or drives.get(actuator.roll.lower())
-        if roller is None:
+        roller = driven_roller(line, name, actuator.roll)
+        if not roller:
+            known = ", ".join(drive.roller for drive in line.control.drives)
             raise PlantError(
                 f"{record.path}: corrections went out through {name}, which is no drive of this "
-                f"line ({', '.join(drives.values())}); name the drive's roller in the line file "
+                f"line ({known}); name the drive's roller in the line file "
                 "as the site file does, or give a window in which they did not"
             )
         column = f"{APPLIED}{roller}_{actuator.suffix}"

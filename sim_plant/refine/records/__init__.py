@@ -8,6 +8,7 @@ __all__ = [
     "recording",
     "run_activity",
     "run_record",
+    "run_site",
     "sanity",
     "text_table",
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -14,6 +13,7 @@ from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.site_match import site_name
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.plain import plain
 from sim_plant.refine.report.start_values import StartValue, start_values
@@ -100,12 +100,6 @@ def _text(block: AffBlock) -> str:
     text = yaml.safe_dump(block.entry(), sort_keys=False, default_flow_style=None, width=88)
     first, *rest = text.splitlines()
     return "".join(f"{line}\n" for line in [f"      - {first}", *(f"        {x}" for x in rest)])
-
-
-def site_name(roller: str) -> str:
-    """Return a roller's name as a site file takes it: small letters, digits, underscores."""
-    name = re.sub(r"[^a-z0-9_]", "_", roller.lower())[:48]
-    return name if name[:1].isalpha() else f"roller_{name}"[:48]
 
 
 def actuators_for(name: str, declaration: Declaration) -> str:

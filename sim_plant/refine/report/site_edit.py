@@ -14,7 +14,9 @@ from sim_plant.base.plain_file import read_plain_text
 from sim_plant.base.yaml_edit import with_keys
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.yaml_file import LONGEST_BYTES, parse_yaml
-from sim_plant.refine.report.aff_block import AffBlock, site_name
+from sim_plant.refine.model.site_match import channels_of, driven_roller, site_name
+from sim_plant.refine.records.run_site import RunSite, run_site
+from sim_plant.refine.report.aff_block import AffBlock
 
 FILE = "site_proposed.yaml"
 KEYS = ("rolls", "actuators")
@@ -26,13 +28,15 @@ class SiteFile:
 
     Attributes
     ----------
-    rolls, actuators : these sections, as plain values.
+    rolls, actuators : these sections, as plain values. ``names`` : what the whole file says of
+        channels and actuators.
     """
 
     path: Path
     text: str
     rolls: Any
     actuators: Any
+    names: RunSite
 
     @classmethod
     def read(cls, path: Path) -> SiteFile:
@@ -41,7 +45,7 @@ class SiteFile:
         Raises
         ------
         PlantError
-            When it cannot be read, or has no actuators with blocks.
+            When it cannot be read, or has no actuators with blocks or no channels.
         """
         text = read_plain_text(path, LONGEST_BYTES)
         data, _ = parse_yaml(text, printable(str(path)))
@@ -56,7 +60,8 @@ class SiteFile:
                 f"{path}: read a file without rolls and actuators with blocks; expected the site "
                 "file of the service; see `aff-runtime check`"
             )
-        return cls(path=path, text=text, rolls=rolls, actuators=actuators)
+        names = run_site(text, printable(str(path)))
+        return cls(path=path, text=text, rolls=rolls, actuators=actuators, names=names)
 
 
 def _are_sections(value: Any) -> bool:
@@ -157,7 +162,7 @@ def _radius_m(name: str, declaration: Declaration, corrections: Mapping[str, flo
 def _actuator(block: AffBlock, site: SiteFile, declaration: Declaration) -> tuple[str, str]:
     """Return the actuator that a block belongs to, or an empty name and why there is none."""
     at = declaration.body(block.roll)
-    actuator = _of_drive(block.roll, site) or _of_zone(at, site, declaration)
+    actuator = _of_drive(block.roll, site, declaration) or _of_zone(at, site, declaration)
     if not actuator:
         return "", (
             f"{block.roll}: no actuator of the site file corrects the tension where it runs; "
@@ -168,12 +173,11 @@ def _actuator(block: AffBlock, site: SiteFile, declaration: Declaration) -> tupl
     return actuator, ""
 
 
-def _of_drive(roller: str, site: SiteFile) -> str:
+def _of_drive(roller: str, site: SiteFile, declaration: Declaration) -> str:
     """Return the actuator that turns a roller itself."""
-    name = site_name(roller)
-    for actuator, settings in site.actuators.items():
-        if name in (actuator, settings.get("drive", {}).get("roll")):
-            return str(actuator)
+    for name, actuator in site.names.actuators.items():
+        if driven_roller(declaration, name, actuator.roll) == roller:
+            return name
     return ""
 
 
@@ -182,12 +186,13 @@ def _of_zone(at: int, site: SiteFile, declaration: Declaration) -> str:
     driven = sorted(declaration.body(drive.roller) for drive in declaration.control.drives)
     before = max((k for k in driven if k <= at), default=-1)
     after = min((k for k in driven if k > at), default=len(declaration.rollers))
-    cells = {
-        sensor.channel
+    channels = channels_of(declaration, site.names, site.names.steps)
+    signals = {
+        channels.get(sensor.channel, "")
         for sensor in declaration.sensors
         if before <= declaration.body(sensor.roller) <= after
     }
-    for actuator, settings in site.actuators.items():
-        if settings["error"].get("signal") in cells:
-            return str(actuator)
+    for name, actuator in site.names.actuators.items():
+        if actuator.signal and actuator.signal in signals:
+            return name
     return ""

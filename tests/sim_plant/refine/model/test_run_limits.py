@@ -4,11 +4,12 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_limits import lines_of, run_limits, shared
 from sim_plant.refine.model.run_match import run_on_line
-from tests.sim_plant.refine.model.made_run import LINE, ROWS, run
+from tests.sim_plant.refine.model.made_run import LINE, ROWS, actuator, run
 
 
 def test_runs_of_several_lines_are_named():
@@ -50,3 +51,20 @@ def test_what_the_window_lacks_is_said_with_what_it_costs():
     # no tension between the follower and the pull roll, nor between that and the rewind
     assert "from swrap_follower to pull_roll and from pull_roll to rewind" in said
     assert "keeps its radius" in said  # 27 m of 0.01 mm web: 0.23 mm off 190 mm
+
+
+@pytest.mark.parametrize(
+    ("name", "roll", "suffix"),
+    [("unwind", "", "m_s"), ("a1", "Unwind", "m_s"), ("a1", "unwind", "N_m")],
+)
+def test_a_delay_that_is_not_recorded_is_said_by_whatever_name_the_actuator_has(
+    name, roll, suffix
+):
+    columns = {f"correction_{name}_{suffix}": 0.01 * np.sin(np.arange(ROWS))}
+    record = run(columns, actuators={name: actuator(suffix=suffix, roll=roll)})
+    known = {name: False}
+    record = run_on_line(LINE, replace(record, run=replace(record.run, delivery_known=known)))
+    said = [text for text in run_limits(record, twin_of(LINE, record)) if "acted is not" in text]
+    assert [text.split(": ")[1] for text in said] == [
+        f"when a correction of {name} acted is not recorded, the usual delay is taken"
+    ]

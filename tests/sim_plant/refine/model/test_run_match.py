@@ -95,9 +95,55 @@ def test_what_a_drive_that_a_loop_trims_keeps_quiet_is_no_other_cell_of_its_zone
     assert any("not used: r3_N" in text for text in record.findings)
 
 
+@pytest.mark.parametrize(("name", "roll"), [("UNWIND", ""), ("a1", "unwind"), ("a1", "Unwind")])
+def test_the_tension_of_a_loop_is_found_by_its_actuators_drive_too(name, roll):
+    record = run_on_line(LINE, run(actuators={name: actuator(roll=roll)}))
+    assert "unwind_tension_N is the run's web_N" in record.findings
+
+
+def test_the_roll_of_a_declared_drive_goes_before_the_actuators_name():
+    wave = 0.01 * np.sin(TIME_S)
+    follower = replace(actuator(roll="swrap_follower"), signal="swrap_follower_tension_N")
+    actuators = {"brake": actuator(roll="unwind"), "unwind": follower}
+    columns = {**BEHIND, "correction_unwind_m_s": wave}
+    record = run_on_line(LINE, run(columns, actuators=actuators))
+    assert record.columns["applied_swrap_follower_m_s"].tolist() == wave.tolist()
+    assert "applied_unwind_m_s" not in record.columns
+    assert "unwind_tension_N is the run's web_N" in record.findings
+    assert "pullroll_tension_N is the run's swrap_follower_tension_N" in record.findings
+
+
 def test_a_name_that_the_line_has_itself_goes_before_its_use():
     record = run_on_line(LINE, run({"unwind_tension_N": np.full(ROWS, 70.0)}))
     assert record.columns["unwind_tension_N"][0] == 70.0
+
+
+def test_the_set_point_of_another_zone_is_none_of_the_loops():
+    """The unwind has no reference; behind the S-wrap 120 N are wanted, at the unwind's cell 88."""
+    actuators = corrected("swrap_follower")
+    actuators["unwind"] = actuator(reference="")
+    actuators["swrap_follower"] = replace(
+        actuators["swrap_follower"], reference="pullroll_setpoint_N"
+    )
+    columns = {**BEHIND, "pullroll_setpoint_N": np.full(ROWS, 120.0)}
+    record = run_on_line(LINE, run(columns, actuators=actuators))
+    assert record.columns["tension_ref_N"].tolist() == [88.0] * ROWS
+    assert (
+        "no tension reference is recorded: the mean of unwind_tension_N, 88 N, stands in"
+        in record.findings
+    )
+
+
+@pytest.mark.parametrize(
+    "owner", [("unwind", ""), ("UNWIND", ""), ("a1", "unwind"), ("a1", ""), ("swrap_follower", "")]
+)
+def test_the_set_point_of_the_loops_own_tension_is_taken_whoever_names_it(owner):
+    """By the actuator's name, by its declared drive, or by the signal that is the loop's cell."""
+    name, roll = owner
+    own = replace(actuator(roll=roll), signal="unwind_tension_N")
+    columns = {"web_N": None, "unwind_tension_N": np.full(ROWS, 88.0)}
+    record = run_on_line(LINE, run(columns, actuators={name: own}))
+    assert record.columns["tension_ref_N"][[0, -1]].tolist() == [88.0, 92.0]
 
 
 def test_a_mapped_speed_reference_is_taken_and_nothing_said():

@@ -1,6 +1,7 @@
 """AFF blocks in the owner's site file: at their place, all else to the letter."""
 
 import difflib
+import re
 import shutil
 
 import pytest
@@ -81,6 +82,55 @@ def test_the_radius_is_the_one_that_the_records_gave(tmp_path):
     blocks = [AffBlock(roll="R6", orders=(1,))]
     found = proposed(site_file(tmp_path), blocks, LINE, {"rollers.R6.radius_m": 0.001})
     assert "r6: {radius_m: 0.0381381}" in found.text
+
+
+OTHER_NAMES = (
+    (r"\bunwind_tension_N\b", "web_tension_N"),
+    (r"\bpullroll_tension_N\b", "cell_2_N"),
+    # actuators alone, each at its three places; their drives say which roll they turn
+    (r"(?m)^      unwind:(?= )", "      brake:"),
+    (r"(?ms)^actuators:(.*)^  unwind:", r"actuators:\1  brake:"),
+)
+
+
+@pytest.mark.parametrize(
+    ("roll", "orders"),
+    [("R6", (1,)), ("R13", (1,)), ("unwind", (1, 17)), ("swrap_follower", (1, 2))],
+)
+def test_the_proposal_is_the_same_by_whatever_names_the_site_has(tmp_path, roll, orders):
+    site = site_file(tmp_path)
+    renamed = site.text
+    for old, new in OTHER_NAMES:
+        assert re.search(old, renamed), old
+        renamed = re.sub(old, new, renamed)
+    other = tmp_path / "config" / "renamed.yaml"
+    other.write_text(renamed)
+    load_site(other)
+    blocks = [AffBlock(roll=roll, orders=orders)]
+    own, its = (proposed(one, blocks, LINE) for one in (site, SiteFile.read(other)))
+    assert own.adds
+    assert added_or_changed(renamed, its.text) == added_or_changed(site.text, own.text)
+    assert [t.replace("actuators.brake", "actuators.unwind") for t in its.said] == [*own.said]
+
+
+def added_or_changed(before, after):
+    lines = difflib.unified_diff(before.splitlines(), after.splitlines(), n=0, lineterm="")
+    return [line for line in lines if line[0] in "+-" and line[:3] not in ("+++", "---")]
+
+
+def test_the_roll_of_a_declared_drive_goes_before_the_actuators_name(tmp_path):
+    """The two actuators of the file have changed names."""
+    site = site_file(tmp_path)
+    text = re.sub(
+        r"(?ms)^actuators:(.*)^  unwind:(.*)^  swrap_follower:",
+        r"actuators:\1  swrap_follower:\2  unwind:\n    drive: { roll: swrap_follower }",
+        site.text,
+    )
+    site.path.write_text(text)
+    found = proposed(
+        SiteFile.read(site.path), [AffBlock(roll="swrap_follower", orders=(1, 9))], LINE
+    )
+    assert found.said == ("actuators.unwind.blocks: orders 9 of swrap_follower added",)
 
 
 @pytest.mark.parametrize(

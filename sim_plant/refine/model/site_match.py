@@ -1,0 +1,135 @@
+"""What a site file's names are of a line: actuators its driven rollers, channels its sensors.
+
+A site calls actuators and signals as it likes. An actuator is of the roller that its declared
+drive turns, else of the one that it is named after; a channel is what has its name, else what the
+site file uses it for.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Mapping
+
+from sim_plant.line.declaration import (
+    CarriagePosition,
+    Declaration,
+    DriveSpeed,
+    LoadCell,
+    RollAngle,
+    RollRadius,
+    Sensor,
+)
+from sim_plant.refine.records.run_site import RunActuator, RunSite
+
+
+def site_name(roller: str) -> str:
+    """Return a roller's name as a site file takes it: small letters, digits, underscores."""
+    name = re.sub(r"[^a-z0-9_]", "_", roller.lower())[:48]
+    return name if name[:1].isalpha() else f"roller_{name}"[:48]
+
+
+def driven_roller(line: Declaration, actuator: str, roll: str) -> str:
+    """Return the driven roller of the line that an actuator turns; empty where it is none.
+
+    ``roll`` : of its declared drive, or empty. It goes before the actuator's own name.
+    """
+    drives = {site_name(drive.roller): drive.roller for drive in line.control.drives}
+    return drives.get(site_name(roll)) or drives.get(site_name(actuator)) or ""
+
+
+def actuators_of(line: Declaration, site: RunSite, roller: str) -> list[RunActuator]:
+    """Return the actuators that turn a roller."""
+    return [a for name, a in site.actuators.items() if driven_roller(line, name, a.roll) == roller]
+
+
+def channels_of(line: Declaration, site: RunSite, recorded: Collection[str]) -> dict[str, str]:
+    """Return by channel of the line the one of the site, of every sensor that is ``recorded``."""
+    return dict(_channels(line, site, recorded))
+
+
+def _channels(
+    line: Declaration, site: RunSite, recorded: Collection[str]
+) -> Iterator[tuple[str, str]]:
+    taken = {s.channel for s in line.sensors if s.channel in recorded}
+    for sensor in line.sensors:
+        if sensor.channel in recorded:
+            yield sensor.channel, sensor.channel
+            continue
+        by_use = _by_use(line, site, sensor, recorded)
+        if by_use in recorded and by_use not in taken:
+            taken.add(by_use)
+            yield sensor.channel, by_use
+
+
+def _by_use(line: Declaration, site: RunSite, sensor: Sensor, recorded: Collection[str]) -> str:
+    """Return the channel that the site file uses for what this sensor measures, or nothing."""
+    rolls = {site_name(name): uses for name, uses in site.rolls.items()}
+    uses = rolls.get(site_name(sensor.roller), {})
+    if isinstance(sensor, RollAngle):
+        return uses.get("angle", "")
+    if isinstance(sensor, RollRadius):
+        return uses.get("radius", "")
+    if isinstance(sensor, CarriagePosition):
+        return ""  # a site file has no word for it
+    if isinstance(sensor, LoadCell):
+        return _signal_of(line, site, sensor) or _signal_behind(line, site, sensor, recorded)
+    end = "_m_s" if sensor.scale_radius_m is not None else "_rad_s"
+    own = uses.get("speed", "")
+    if own.endswith(end):
+        return own
+    first = next((s for s in line.sensors if isinstance(s, DriveSpeed) and s.scale_radius_m), None)
+    return site.speed if sensor is first else ""
+
+
+def _signal_of(line: Declaration, site: RunSite, cell: LoadCell) -> str:
+    """Return what the actuator of this cell's tension loop keeps quiet, if that is a tension."""
+    for loop in line.control.tension_pi:
+        own = actuators_of(line, site, loop.acts_on) if loop.load_cell == cell.roller else []
+        if own:
+            return own[0].signal if own[0].signal.endswith("_N") else ""
+    return ""
+
+
+def _signal_behind(
+    line: Declaration, site: RunSite, cell: LoadCell, recorded: Collection[str]
+) -> str:
+    """Return what the actuator of the drive before this cell keeps quiet, if no loop acts on it.
+
+    That is a tension of the zone behind its roller; which cell has it is clear only where the zone
+    has no more than one that is not recorded by its own name.
+    """
+    at = line.body(cell.roller)
+    driven = sorted(line.body(d.roller) for d in line.control.drives)
+    before = max((k for k in driven if k < at), default=-1)
+    end = min((k for k in driven if k > at), default=len(line.rollers))
+    cells = [
+        s
+        for s in line.sensors
+        if isinstance(s, LoadCell)
+        and s.channel not in recorded
+        and before < line.body(s.roller) < end
+    ]
+    roller = line.rollers[before].name if before >= 0 else ""
+    if len(cells) > 1 or roller in ("", *(loop.acts_on for loop in line.control.tension_pi)):
+        return ""
+    own = actuators_of(line, site, roller)
+    return own[0].signal if own and own[0].signal.endswith("_N") else ""
+
+
+def tension_references(
+    line: Declaration, site: RunSite, channels: Mapping[str, str]
+) -> Iterator[str]:
+    """Yield the site's channels for the set point of a tension loop of the line.
+
+    That is the reference of what keeps the loop's own tension quiet: of the actuator that the
+    loop acts on or whose signal is the loop's cell, and not where it is that of another cell.
+    """
+    cells = {s.roller: channels.get(s.channel) for s in line.sensors if isinstance(s, LoadCell)}
+    for loop in line.control.tension_pi:
+        own = cells.get(loop.load_cell)
+        for name, actuator in site.actuators.items():
+            acts = driven_roller(line, name, actuator.roll) == loop.acts_on
+            elsewhere = actuator.signal != own and actuator.signal in cells.values()
+            is_own = actuator.signal == own or (acts and not elsewhere)
+            if is_own and actuator.reference.endswith("_N"):
+                yield actuator.reference
