@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from dataclasses import dataclass
@@ -10,6 +11,7 @@ from typing import Any
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
+from aff_runtime.base.units import UnitError, read_number
 from sim_plant.base.plain_file import read_plain_text
 from sim_plant.base.yaml_edit import with_keys
 from sim_plant.line.declaration import Declaration
@@ -104,8 +106,8 @@ def proposed(
     """Return the text with every block in the list of the actuator that acts on its zone.
 
     Of a roll that has an entry there, only orders that it lacks are added: its tuning is the
-    owner's. A roll that the file does not know comes under ``rolls``, with the radius that the
-    records gave.
+    owner's. So is whether it is switched on: of an entry that is not, that is said. A roll that
+    the file does not know comes under ``rolls``, with the radius that the records gave.
 
     Parameters
     ----------
@@ -134,6 +136,11 @@ def _add(
     roll, entries = site_name(block.roll), data["actuators"][actuator]["blocks"]
     where = f"actuators.{actuator}.blocks"
     own = [entry for entry in entries if entry.get("roll") == roll]
+    if any(entry.get("enabled") is False for entry in own):
+        return (
+            f"{where}: {roll} is there, switched off (enabled: false), so nothing cancels it; "
+            "nothing is added, switch it on"
+        )
     if own:
         known = {order for entry in own for order in entry["orders"]}
         fresh = [order for order in block.orders if order not in known]
@@ -141,16 +148,21 @@ def _add(
             return f"{where}: has all orders of {roll} already"
         own[0]["orders"] = sorted([*own[0]["orders"], *fresh])
         return f"{where}: orders {', '.join(map(str, fresh))} of {roll} added"
-    limit = data["actuators"][actuator].get("limit_m_s", block.amp_limit_m_s)
-    entry = block.entry()
-    if isinstance(limit, int | float):
-        entry["amp_limit_m_s"] = min(block.amp_limit_m_s, float(limit))
-    entries.append(entry)
+    limit_m_s = _limit_m_s(data["actuators"][actuator].get("limit_m_s"))
+    entries.append(block.entry() | {"amp_limit_m_s": min(block.amp_limit_m_s, limit_m_s)})
     if roll in data["rolls"]:
         return f"{where}: {roll} added"
     radius_m = _radius_m(block.roll, declaration, corrections)
     data["rolls"][roll] = {"radius_m": round(radius_m, 7)}
     return f"{where}: {roll} added, and rolls.{roll} with a radius of {radius_m * 1e3:.5g} mm"
+
+
+def _limit_m_s(given: Any) -> float:
+    """Return an actuator's limit as the service reads it; infinite where none can be read."""
+    try:
+        return math.inf if given is None else read_number(given, "m/s")
+    except UnitError:
+        return math.inf  # `aff-runtime check` names it
 
 
 def _radius_m(name: str, declaration: Declaration, corrections: Mapping[str, float]) -> float:

@@ -7,6 +7,7 @@ import shutil
 import pytest
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.units import accepted_units, plain, read_number
 from aff_runtime.config.diff import diff_sites, may_apply_while_active
 from aff_runtime.config.loader import load_site
 from sim_plant.line.load import load_declaration
@@ -82,6 +83,39 @@ def test_the_radius_is_the_one_that_the_records_gave(tmp_path):
     blocks = [AffBlock(roll="R6", orders=(1,))]
     found = proposed(site_file(tmp_path), blocks, LINE, {"rollers.R6.radius_m": 0.001})
     assert "r6: {radius_m: 0.0381381}" in found.text
+
+
+@pytest.mark.parametrize("unit", ["", *accepted_units("m/s")])
+def test_a_block_is_allowed_no_more_than_its_actuator_however_that_is_spelled(tmp_path, unit):
+    """The usual 20 mm/s are more than the actuator's 15 mm/s; the service refuses such a file."""
+    given = plain(0.015 / read_number(f"1 {unit}", "m/s")) if unit else "0.015"
+    site = site_file(tmp_path)
+    text = site.text.replace("    limit_m_s: 0.15", f"    limit_m_s: {given} {unit}".rstrip())
+    assert text != site.text
+    # the file's own blocks and its probe are allowed more than that
+    site.path.write_text(re.sub(r"\b(amp_limit|amplitude)_m_s: [0-9.]+", r"\1_m_s: 0.01", text))
+    before = load_site(site.path)
+    found = proposed(SiteFile.read(site.path), [AffBlock(roll="R6", orders=(1,))], LINE)
+    site.path.write_text(found.text)
+    actuator = load_site(site.path).actuators["unwind"]
+    assert actuator.limit_m_s == before.actuators["unwind"].limit_m_s
+    assert actuator.blocks[-1].amp_limit_m_s == actuator.limit_m_s == pytest.approx(0.015)
+
+
+@pytest.mark.parametrize("orders", [(1,), (1, 17)])
+def test_an_entry_that_is_switched_off_is_named_and_left_as_it_is(tmp_path, orders):
+    site = site_file(tmp_path)
+    lines = site.text.replace(
+        "      - roll: unwind\n", "      - roll: unwind\n        enabled: false\n"
+    )
+    assert lines != site.text
+    site.path.write_text(lines)
+    found = proposed(SiteFile.read(site.path), [AffBlock(roll="unwind", orders=orders)], LINE)
+    assert (found.text, found.adds) == (lines, False)
+    (said,) = found.said
+    assert said.startswith(
+        "actuators.unwind.blocks: unwind is there, switched off (enabled: false)"
+    )
 
 
 OTHER_NAMES = (
