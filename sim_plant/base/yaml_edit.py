@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import difflib
 import io
+import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -27,6 +28,11 @@ WIDTH = 110
 MOST_ALIKE = 2_000_000
 """Pairs of equal lines in a text; their number is what comparing it with another one costs. A
 declaration of 600 lines has some thousands, 10 000 empty comments took 50 s."""
+
+
+BYTE_ORDER = "\ufeff"
+_COMMENT = re.compile(r"(?:^|(?<=\s))#[^\r\n]*", re.MULTILINE)
+_END = re.compile(r"\r\n|\r|\n")
 
 
 class SpelledFloat(float):
@@ -60,9 +66,13 @@ Representer.add_representer(SpelledFloat, SpelledFloat.write)
 
 
 class RoundTrip(YAML):
-    """Reader and writer of one text; ``short`` writes new lists of plain values on one line."""
+    """Reader and writer of one text; ``short`` writes new lists of plain values on one line.
+
+    ``anchors_too`` changes what has an anchor at its place, for all who name it.
+    """
 
     short: bool = False
+    anchors_too: bool = True
 
 
 def with_keys(text: str, changes: Mapping[str, Any], *, short: bool = False) -> str:
@@ -71,16 +81,26 @@ def with_keys(text: str, changes: Mapping[str, Any], *, short: bool = False) -> 
     Values are plain (numbers, texts, lists, mappings). What a value has in common with the one
     that is there keeps its comments; new keys come last. Where ruamel cannot read a text that
     YAML 1.1 allows, or would render a comment into a value, or where too many lines are alike to
-    compare them, values come first: the comments are lost then. ``short`` puts what is new and
-    holds plain values only on one line, as in ``orders: [1, 2]``.
+    compare them, values come first: comments are lost then, see `lost_comments`. ``short`` puts
+    what is new and holds plain values only on one line, as in ``orders: [1, 2]``.
     """
     wanted = {**yaml.safe_load(text), **changes}
-    try:
-        edited = "" if _is_too_alike(text) else _edited(text, changes, short=short)
-        faithful = yaml.safe_load(edited) == wanted
-    except (YAMLError, yaml.YAMLError):
-        faithful = False
-    return edited if faithful else yaml.safe_dump(wanted, sort_keys=False, width=WIDTH)
+    mark = BYTE_ORDER if text.startswith(BYTE_ORDER) else ""
+    own = _lines(text.removeprefix(BYTE_ORDER))
+    for anchors_too in () if _is_too_alike(text) else (True, False):
+        try:
+            edited = mark + _edited(own, changes, short=short, anchors_too=anchors_too)
+            if yaml.safe_load(edited) == wanted:
+                return edited
+        except (YAMLError, yaml.YAMLError):
+            continue
+    return yaml.safe_dump(wanted, sort_keys=False, width=WIDTH)
+
+
+def lost_comments(before: str, after: str) -> list[str]:
+    """Return the comments of a text that another one does not have, or not as often."""
+    counts = [Counter(_COMMENT.findall(text)) for text in (before, after)]
+    return list((counts[0] - counts[1]).elements())
 
 
 def with_values(text: str, values: Mapping[tuple[str, ...], str | float]) -> str:
@@ -111,10 +131,14 @@ def _is_too_alike(text: str) -> bool:
     return sum(count * count for count in Counter(text.splitlines()).values()) > MOST_ALIKE
 
 
-def _edited(text: str, changes: Mapping[str, Any], *, short: bool) -> str:
-    """Return the owner's lines with those that the change makes other."""
+def _edited(
+    own: Sequence[str], changes: Mapping[str, Any], *, short: bool, anchors_too: bool
+) -> str:
+    """Return the owner's lines with those that the change makes other, each with its own end."""
+    lines = [_END.sub("", line) + "\n" for line in own]
+    text = "".join(lines)
     round_trip = _round_trip(text)
-    round_trip.short = short
+    round_trip.short, round_trip.anchors_too = short, anchors_too
     data = round_trip.load(text)
     before = _rendered(round_trip, data)
     for key, value in changes.items():
@@ -127,7 +151,11 @@ def _edited(text: str, changes: Mapping[str, Any], *, short: bool) -> str:
         else:
             _add(round_trip, data, key, value)
     after = _rendered(round_trip, data)
-    return "".join(_spelled_as(text.splitlines(keepends=True), before, after))
+    ends = Counter(_END.findall("".join(own)))
+    end = max(ends, key=lambda one: ends[one], default="\n")
+    found = _spelled_as(own, lines, before, after, end)
+    # a last line of the owner's without an end may not be the last one now
+    return "".join(line if _END.search(line) else line + end for line in found[:-1]) + found[-1]
 
 
 def _round_trip(text: str) -> RoundTrip:
@@ -144,13 +172,18 @@ def _round_trip(text: str) -> RoundTrip:
 def _rendered(round_trip: RoundTrip, data: CommentedMap) -> list[str]:
     out = io.StringIO()
     round_trip.dump(data, out)
-    return out.getvalue().splitlines(keepends=True)
+    return _lines(out.getvalue())
+
+
+def _lines(text: str) -> list[str]:
+    """Return the lines of a text, each with what ends it."""
+    return [line for line in re.split(r"(?<=\n)|(?<=\r)(?!\n)", text) if line]
 
 
 def _put(round_trip: RoundTrip, node: Any, value: Any) -> Any:
     """Return ``node`` with this value; parts that are as they were keep comments and spelling."""
     if isinstance(node, CommentedMap | CommentedSeq) and (
-        node.anchor.value or not node or not value
+        not node or not value or (node.anchor.value and not round_trip.anchors_too)
     ):
         return _new(round_trip, value)  # an anchor's own value stays for those who name it
     if isinstance(node, CommentedMap) and isinstance(value, Mapping):
@@ -158,14 +191,20 @@ def _put(round_trip: RoundTrip, node: Any, value: Any) -> Any:
     if isinstance(node, CommentedSeq) and isinstance(value, list):
         del node[len(value) :]
         for k, item in enumerate(node):
-            node[k] = _put(round_trip, item, value[k])
+            _set(node, k, _put(round_trip, item, value[k]))
         if len(value) > len(node):
             below = _taken_from_below(node, len(node) - 1)
             node.extend(_new(round_trip, item) for item in value[len(node) :])
             _put_below(node, len(node) - 1, below)
         return node
     same = type(value) in (int, float, str) and not isinstance(node, bool) and node == value
-    return node if same else _new(round_trip, value)
+    return node if same or node is value else _new(round_trip, value)
+
+
+def _set(node: Any, key: Any, value: Any) -> None:
+    """Put a value into a mapping or list, unless it is there: a merged one stays merged."""
+    if node[key] is not value:
+        node[key] = value
 
 
 def _put_mapping(round_trip: RoundTrip, node: CommentedMap, value: Any) -> Any:
@@ -173,7 +212,7 @@ def _put_mapping(round_trip: RoundTrip, node: CommentedMap, value: Any) -> Any:
     for key in [key for key in node if key not in value]:
         del node[key]
     for key in node:
-        node[key] = _put(round_trip, node[key], value[key])
+        _set(node, key, _put(round_trip, node[key], value[key]))
     fresh = {key: item for key, item in value.items() if key not in node}
     if not node:
         return _new(round_trip, value)
@@ -220,7 +259,7 @@ def _taken_from_below(data: CommentedMap | CommentedSeq, key: Any) -> CommentTok
     node, last, slot = _end_of(data, key)
     token = (node.ca.items.get(last) or [None] * 4)[slot]
     same_line, _, below = token.value.partition("\n") if token is not None else ("", "", "")
-    own, below = _own_lines(below, data.lc.col or 0)
+    own, below = _own_lines(below, _column(data))
     if not below:
         return None
     if same_line or own:
@@ -228,6 +267,14 @@ def _taken_from_below(data: CommentedMap | CommentedSeq, key: Any) -> CommentTok
     else:
         node.ca.items[last][slot] = None
     return CommentToken(f"\n{below}", token.start_mark, None)
+
+
+def _column(data: CommentedMap | CommentedSeq) -> int:
+    """Return where the keys or dashes of a value stand; with an anchor it begins before them."""
+    if not data.anchor.value or not data.lc.data:
+        return data.lc.col or 0
+    first = min(place[1] for place in data.lc.data.values())
+    return first if isinstance(data, CommentedMap) else first - len("- ")
 
 
 def _own_lines(text: str, column: int) -> tuple[str, str]:
@@ -253,15 +300,21 @@ def _put_below(data: CommentedMap | CommentedSeq, key: Any, below: CommentToken 
         slots[slot].value = slots[slot].value.rstrip("\n") + below.value
 
 
-def _spelled_as(own: Sequence[str], before: Sequence[str], after: Sequence[str]) -> list[str]:
-    """Return the lines of ``after``, those that ``before`` has too as ``own`` spells them."""
+def _spelled_as(
+    own: Sequence[str], plain: Sequence[str], before: Sequence[str], after: Sequence[str], end: str
+) -> list[str]:
+    """Return the lines of ``after``, those that ``before`` has too as ``own`` spells them.
+
+    ``plain`` : the owner's with plain ends, as the others have them; ``end`` of a new line.
+    """
     ends = {0: 0}  # line of before -> line of own
-    for _, a1, a2, b1, b2 in _opcodes(before, own):
+    for _, a1, a2, b1, b2 in _opcodes(before, plain):
         for k in range(a1, a2 + 1):
             ends[k] = b1 + k - a1 if a2 - a1 == b2 - b1 else (b1 if k < a2 else b2)
     lines: list[str] = []
     for tag, a1, a2, b1, b2 in _opcodes(before, after):
-        lines += own[ends[a1] : ends[a2]] if tag == "equal" else after[b1:b2]
+        new = [_END.sub(end, line) for line in after[b1:b2]]
+        lines += own[ends[a1] : ends[a2]] if tag == "equal" else new
     return lines
 
 

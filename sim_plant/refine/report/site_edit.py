@@ -13,7 +13,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.units import UnitError, read_number
 from sim_plant.base.plain_file import read_plain_text
-from sim_plant.base.yaml_edit import with_keys
+from sim_plant.base.yaml_edit import lost_comments, with_keys
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.yaml_file import LONGEST_BYTES, parse_yaml
 from sim_plant.refine.model.site_match import channels_of, driven_roller, site_name
@@ -107,7 +107,8 @@ def proposed(
 
     Of a roll that has an entry there, only orders that it lacks are added: its tuning is the
     owner's. So is whether it is switched on: of an entry that is not, that is said. A roll that
-    the file does not know comes under ``rolls``, with the radius that the records gave.
+    the file does not know comes under ``rolls``, with the radius that the records gave. Where a
+    comment of the owner's would be lost nothing is added, and that is said.
 
     Parameters
     ----------
@@ -122,6 +123,12 @@ def proposed(
         )
     same = data == {"rolls": site.rolls, "actuators": site.actuators}
     text = site.text if same else with_keys(site.text, data, short=True)
+    if lost := lost_comments(site.text, text):
+        told = (
+            f"no {FILE}: {len(lost)} comments of the file would be lost, the first is "
+            f"{printable(lost[0], 60)!r}; put the entries of aff_block.yaml in by hand"
+        )
+        return Proposal(text=site.text, said=(told,), adds=False)
     return Proposal(text=text, said=tuple(said), adds=text != site.text)
 
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sim_plant.base.yaml_edit import with_keys, with_values
+from sim_plant.base.yaml_edit import lost_comments, with_keys, with_values
 from tests import quick_yaml
 
 OWN = """\
@@ -90,6 +90,49 @@ def test_what_is_named_elsewhere_too_stays_as_it_is_there():
     text = "first: &own {size_m: 1.0}\nsecond: *own\n"
     found = quick_yaml.safe_load(with_keys(text, {"first": {"size_m": 2.0}}))
     assert found == {"first": {"size_m": 2.0}, "second": {"size_m": 1.0}}
+
+
+CHANGES = {"corrections": {"web.EA_N": 0.010, "web.thickness_m": -0.5}, "made": {"by": "x"}}
+
+
+@pytest.mark.parametrize("end", ["\r\n", "\r"])
+@pytest.mark.parametrize("mark", ["", "\ufeff"])
+def test_lines_end_as_the_owners_do(end, mark):
+    found = with_keys(mark + OWN.replace("\n", end), CHANGES)
+    assert found == mark + with_keys(OWN, CHANGES).replace("\n", end)
+    assert comments(found.replace(end, "\n")) == comments(OWN)
+
+
+def test_each_line_of_the_owners_keeps_an_end_of_its_own():
+    """A file that two editors wrote: new lines end as most do."""
+    lines = OWN.splitlines()
+    mixed = [line + ("\r\n" if k % 3 else "\n") for k, line in enumerate(lines)]
+    found = with_keys("".join(mixed), CHANGES).splitlines(keepends=True)
+    assert [line for line in found if line in mixed] == mixed
+    new = [line for line in found if line not in mixed]
+    assert new == ["  web.thickness_m: -0.5\r\n", "made:\r\n", "  by: x\r\n"]
+
+
+def test_a_last_line_without_an_end_gets_one_when_others_follow():
+    text = "a: 1  # one\nb:\n  - x: 1  # two"
+    found = with_keys(text, {"b": [{"x": 1}, {"x": 2}]})
+    assert found.splitlines() == [*text.splitlines(), "  - x: 2"]
+    assert with_keys(text, {"a": 3}) == text.replace("a: 1 ", "a: 3 ")
+
+
+def test_what_has_an_anchor_is_changed_at_its_place_where_nobody_else_sees_it():
+    text = "a: &own  # ours\n  # inside\n  size_m: 1.0  # one\n  kept: 2  # two\nb: 3  # three\n"
+    assert with_keys(text, {"a": {"size_m": 2.0, "kept": 2}}) == text.replace("1.0", "2.0")
+    # who takes the rest of it and has a size of its own sees nothing either
+    merged = text + "c:\n  <<: *own  # the rest\n  size_m: 7.0  # mine\n"
+    found = with_keys(merged, {"a": {"size_m": 2.0, "kept": 2}})
+    assert found == merged.replace("1.0", "2.0")
+
+
+def test_comments_that_a_text_no_longer_has_are_named():
+    assert lost_comments(OWN, OWN.replace("\n", "\r\n")) == []
+    assert lost_comments("a: 1  # x\n# y\n# y\nb: p#q\n", "a: 2 # x\n  # y\n") == ["# y"]
+    assert len(lost_comments(OWN, "")) == len(comments(OWN))
 
 
 @pytest.mark.parametrize(

@@ -102,6 +102,58 @@ def test_a_block_is_allowed_no_more_than_its_actuator_however_that_is_spelled(tm
     assert actuator.blocks[-1].amp_limit_m_s == actuator.limit_m_s == pytest.approx(0.015)
 
 
+def anchored(text):
+    changed = re.sub(r"(?ms)^actuators:(.*)^  unwind:", r"actuators:\1  unwind: &u", text)
+    return changed.replace("rolls:\n", "rolls: &all\n")
+
+
+@pytest.mark.parametrize("name", ["euclid.yaml", "euclid_can.yaml"])
+@pytest.mark.parametrize("write", [lambda text: text.replace("\n", "\r\n"), anchored])
+def test_every_line_of_the_owners_stays_however_the_file_is_written(tmp_path, name, write):
+    site = site_file(tmp_path, name)
+    plain_ends = proposed(site, [AffBlock(roll="R6", orders=(1,))], LINE)
+    text = write(site.text)
+    assert text != site.text
+    site.path.write_bytes(text.encode())
+    found = proposed(SiteFile.read(site.path), [AffBlock(roll="R6", orders=(1,))], LINE)
+    assert found.text == write(plain_ends.text)
+    assert is_within(text.splitlines(keepends=True), found.text.splitlines(keepends=True))
+    site.path.write_bytes(found.text.encode())
+    assert load_site(site.path).actuators["unwind"].blocks[-1].roll == "r6"
+
+
+def is_within(lines, others):
+    """Return whether all lines are among the others, in their order."""
+    rest = iter(others)
+    return all(line in rest for line in lines)
+
+
+def with_list(site, orders):
+    """Write the orders of the unwind's block another way; return the text."""
+    text = re.sub(r"(?m)^        orders: \[1, 2, 3.*?\]", f"        orders: {orders}", site.text)
+    assert text != site.text
+    site.path.write_text(text)
+    return text
+
+
+def test_comments_beside_orders_stay(tmp_path):
+    site = site_file(tmp_path)
+    orders = "\n          - 1  # runout\n          - 2  # oval, re-ground in June\n          - 3"
+    text = with_list(site, orders)
+    found = proposed(SiteFile.read(site.path), [AffBlock(roll="unwind", orders=(1, 17))], LINE)
+    assert added(text, found.text) == ["          - 17"]
+
+
+def test_where_a_comment_would_be_lost_no_file_is_proposed(tmp_path):
+    site = site_file(tmp_path)
+    orders = "[  # those of the cam\n          1, 2,  # measured in May\n          3]"
+    text = with_list(site, orders)
+    found = proposed(SiteFile.read(site.path), [AffBlock(roll="unwind", orders=(1, 17))], LINE)
+    assert (found.text, found.adds) == (text, False)
+    (said,) = found.said
+    assert "2 comments of the file would be lost, the first is '# those of the cam'" in said
+
+
 @pytest.mark.parametrize("orders", [(1,), (1, 17)])
 def test_an_entry_that_is_switched_off_is_named_and_left_as_it_is(tmp_path, orders):
     site = site_file(tmp_path)
