@@ -273,7 +273,7 @@ def _column(data: CommentedMap | CommentedSeq) -> int:
     """Return where the keys or dashes of a value stand; with an anchor it begins before them."""
     if not data.anchor.value or not data.lc.data:
         return data.lc.col or 0
-    first = min(place[1] for place in data.lc.data.values())
+    first = min(int(place[1]) for place in data.lc.data.values())
     return first if isinstance(data, CommentedMap) else first - len("- ")
 
 
