@@ -39,6 +39,10 @@ class Inputs:
     Attributes
     ----------
     site_hash : revision of the site file alone. ``config_hash`` : with what was learned.
+    parts : SHA-256 of each part of the site file by its name, see `site_parts`; empty in an entry
+        of an older release.
+    shapes : short digest of the learned shape that the service started with, by actuator; stated
+        and never compared, as is ``config_hash``.
     plc : version of the PLC's program, typed. ``roll_id`` : the PLC's counter of rolls.
     responses : SHA-256 of the measured response by actuator.
     """
@@ -48,6 +52,8 @@ class Inputs:
     plc: str = ""
     roll_id: str = ""
     responses: Mapping[str, str] = field(default_factory=dict)
+    parts: Mapping[str, str] = field(default_factory=dict)
+    shapes: Mapping[str, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -222,6 +228,8 @@ def _inputs(said: Fields) -> Inputs:
         plc=said.text("plc"),
         roll_id=said.text("roll_id"),
         responses=said.named("responses"),
+        parts=said.named("parts"),
+        shapes=said.named("shapes"),
     )
 
 

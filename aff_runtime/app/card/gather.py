@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +14,7 @@ from aff_runtime.app.card.entries import Inputs, RecordWindow
 from aff_runtime.app.card.evidence import CheckedSite, Evidence, Need, Try
 from aff_runtime.app.card.figures import Sample
 from aff_runtime.app.card.records import record_window
+from aff_runtime.app.card.site_parts import parts_of
 from aff_runtime.app.card.steps import Step
 from aff_runtime.app.card.typed_values import TypedValues
 from aff_runtime.app.link.parameter_record import ParameterRecord
@@ -23,12 +25,14 @@ from aff_runtime.base.machine import Machine
 from aff_runtime.base.run_table import last_event_s
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.config.loader import load_recorded_site
+from aff_runtime.config.models import Site
 from aff_runtime.config.revision import SHORT, file_digest, revision_hash
 from aff_runtime.core.response import Response
 from aff_runtime.telemetry.header import Right, RunMeta
 
 EDIT, SETTINGS, AT_START = "EDIT", "SETTINGS", " started by "
 """Events of other settings; the one with ``AT_START`` names those that the run began with."""
+_SHAPE = re.compile(r"(?P<name>\w+): .*, shape (?P<digest>[0-9a-f]+)")
 AFTER_CHANGE_S = 0.5
 """From a change of settings to the first row that is looked at."""
 MARGIN_S = 0.5
@@ -95,7 +99,22 @@ def inputs_of(sources: Sources, windows: Sequence[Window] = ()) -> Inputs:
         plc=sources.plc,
         roll_id=roll_id,
         responses={name: file_digest(text) for name, text in parameters.responses.items()},
+        parts=parts_of(_as_written(parameters), parameters.wire_digests),
+        shapes=dict(_shapes(answer)),
     )
+
+
+def _as_written(parameters: ParameterRecord) -> Site:
+    """Return the site without what a probe identified: that goes with the responses."""
+    text = parameters.site_text
+    return load_recorded_site(text, "site.yaml") if text else parameters.site
+
+
+def _shapes(answer: StatusAnswer | None) -> Iterator[tuple[str, str]]:
+    """Yield the short digest of every shape that the service says it started with."""
+    for sentence in answer.learned if answer is not None else ():
+        if (found := _SHAPE.fullmatch(sentence)) is not None:
+            yield found["name"], found["digest"]
 
 
 def gather(

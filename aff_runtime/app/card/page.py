@@ -222,6 +222,7 @@ def _rests(said: Measured) -> str:
             ("PLC program", inputs.plc),
             ("roll", inputs.roll_id),
             *((f"response of {name}", digest) for name, digest in inputs.responses.items()),
+            *((f"{name} started with shape", text) for name, text in inputs.shapes.items()),
         )
         if value
     ]

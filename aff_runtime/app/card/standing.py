@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from aff_runtime.app.card.entries import Begun, Entry, Inputs, Measured, Signed
@@ -109,28 +109,36 @@ def card_of(entries: Sequence[Entry], now: Inputs | None = None) -> Card:
 def changed(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
     """Yield what has changed of what a step rests on.
 
-    What is not known on one side is no change; a response that is on one side alone is one.
+    What is not known on one side is no change; a response that is on one side alone is one. A
+    learned shape is none: the law saves it anew at each bypass, that of the proof among them.
     """
-    pairs = {
-        Rest.SITE: (then.site_hash, now.site_hash),
-        Rest.CONFIG: (then.config_hash, now.config_hash),
-        Rest.PLC: (then.plc, now.plc),
-        Rest.ROLL: (then.roll_id, now.roll_id),
-    }
+    pairs = {Rest.PLC: (then.plc, now.plc), Rest.ROLL: (then.roll_id, now.roll_id)}
     for rest in step.rests_on:
-        if rest is Rest.RESPONSES:
+        if rest is Rest.SITE:
+            yield from _changed_site(step, then, now)
+        elif rest is Rest.RESPONSES:
             for name in sorted({*then.responses, *now.responses}):
                 old, new = then.responses.get(name, ""), now.responses.get(name, "")
                 if old != new:
                     yield f"{rest} of {name}: {_short(old)}, now {_short(new)}"
-            continue
-        old, new = pairs[rest]
-        if old and new and old != new:
-            yield f"{rest}: {_short(old)}, now {_short(new)}"
+        elif not _alike(*pairs[rest]):
+            yield _was(rest, *pairs[rest])
+
+
+def _changed_site(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
+    """Yield the parts of the site file that are other ones; of an older entry the whole file."""
+    if not (then.parts and now.parts):
+        if not _alike(then.site_hash, now.site_hash):
+            yield _was(Rest.SITE, then.site_hash, now.site_hash)
+        return
+    for part in step.parts:
+        old, new = then.parts.get(part.name, ""), now.parts.get(part.name, "")
+        if not _alike(old, new):
+            yield _was(f"{Rest.SITE}, {part}", old, new)
 
 
 def former_samples(step: Step, entries: Sequence[Entry], now: Inputs) -> tuple[Sample, ...]:
-    """Return samples of a step that still count: made on the same site file and PLC.
+    """Return samples of a step that still count: nothing that it rests on has changed since.
 
     A learned response is what step 7 itself makes, so a new one takes none of them away.
     """
@@ -138,7 +146,8 @@ def former_samples(step: Step, entries: Sequence[Entry], now: Inputs) -> tuple[S
     for entry in entries:
         said = entry.said
         if isinstance(said, Measured) and said.step == step.number:
-            same = (said.inputs.site_hash, said.inputs.plc) == (now.site_hash, now.plc)
+            then = replace(said.inputs, responses=now.responses)
+            same = not any(changed(step, then, now))
             samples = [*samples, *said.finding.samples] if same else []
     return tuple(samples)
 
@@ -176,6 +185,15 @@ def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepS
         earlier=len(mine) - 1,
         signature=signature,
     )
+
+
+def _alike(old: str, new: str) -> bool:
+    """Return whether two are the same, as far as both are known."""
+    return not old or not new or old == new
+
+
+def _was(what: str, old: str, new: str) -> str:
+    return f"{what}: {_short(old)}, now {_short(new)}"
 
 
 def _short(digest: str) -> str:

@@ -22,6 +22,7 @@ from aff_runtime.app.card.measure import (
     trips,
     words,
 )
+from aff_runtime.app.card.site_parts import ALL, Part
 from aff_runtime.base.errors import RefusedError
 
 
@@ -29,7 +30,6 @@ class Rest(StrEnum):
     """What a step rests on: when it has changed, the step has to be done again."""
 
     SITE = "site file"
-    CONFIG = "configuration with what was learned"
     PLC = "program of the PLC"
     ROLL = "roll"
     RESPONSES = "measured responses"
@@ -42,7 +42,9 @@ class Step:
     Attributes
     ----------
     measured, unit, limit : what comes out, in words.
-    rests_on : what turns it to "again". ``needs`` : what has to be gathered.
+    rests_on : what turns it to "again". ``parts`` : of the site file, those alone; never keys
+        that this step or a later one asks to edit.
+    needs : what has to be gathered.
     seconds : of the record that are looked at where no window is named; 0: no record.
     begins_anew : of the newest rows those since the last change of settings are looked at: what
         is looked for happens once.
@@ -55,6 +57,7 @@ class Step:
     unit: str
     limit: str
     rests_on: tuple[Rest, ...]
+    parts: tuple[Part, ...] = ()
     needs: tuple[Need, ...] = ()
     seconds: float = 0.0
     begins_anew: bool = False
@@ -64,8 +67,12 @@ class Step:
 
 _WORDS = (Rest.SITE, Rest.PLC)
 _LOOP = (Rest.SITE, Rest.PLC, Rest.RESPONSES)
-_ROLL = (Rest.CONFIG, Rest.PLC, Rest.ROLL)
+_ROLL = (*_LOOP, Rest.ROLL)
 _RECORD = (Need.RECORD,)
+_READ = (Part.CHANNELS, Part.SIGNALS)
+_BUS = (*_READ, Part.WIRE, Part.LINE)
+_TURN = (*_BUS, Part.ROLLS)
+_LAW = (*_TURN, Part.LAW)
 SEARCH, SEARCH_TYPED = 9, ("actuator",)
 """The step that tries settings; who runs it does so before it is measured."""
 
@@ -88,6 +95,7 @@ STEPS: tuple[Step, ...] = (
         unit="% of span",
         limit="within 1 % of span",
         rests_on=_WORDS,
+        parts=_READ,
         needs=_RECORD,
         seconds=10.0,
         typed=lambda _: load_cell.TYPED,
@@ -100,6 +108,7 @@ STEPS: tuple[Step, ...] = (
         unit="%",
         limit="within 1 %, the heartbeat moves, the echo is seen",
         rests_on=_WORDS,
+        parts=(*_TURN, Part.FRESHNESS),
         needs=_RECORD,
         seconds=10.0,
         typed=words.typed_names,
@@ -112,6 +121,7 @@ STEPS: tuple[Step, ...] = (
         unit="counts",
         limit="at most the PLC's, at least 5 counts, every warning understood",
         rests_on=_WORDS,
+        parts=(Part.LIMITS, Part.SIGNALS, Part.WIRE),
         typed=limits.typed_names,
         measure=limits.measure,
     ),
@@ -132,6 +142,7 @@ STEPS: tuple[Step, ...] = (
         unit="ms",
         limit="fault_after_ms; with the fade 300 ms",
         rests_on=_WORDS,
+        parts=(Part.FRESHNESS, Part.LINE, Part.WIRE),
         needs=_RECORD,
         seconds=120.0,
         begins_anew=True,
@@ -145,6 +156,7 @@ STEPS: tuple[Step, ...] = (
         unit="%",
         limit="within 1 % per roll, none missed, no overrun",
         rests_on=_WORDS,
+        parts=_TURN,
         needs=_RECORD,
         seconds=601.0,
         measure=shadow.measure,
@@ -156,6 +168,7 @@ STEPS: tuple[Step, ...] = (
         unit="standard errors",
         limit="at most 2, coherence at least 0.73, sign as the geometry has it",
         rests_on=_LOOP,
+        parts=_TURN,
         typed=response.typed_names,
         measure=response.measure,
     ),
@@ -166,6 +179,7 @@ STEPS: tuple[Step, ...] = (
         unit="dB",
         limit="falls within 3 settle times or 10 turns",
         rests_on=_LOOP,
+        parts=_LAW,
         needs=_RECORD,
         seconds=600.0,
         begins_anew=True,
@@ -178,6 +192,7 @@ STEPS: tuple[Step, ...] = (
         unit="N",
         limit="the shortest that is not worse, doubled",
         rests_on=_LOOP,
+        parts=_LAW,
         needs=_RECORD,
         typed=lambda _: SEARCH_TYPED,
         measure=search.measure,
@@ -189,6 +204,7 @@ STEPS: tuple[Step, ...] = (
         unit="dB",
         limit="none held",
         rests_on=_LOOP,
+        parts=(*_LAW, Part.LIMITS, Part.TUNING),
         needs=(Need.SERVICE,),
         measure=orders.measure,
     ),
@@ -199,6 +215,7 @@ STEPS: tuple[Step, ...] = (
         unit="ms",
         limit="at most 300 ms, no bump, comes back or stays off as the trip says",
         rests_on=_WORDS,
+        parts=(*_TURN, Part.PERMISSIVES, Part.FRESHNESS, Part.LIMITS),
         needs=_RECORD,
         seconds=120.0,
         begins_anew=True,
@@ -212,6 +229,7 @@ STEPS: tuple[Step, ...] = (
         unit="dB",
         limit="20 turns each, at least what was promised",
         rests_on=_ROLL,
+        parts=ALL,
         needs=_RECORD,
         seconds=1800.0,
         begins_anew=True,

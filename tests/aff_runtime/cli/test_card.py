@@ -123,7 +123,7 @@ def test_another_site_file_turns_a_step_to_again_and_nothing_is_signed(line, cap
     assert line("step", "3", *words) in (0, 5)
     line.site.write_text(warnings.replace("limit_m_s: 0.05", "limit_m_s: 0.045"))
     assert line("show") == 0
-    assert "again (site file: " in capsys.readouterr().out
+    assert "again (site file, limits and ramps of the actuators: " in capsys.readouterr().out
     assert line("sign", "3", "--as", "Ada", "--reason", WHY) == 4
     assert "step 3 is again" in capsys.readouterr().err
 

@@ -6,14 +6,15 @@ import pytest
 
 from aff_runtime.app.card.gather import inputs_of
 from aff_runtime.base.errors import RefusedError
+from tests.parameter_records import record_of
 
 
 def sources(**said):
     """Return a site file of hash a and a service that says so much."""
     answer = {"site_hash": "a", "config_hash": "c", "trying": "", "live": None} | said
     return SimpleNamespace(
-        parameters=SimpleNamespace(site_hash="a", config_hash="b", responses={}),
-        answer=SimpleNamespace(**answer),
+        parameters=record_of(site_hash="a", config_hash="b"),
+        answer=SimpleNamespace(learned=(), **answer),
         plc="",
     )
 

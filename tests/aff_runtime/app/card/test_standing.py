@@ -13,7 +13,6 @@ from tests.aff_runtime.app.card.made import BAD, INPUTS, add, book, measured, si
 
 OTHERS = {
     Rest.SITE: replace(INPUTS, site_hash="9" * 64),
-    Rest.CONFIG: replace(INPUTS, config_hash="9" * 64),
     Rest.PLC: replace(INPUTS, plc="8"),
     Rest.ROLL: replace(INPUTS, roll_id="5"),
     Rest.RESPONSES: replace(INPUTS, responses={"unwind": "9" * 64}),
