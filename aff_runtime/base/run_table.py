@@ -201,9 +201,14 @@ def _of_recorder(row: Mapping[str, str]) -> str:
 
 def last_event_s(folder: Path, is_it: Callable[[Mapping[str, str]], bool]) -> float:
     """Return when the last event of a kind was, s of the column ``time_s``; 0 without one."""
-    rows, _ = _events(folder / "events.csv", RunWindow(folder=folder, from_s=0.0, to_s=math.inf))
-    times = (_time_s(row) for row in rows if is_it(row))
+    times = (time_of(row) for row in events_of(folder)[0] if is_it(row))
     return max((one for one in times if math.isfinite(one)), default=0.0)
+
+
+def events_of(folder: Path) -> tuple[list[dict[str, str]], bool]:
+    """Return all events of a run in the order of the file, and whether none was left out."""
+    rows, said = _events(folder / "events.csv", RunWindow(folder=folder))
+    return rows, not said
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -337,7 +342,7 @@ def _events(path: Path, window: RunWindow) -> tuple[list[dict[str, str]], list[s
     return found, [f"{path.name}: cannot be read to its end"] if more else []
 
 
-def _time_s(row: Mapping[str, str]) -> float:
+def time_of(row: Mapping[str, str]) -> float:
     """Return when an event was, NaN where that cannot be read."""
     try:
         return float(row.get("time_s") or "nan")
@@ -346,5 +351,5 @@ def _time_s(row: Mapping[str, str]) -> float:
 
 
 def _is_inside(row: Mapping[str, str], window: RunWindow) -> bool:
-    time_s = _time_s(row)
+    time_s = time_of(row)
     return not (time_s < window.from_s or time_s >= window.to_s)

@@ -32,6 +32,10 @@ class Begun:
     machine: str
 
 
+UNKNOWN = "unknown"
+"""In place of a response's digest: the record does not say which one ran."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Inputs:
     """What a measurement rests on; empty where it is not known.
@@ -44,7 +48,8 @@ class Inputs:
     shapes : short digest of the learned shape that the service started with, by actuator; stated
         and never compared, as is ``config_hash``.
     plc : version of the PLC's program, typed. ``roll_id`` : the PLC's counter of rolls.
-    responses : SHA-256 of the measured response by actuator.
+    responses : SHA-256 of the measured response by actuator; its beginning where a record says
+        no more, and ``UNKNOWN`` where it says nothing.
     """
 
     site_hash: str = ""

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-import os
-import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.card.entries import Inputs, RecordWindow
+from aff_runtime.app.card.entries import UNKNOWN, Inputs, RecordWindow
 from aff_runtime.app.card.evidence import CheckedSite, Evidence, Need, Try
 from aff_runtime.app.card.figures import Sample
 from aff_runtime.app.card.records import record_window
+from aff_runtime.app.card.run_settings import InForce, changes_settings, in_force, learned_of
 from aff_runtime.app.card.site_parts import parts_of
 from aff_runtime.app.card.steps import Step
 from aff_runtime.app.card.typed_values import TypedValues
@@ -26,13 +25,10 @@ from aff_runtime.base.run_table import last_event_s
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.config.models import Site
-from aff_runtime.config.revision import SHORT, file_digest, revision_hash
+from aff_runtime.config.revision import SHORT, file_digest
 from aff_runtime.core.response import Response
 from aff_runtime.telemetry.header import Right, RunMeta
 
-EDIT, SETTINGS, AT_START = "EDIT", "SETTINGS", " started by "
-"""Events of other settings; the one with ``AT_START`` names those that the run began with."""
-_SHAPE = re.compile(r"(?P<name>\w+): .*, shape (?P<digest>[0-9a-f]+)")
 AFTER_CHANGE_S = 0.5
 """From a change of settings to the first row that is looked at."""
 MARGIN_S = 0.5
@@ -70,7 +66,7 @@ class Gathered:
     inputs: Inputs
 
 
-def inputs_of(sources: Sources, windows: Sequence[Window] = ()) -> Inputs:
+def inputs_of(sources: Sources) -> Inputs:
     """Return what a measurement rests on now.
 
     Raises
@@ -91,8 +87,6 @@ def inputs_of(sources: Sources, windows: Sequence[Window] = ()) -> Inputs:
         config_hash = answer.config_hash
         if answer.live is not None:
             roll_id = _whole(answer.live.tick.number("roll_id"))
-    elif windows and "roll_id" in windows[-1].table.columns:
-        roll_id = _whole(float(windows[-1].table.columns["roll_id"][-1]))
     return Inputs(
         site_hash=parameters.site_hash,
         config_hash=config_hash,
@@ -100,7 +94,7 @@ def inputs_of(sources: Sources, windows: Sequence[Window] = ()) -> Inputs:
         roll_id=roll_id,
         responses={name: file_digest(text) for name, text in parameters.responses.items()},
         parts=parts_of(_as_written(parameters), parameters.wire_digests),
-        shapes=dict(_shapes(answer)),
+        shapes=learned_of(answer.learned if answer is not None else ())[1],
     )
 
 
@@ -108,13 +102,6 @@ def _as_written(parameters: ParameterRecord) -> Site:
     """Return the site without what a probe identified: that goes with the responses."""
     text = parameters.site_text
     return load_recorded_site(text, "site.yaml") if text else parameters.site
-
-
-def _shapes(answer: StatusAnswer | None) -> Iterator[tuple[str, str]]:
-    """Yield the short digest of every shape that the service says it started with."""
-    for sentence in answer.learned if answer is not None else ():
-        if (found := _SHAPE.fullmatch(sentence)) is not None:
-            yield found["name"], found["digest"]
 
 
 def gather(
@@ -129,10 +116,13 @@ def gather(
     """
     if Need.SERVICE in step.needs and Need.RECORD not in step.needs and sources.answer is None:
         raise RefusedError(f"no service answers; step {step.number} looks at {Need.SERVICE}")
+    now = inputs_of(sources)
     wanted = list(wanted_windows(step, sources))
     windows = tuple(load_window(one) for one in wanted)
-    for one in windows:
-        _check_settings(one, sources)
+    ran = [in_force(one) for one in windows]
+    if not sources.tries:  # of which each is another setting
+        for one, settings in zip(windows, ran, strict=True):
+            _check_settings(one, settings, sources)
     evidence = Evidence(
         checked=sources.checked,
         typed=typed,
@@ -159,8 +149,33 @@ def gather(
             )
             for given, one in zip(wanted, windows, strict=True)
         ),
-        inputs=inputs_of(sources, windows),
+        inputs=_as_recorded(now, windows[-1], ran[-1]) if sources.windows else now,
     )
+
+
+def _as_recorded(now: Inputs, window: Window, ran: InForce) -> Inputs:
+    """Return what a window that was named rests on: the roll and what was learned then.
+
+    The roll and the responses of today are another record's.
+    """
+    rolls = window.table.columns.get("roll_id")
+    names = sorted({*now.responses, *ran.responses})
+    said = {name: _then(now.responses.get(name, ""), name, ran) for name in names}
+    return replace(
+        now,
+        config_hash=ran.whole,
+        roll_id=_whole(float(rolls[-1])) if rolls is not None else "",
+        responses={name: digest for name, digest in said.items() if digest},
+        shapes=ran.shapes,
+    )
+
+
+def _then(digest: str, name: str, ran: InForce) -> str:
+    """Return the digest of a response then: today's whole one where the record's begins it."""
+    if not ran.is_said:
+        return UNKNOWN
+    short = ran.responses.get(name, "")
+    return digest if short and digest.startswith(short) else short
 
 
 def _whole(number: float) -> str:
@@ -186,31 +201,20 @@ def wanted_windows(step: Step, sources: Sources) -> Iterator[RunWindow]:
     folder = Path(answer.recorder.folder)
     from_s = max(0.0, end_s - step.seconds)
     if step.begins_anew:
-        changed_s = last_event_s(folder, _changes_settings)
+        changed_s = last_event_s(folder, changes_settings)
         from_s = max(from_s, changed_s + AFTER_CHANGE_S if changed_s else 0.0)
     yield RunWindow(folder=folder, from_s=min(from_s, end_s), to_s=end_s)
 
 
-def _check_settings(window: Window, sources: Sources) -> None:
-    """Refuse a window of other settings, and one in which settings were changed."""
-    if any(map(_changes_settings, window.table.events)):
-        raise RefusedError(f"{window.table.window}: settings were changed in it")
-    recorder = sources.answer.recorder if sources.answer is not None else None
-    folder = window.table.window.folder
-    if recorder is not None and os.path.realpath(recorder.folder) == os.path.realpath(folder):
-        return  # the service itself says what it runs on
-    recorded = revision_hash(load_recorded_site(window.table.site_text, f"{folder}/site.yaml"))
-    if recorded != sources.parameters.site_hash:
+def _check_settings(window: Window, ran: InForce, sources: Sources) -> None:
+    """Refuse a window of other settings than the site file's."""
+    wanted = sources.parameters.site_hash[:SHORT]
+    if ran.site != wanted:
+        since = f", in force from {ran.from_s:.0f} s on," if ran.is_said else ""
         raise RefusedError(
-            f"{window.table.window}: recorded on other settings ({recorded[:SHORT]}) than the "
-            f"site file says now ({sources.parameters.site_hash[:SHORT]})"
+            f"{window.table.window}: recorded on other settings ({ran.site}){since} than the "
+            f"site file says now ({wanted})"
         )
-
-
-def _changes_settings(row: Mapping[str, str]) -> bool:
-    """Return whether an event says that other settings ran from then on."""
-    name = row.get("name")
-    return name == EDIT or (name == SETTINGS and AT_START not in row.get("text", ""))
 
 
 def _rights(sources: Sources, windows: Sequence[Window]) -> tuple[Right, ...]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from aff_runtime.app.card.entries import Begun, Entry, Inputs, Measured, Signed
+from aff_runtime.app.card.entries import UNKNOWN, Begun, Entry, Inputs, Measured, Signed
 from aff_runtime.app.card.figures import Sample, Verdict
 from aff_runtime.app.card.steps import STEPS, Rest, Step
 
@@ -119,7 +119,7 @@ def changed(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
         elif rest is Rest.RESPONSES:
             for name in sorted({*then.responses, *now.responses}):
                 old, new = then.responses.get(name, ""), now.responses.get(name, "")
-                if old != new:
+                if UNKNOWN not in (old, new) and not _begins(old, new):
                     yield f"{rest} of {name}: {_short(old)}, now {_short(new)}"
         elif not _alike(*pairs[rest]):
             yield _was(rest, *pairs[rest])
@@ -190,6 +190,11 @@ def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepS
 def _alike(old: str, new: str) -> bool:
     """Return whether two are the same, as far as both are known."""
     return not old or not new or old == new
+
+
+def _begins(old: str, new: str) -> bool:
+    """Return whether two digests are of one file; a record has the beginning alone."""
+    return old == new or bool(old and new and (old.startswith(new) or new.startswith(old)))
 
 
 def _was(what: str, old: str, new: str) -> str:
