@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from aff_runtime.app.card.evidence import CheckedSite, Evidence, Try
-from aff_runtime.app.card.measure.proof import MEMORIES, SETTLES, TURNS
+from aff_runtime.app.card.measure.proof import MEMORIES, SETTLES, TURNS, enabled
 from aff_runtime.app.card.measure.search import (
     Candidate,
     candidate,
@@ -98,14 +98,14 @@ def _times_s(
     """Return how long a candidate settles, and how long it is looked at."""
     if answer.state != State.ACTIVE.name or answer.live is None:
         raise RefusedError(f"the correction is not on: the service is {answer.state}; arm it")
-    site = parameters.site
+    site, values = parameters.site, values_of(parameters.site, actuator)
     speed = abs(answer.live.tick.number(site.line.speed))
     given = site.actuators[actuator]
-    rolls = [site.rolls[block.roll] for block in given.blocks]
+    rolls = [site.rolls[block.roll] for block in enabled(given)]
     radius_m = max(roll.largest_radius_m for roll in rolls)
     turn_s = math.tau * radius_m / speed if speed > 0.0 else math.inf
     look_s = max(LEAST_S, TURNS * turn_s)
-    value = factor * max(values_of(site, actuator).values())
+    value = factor * max(values.values())
     settle_s = MEMORIES * value * turn_s if given.uses_shape else SETTLES * value
     if not settle_s + look_s < LONGEST_S:
         raise RefusedError("the line stands or is too slow for a search")

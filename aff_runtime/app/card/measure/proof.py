@@ -14,7 +14,7 @@ from aff_runtime.app.report.comparison.comparing import Comparison, OrderRow, co
 from aff_runtime.app.report.comparison.turns import Change, Estimate
 from aff_runtime.app.report.comparison.window import Window
 from aff_runtime.base.errors import RefusedError
-from aff_runtime.config.models import Site
+from aff_runtime.config.models import Actuator, Block, Site
 
 AT_LEAST = " (at least: in the noise when on)"
 AT_MOST = " (at most: in the noise when off)"
@@ -75,11 +75,11 @@ def settling_s(site: Site, speed_m_s: float) -> float:
     times_s = []
     for actuator in site.actuators.values():
         if actuator.uses_shape:
-            radius_m = max(site.rolls[block.roll].largest_radius_m for block in actuator.blocks)
+            radius_m = max(site.rolls[block.roll].largest_radius_m for block in enabled(actuator))
             turn_s = math.tau * radius_m / speed_m_s
             times_s.append(MEMORIES * actuator.memory_turns * turn_s)
         else:
-            times_s.extend(SETTLES * block.settle_s for block in actuator.blocks)
+            times_s.extend(SETTLES * block.settle_s for block in enabled(actuator))
     return max(times_s, default=0.0)
 
 
@@ -145,9 +145,14 @@ def corrected(site: Site) -> frozenset[Key]:
     return frozenset(
         (actuator.error.signal, block.roll, order)
         for actuator in site.actuators.values()
-        for block in actuator.blocks
+        for block in enabled(actuator)
         for order in block.orders
     )
+
+
+def enabled(actuator: Actuator) -> tuple[Block, ...]:
+    """Return the blocks that the law has: one that is switched off corrects nothing."""
+    return tuple(block for block in actuator.blocks if block.enabled)
 
 
 def _by_key(comparison: Comparison, wanted: frozenset[Key]) -> Mapping[Key, OrderRow]:

@@ -14,6 +14,7 @@ from aff_runtime.app.card.measure.proof import (
     SETTLES,
     SLOWEST_M_S,
     corrected,
+    enabled,
     reduction_figure,
     surely_fell,
 )
@@ -69,7 +70,7 @@ def _no_fall(orders: Sequence[Figure]) -> Iterator[str]:
 def _wait_s(evidence: Evidence, actuator: Actuator, window: Window) -> float:
     """Return three settle times, or ten turns of a shape's roll at the window's mean speed, s."""
     if not actuator.uses_shape or actuator.drive is None:
-        return SETTLES * max((block.settle_s for block in actuator.blocks), default=0.0)
+        return SETTLES * max((block.settle_s for block in enabled(actuator)), default=0.0)
     roll = evidence.site.rolls[actuator.drive.roll]
     speed = window.speed
     mean = abs(float(np.nanmean(speed))) if speed is not None else evidence.site.speed_max_m_s
@@ -102,7 +103,7 @@ def _courses(evidence: Evidence, window: Window, off: Phase, on: Phase) -> Itera
     inside = (window.time_s >= off.from_s) & (window.time_s < on.to_s)
     for actuator in evidence.site.actuators.values():
         values = window.readings(actuator.error.signal)
-        for block in actuator.blocks:
+        for block in enabled(actuator):
             angle = roll_angle(window, window.section("rolls").section(block.roll))
             if values is None or angle is None:
                 continue

@@ -8,12 +8,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence, Try
 from aff_runtime.app.card.figures import NAN, Figure, Finding, Sample
-from aff_runtime.app.card.measure.proof import root_sum
+from aff_runtime.app.card.measure.proof import enabled, root_sum
 from aff_runtime.app.report.comparison.comparing import estimates
 from aff_runtime.app.report.comparison.window import Window, roll_angle
 from aff_runtime.base.errors import RefusedError
@@ -26,7 +27,24 @@ MOST_TRIES = 6  # of one search, the setting of the site file among them
 LEAST = 1.0
 """Shortest settle_s, s, and memory_turns, turns, that a site file takes."""
 KIND = "candidate"
+AT_MOST = " (at most: in the noise)"
 NAMES = ("value", "ripple", "half", "noise", "peak")
+
+
+class End(StrEnum):
+    """Why a search ended, as the limit of its result says it."""
+
+    NO_FALL = "ripple does not fall any more at half of it"
+    ROSE = "ripple rises at half of it"
+    NOISE = "ripple is in the noise: a shorter one cannot be told from it"
+    LEAST = "ripple fell to the end: half of it is shorter than a site file takes"
+    MOST = "ripple fell to the end: as many were tried as one search tries"
+    CUT_OFF = "a try ended before it was measured"
+    NO_TURNS = "ripple could not be measured"
+
+
+RESULTS = (End.NO_FALL, End.ROSE, End.NOISE, End.LEAST)
+"""Ends with which the step is done."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,6 +56,7 @@ class Candidate:
     factor : of the value in the site file. ``value`` : the shortest that it makes, s or turns.
     ripple, half : amplitude of all corrected orders together, and half of its interval.
     noise : standard deviation of the signal without them. ``peak`` : largest correction.
+    in_noise : none of the orders stands out: ``ripple`` is a bound, without an interval.
     ended : why the try ended before it was measured; empty where it was. ``worse`` : because
         ripple rose.
     """
@@ -48,6 +67,7 @@ class Candidate:
     half: float = NAN
     noise: float = NAN
     peak: float = NAN
+    in_noise: bool = False
     ended: str = ""
     worse: bool = False
 
@@ -58,16 +78,19 @@ def values_of(site: Site, actuator: str) -> Mapping[KeyPath, float]:
     Raises
     ------
     RefusedError
-        There is no such actuator.
+        There is no such actuator, or it corrects nothing.
     """
     found = site.actuators.get(actuator)
     if found is None:
         raise RefusedError(f"no actuator {actuator}; there are {', '.join(site.actuators)}")
     if found.uses_shape:
         return {("actuators", actuator, "memory_turns"): found.memory_turns}
+    if not any(block.enabled for block in found.blocks):
+        raise RefusedError(f"{actuator}: none of its blocks is enabled")
     return {
         ("actuators", actuator, "blocks", k, "settle_s"): block.settle_s
         for k, block in enumerate(found.blocks)
+        if block.enabled
     }
 
 
@@ -83,25 +106,49 @@ def text_with(text: str, values: Mapping[KeyPath, float]) -> str:
     return EditedText(text).with_values(numbers)
 
 
+def end_of(table: Sequence[Candidate]) -> End | None:
+    """Return why a search is over; None while it goes on."""
+    if not table:
+        return None
+    last = table[-1]
+    if last.ended:
+        return End.ROSE if last.worse else End.CUT_OFF
+    if not math.isfinite(last.ripple):
+        return End.NO_TURNS
+    if len(table) > 1 and not _improves(table[-2], last):
+        return End.NO_FALL
+    return _bound(last, len(table))
+
+
+def _bound(last: Candidate, tries: int) -> End | None:
+    """Return what keeps a search from going on though ripple fell; None where nothing does."""
+    if last.in_noise:
+        return End.NOISE
+    if last.value / 2.0 < LEAST:
+        return End.LEAST
+    return End.MOST if tries >= MOST_TRIES else None
+
+
 def next_factor(table: Sequence[Candidate]) -> float | None:
     """Return the factor to be tried next; None at the end of the search."""
-    if not table:
-        return 1.0
-    last = table[-1]
-    if last.ended or len(table) >= MOST_TRIES or last.value / 2.0 < LEAST:
+    if end_of(table) is not None:
         return None
-    if len(table) > 1 and not _improves(table[-2], last):
-        return None
-    return last.factor / 2.0
+    return table[-1].factor / 2.0 if table else 1.0
 
 
 def chosen(table: Sequence[Candidate]) -> float:
-    """Return the factor that the search ends with: the double of the last; never a longer one."""
-    return min(1.0, 2.0 * table[-1].factor)
+    """Return the factor that the search ends with; never a longer setting than the present one.
+
+    Where ripple does not fall any more, the double of the last; where it fell to the end, the
+    last itself: its double is known to be worse.
+    """
+    last = table[-1].factor
+    return min(1.0, 2.0 * last) if end_of(table) in (End.NO_FALL, End.ROSE) else last
 
 
 def _improves(before: Candidate, after: Candidate) -> bool:
-    return before.ripple - after.ripple > math.hypot(before.half, after.half)
+    half = 0.0 if after.in_noise else after.half  # the ripple of noise is a bound by itself
+    return before.ripple - after.ripple > math.hypot(before.half, half)
 
 
 def candidate(evidence: Evidence, one: Try, window: Window | None) -> Candidate:
@@ -121,7 +168,7 @@ def candidate(evidence: Evidence, one: Try, window: Window | None) -> Candidate:
         if (angle := roll_angle(window, window.section("rolls").section(roll))) is not None
         for estimate, _ in estimates(angle, signal, window, orders).values()
     ]
-    ripple, half = root_sum(ends, 1.0)
+    ripple, half = root_sum(ends, 1.0) if ends else (NAN, NAN)
     power = float(np.nanvar(signal)) - 0.5 * sum(end.amplitude**2 for end in ends)
     sent = window.table.columns.get(f"correction_{one.actuator}_{_ending(actuator)}")
     peak = NAN if sent is None else float(np.nanmax(np.abs(sent)))
@@ -132,6 +179,7 @@ def candidate(evidence: Evidence, one: Try, window: Window | None) -> Candidate:
         half=half,
         noise=math.sqrt(max(0.0, power)),
         peak=peak,
+        in_noise=not any(end.stands_out for end in ends),
     )
 
 
@@ -142,16 +190,14 @@ def measure(evidence: Evidence) -> Finding:
     windows = iter(evidence.windows)
     table = [candidate(evidence, t, next(windows) if t.measured else None) for t in evidence.tries]
     actuator = evidence.tries[0].actuator
-    cut_off = [one for one in table if one.ended and not one.worse]
-    is_over = next_factor(table) is None and not cut_off and math.isfinite(table[0].ripple)
-    factor = chosen(table)
+    end, factor = end_of(table), chosen(table)
     proposals = [
         f"{'.'.join(map(str, path))}: {factor * value:g}  # was {value:g}"
         for path, value in values_of(evidence.site, actuator).items()
-        if is_over and factor < 1.0
+        if end in (*RESULTS, End.MOST) and factor < 1.0
     ]
     return Finding(
-        figures=tuple(_figures(evidence.site.actuators[actuator], table, is_over=is_over)),
+        figures=tuple(_figures(evidence.site.actuators[actuator], table, end)),
         samples=(
             Sample(
                 kind=KIND,
@@ -162,44 +208,52 @@ def measure(evidence: Evidence) -> Finding:
         ),
         proposals=tuple(proposals),
         remarks=tuple(f"{c.value:g} makes it worse: {c.ended}" for c in table if c.worse),
-        missing=tuple(_missing(cut_off, is_over=is_over)),
+        missing=tuple(_missing(table, end)),
     )
 
 
-def _missing(cut_off: Sequence[Candidate], *, is_over: bool) -> Iterator[str]:
+def _missing(table: Sequence[Candidate], end: End | None) -> Iterator[str]:
     """Yield what the search still lacks: a try that ended early is not measured."""
-    for one in cut_off:
-        yield f"{one.value:g} was not measured to its end: {one.ended}; arm, and search again"
-    if not is_over and not cut_off:
+    last = table[-1]
+    if end is End.CUT_OFF:
+        yield f"{last.value:g} was not measured to its end: {last.ended}; arm, and search again"
+    elif end is End.NO_TURNS:
+        yield (
+            f"{last.value:g} has no ripple: fewer whole turns than an interval needs, with good "
+            "angle and readings; look at the record, arm, and search again"
+        )
+    elif end is End.MOST:
+        yield f"ripple still fell at {last.value:g}: keep it, arm, and search again from there"
+    elif end is None:
         yield "the search was ended before its end; arm, and search again"
 
 
-def _figures(actuator: Actuator, table: Sequence[Candidate], *, is_over: bool) -> Iterator[Figure]:
+def _figures(actuator: Actuator, table: Sequence[Candidate], end: End | None) -> Iterator[Figure]:
     key, unit = ("memory_turns", "turns") if actuator.uses_shape else ("settle_s", "s")
     for one in table:
         at = f"{key} {one.value:g}"
         yield Figure(
-            name=f"{at}: ripple of the corrected orders",
+            name=f"{at}: ripple of the corrected orders{AT_MOST if one.in_noise else ''}",
             value=one.ripple,
             unit=actuator.error.signal.rpartition("_")[2],
-            low=one.ripple - one.half,
-            high=one.ripple + one.half,
+            low=NAN if one.in_noise else one.ripple - one.half,
+            high=NAN if one.in_noise else one.ripple + one.half,
         )
         gain = one.noise / table[0].noise if table[0].noise > 0.0 else NAN
         yield Figure(name=f"{at}: noise gain, of the first", value=gain)
         yield Figure(name=f"{at}: largest correction", value=one.peak, unit=actuator.unit)
     yield Figure(
         name=f"{key} of the search",
-        value=chosen(table) * table[0].value / table[0].factor if is_over else NAN,
+        value=chosen(table) * table[0].value / table[0].factor if end in RESULTS else NAN,
         unit=unit,
-        limit="ripple does not fall any more at half of it",
-        good=True if is_over else None,
+        limit=end or "until ripple does not fall any more",
+        good=True if end in RESULTS else None,
     )
 
 
 def _orders(actuator: Actuator) -> Mapping[str, list[int]]:
     orders: dict[str, list[int]] = {}
-    for block in actuator.blocks:
+    for block in enabled(actuator):
         orders.setdefault(block.roll, []).extend(block.orders)
     return orders
 

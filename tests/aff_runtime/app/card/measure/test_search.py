@@ -1,20 +1,30 @@
 """Step 9: halves as long as ripple falls, bounded; only the numbers that are meant change."""
 
 import math
+from dataclasses import replace
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from aff_runtime.app.card.evidence import CheckedSite, Try
 from aff_runtime.app.card.figures import Verdict
-from aff_runtime.app.card.measure import search
-from aff_runtime.app.card.measure.search import Candidate
+from aff_runtime.app.card.measure import proof, search
+from aff_runtime.app.card.measure.search import Candidate, End
 from aff_runtime.app.commission.search import search as run_search
 from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.loader import load_recorded_site, load_site
-from tests.aff_runtime.app.card.measure.recorded import SITE, SITE_FILE, evidence, figure, window
+from tests.aff_runtime.app.card.measure.recorded import (
+    SITE,
+    SITE_FILE,
+    evidence,
+    figure,
+    recorded,
+    steady,
+    window,
+)
 from tests.doubles.virtual_clock import VirtualClock
 from tests.parameter_records import CONFIG, record_of
 
@@ -95,6 +105,105 @@ def test_a_key_that_was_left_to_its_default_is_added():
     path = ("actuators", "unwind", "memory_turns")
     site = load_recorded_site(search.text_with(text, {path: 4.0}), "site.yaml")
     assert site.actuators["unwind"].memory_turns == 4.0
+
+
+def in_noise(ripples, value=16.0):
+    """Return candidates of which the last is in the noise."""
+    table = tried(ripples, value)
+    return [*table[:-1], replace(table[-1], in_noise=True, half=math.nan)]
+
+
+BROKEN = [*tried([5.0]), Candidate(factor=0.5, value=8.0)]
+ENDS = {
+    "at the bound at once": (tried([5.0], 1.5), End.LEAST, 1.0),
+    "falls to the bound": (tried([5.0, 4.0, 3.0], 6.0), End.LEAST, 0.25),
+    "falls to the last try": (tried([9.0, 8.0, 7.0, 6.0, 5.0, 4.0], 100.0), End.MOST, 1 / 32),
+    "rests at the bound": (tried([5.0, 4.0, 3.99], 6.0), End.NO_FALL, 0.5),
+    "no good turn": (BROKEN, End.NO_TURNS, 0.5),
+    "no good turn at first": ([Candidate(factor=1.0, value=16.0)], End.NO_TURNS, 1.0),
+    "falls into the noise": (in_noise([5.0, 0.05]), End.NOISE, 0.5),
+    "in the noise at first": (in_noise([0.05]), End.NOISE, 1.0),
+    "noise that is as large": (in_noise([0.05, 0.0499]), End.NO_FALL, 1.0),
+}
+
+
+@pytest.mark.parametrize(("table", "end", "factor"), ENDS.values(), ids=ENDS)
+def test_why_it_ended_says_what_is_chosen(table, end, factor):
+    assert search.end_of(table) is end
+    assert search.next_factor(table) is None
+    assert search.chosen(table) == factor
+
+
+@pytest.fixture(scope="module")
+def rippled(tmp_path_factory):
+    """Return a window in which the follower's order has an amplitude, or is noise alone."""
+
+    def make(amplitude_N, good=True):
+        columns = steady(30.0)
+        angle = columns["swrap_follower_angle_rad"]
+        rng = np.random.default_rng(7)
+        noise = 0.2 * rng.standard_normal(angle.size)
+        columns["pullroll_tension_N"] = 60.0 + amplitude_N * np.cos(angle) + noise
+        if not good:
+            columns["pullroll_tension_N"][::200] = np.nan  # one reading of each turn, at least
+        return window(recorded(tmp_path_factory.mktemp("run"), columns))
+
+    return make
+
+
+@pytest.mark.parametrize(
+    ("amplitudes_N", "settle_s", "end", "proposed"),
+    [
+        ([2.0], 1.5, End.LEAST, ()),
+        ([2.0, 1.0], 3.0, End.LEAST, ("1.5",)),
+        ([2.0, 0.0], 8.0, End.NOISE, ("4",)),
+        ([0.0], 8.0, End.NOISE, ()),
+    ],
+)
+def test_the_end_is_part_of_the_result(rippled, amplitudes_N, settle_s, end, proposed):
+    text = TEXT.replace("settle_s: 8", f"settle_s: {settle_s:g}")
+    site = load_recorded_site(text, "site.yaml")
+    tries = tuple(
+        Try(actuator="swrap_follower", factor=0.5**k, measured=True)
+        for k in range(len(amplitudes_N))
+    )
+    seen = evidence(*map(rippled, amplitudes_N), site=site, tries=tries)
+    finding = search.measure(seen)
+    result = figure(finding, "settle_s of the search")
+    assert (result.limit, result.good, finding.verdict) == (end, True, Verdict.PASS)
+    assert [one.split(": ")[1].split(" ")[0] for one in finding.proposals] == list(proposed)
+    ripple = figure(finding, f"settle_s {settle_s * 0.5 ** (len(tries) - 1):g}: ripple")
+    if amplitudes_N[-1]:
+        assert ripple.value == pytest.approx(amplitudes_N[-1], abs=0.05)
+        assert ripple.high > ripple.low
+    else:
+        assert ripple.name.endswith("(at most: in the noise)")
+        assert math.isnan(ripple.low)
+
+
+def test_a_candidate_without_a_good_turn_leaves_the_step_open(rippled):
+    tries = tuple(Try(actuator="swrap_follower", factor=f, measured=True) for f in (1.0, 0.5))
+    finding = search.measure(evidence(rippled(2.0), rippled(2.0, good=False), tries=tries))
+    assert (finding.verdict, finding.proposals) == (Verdict.OPEN, ())
+    assert finding.missing[0].startswith("4 has no ripple: fewer whole turns")
+
+
+def test_a_block_that_is_switched_off_is_neither_searched_nor_counted():
+    off = TEXT.replace(
+        "settle_s: 10, amp_limit_m_s: 0.01 }",
+        "settle_s: 10, amp_limit_m_s: 0.01, enabled: false }",
+    )
+    site = load_recorded_site(off, "site.yaml")
+    assert set(search.values_of(SITE, "unwind").values()) == {6.0, 10.0}
+    assert set(search.values_of(site, "unwind").values()) == {6.0}
+    gone = proof.corrected(SITE) - proof.corrected(site)
+    assert gone == {("unwind_tension_N", "swrap_follower", 1)}
+    assert (proof.settling_s(SITE, 1.0), proof.settling_s(site, 1.0)) == (30.0, 24.0)
+    none = load_recorded_site(
+        off.replace("amp_limit_m_s: 0.02 }", "amp_limit_m_s: 0.02, enabled: false }"), "site.yaml"
+    )
+    with pytest.raises(RefusedError, match="unwind: none of its blocks is enabled"):
+        search.values_of(none, "unwind")
 
 
 FAST = load_recorded_site(TEXT.replace("settle_s: 8", "settle_s: 4"), "site.yaml")
