@@ -50,6 +50,7 @@ from aff_runtime.config.diff import Change, diff_sites
 from aff_runtime.config.plain_file import read_plain
 
 TAKEN_BACK = "the correction was taken back meanwhile; look again"
+RETURN_ALREADY = "the former settings return already"
 ANOTHER_TRY = "other settings are being tried than those that you saw; look again"
 
 
@@ -249,6 +250,8 @@ class SettingsDesk:
         tried = self._tried
         if tried is None or not tried.runs:
             raise RefusedError(WORDS[Code.NO_TRY])
+        if tried.returning:  # perhaps since ripple rose under them
+            raise RefusedError(f"{RETURN_ALREADY} ({tried.returning})")
         self._check_file(tried.former.site_text)
         tried.grant()
         text, former = tried.plan.parameters.site_text, tried.former.site_text
@@ -332,6 +335,8 @@ class SettingsDesk:
         """Take note that the file says what is tried, as announced; then it is kept."""
         announced = self._record.announced
         if announced is None or not tried.runs or not self._edits.saved_meanwhile:
+            return False
+        if tried.returning:  # the file is an edit then, as any other
             return False
         if announced.until_ns <= self._clock.now_ns():
             return False

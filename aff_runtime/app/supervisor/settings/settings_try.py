@@ -78,6 +78,11 @@ class SettingsTry:
         self._waits = self._granted = False
 
     @property
+    def returning(self) -> str:
+        """Why the former settings are on their way back; empty while they are not."""
+        return self._returning
+
+    @property
     def left_s(self) -> float:
         """Seconds until the former settings return; 0 when they are on their way."""
         return max(0.0, (self._until_ns - self._clock.now_ns()) * 1e-9) if self.runs else 0.0

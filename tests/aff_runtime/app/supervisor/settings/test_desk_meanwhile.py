@@ -8,6 +8,7 @@ from aff_runtime.app.hand.may import Circumstances
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.settings import desk as desk_module
 from aff_runtime.app.supervisor.settings.history import digest
+from aff_runtime.app.supervisor.settings.ripple_rise import NOW_S, SETTLE_S
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import State
 from tests.aff_runtime.app.supervisor.settings.rig import AtOnce, Rig
@@ -162,3 +163,36 @@ def test_a_keep_that_nobody_saves_holds_a_try_up_once(rig):
         rig.run(3.0)
     assert rig.runs_the_former
     assert rig.rows[-1] == ("returned", "its time is up")
+
+
+def test_what_is_taken_back_already_is_not_kept(rig):
+    """Ripple rose, and the control process has not answered yet: the text is not handed out."""
+    rig.run(20.0)
+    rig.begin()
+    rig.running.ring.signals.amplitude_N = 4.0
+    rig.run(SETTLE_S + NOW_S - 1.0)
+    assert rig.ask(act="keep", why="3 dB less at 1x").text == rig.other()
+    rig.running.control.deaf = True
+    rig.run(2.0)
+    said = rig.ask(act="keep", why="3 dB less at 1x").json
+    assert not said["ok"]
+    assert said["message"].startswith("the former settings return already (ripple of unwind_")
+    rig.running.control.deaf = False
+    rig.run(3.0)
+    assert rig.runs_the_former
+    assert rig.rows[-1][0] == "returned"
+
+
+def test_who_saves_what_was_taken_back_meanwhile_has_edited_and_not_kept(rig):
+    rig.begin(seconds=10.0)
+    rig.ask(act="keep", why="3 dB less at 1x")
+    rig.running.control.deaf = True
+    rig.running.live = False
+    rig.run(0.3)
+    rig.site.write_text(rig.other())
+    rig.run(0.3)
+    assert rig.running.parameters.site_text == rig.other()  # not heard yet
+    rig.running.control.deaf = False
+    rig.run(4.0)
+    verbs = [verb for verb, _ in rig.rows]
+    assert verbs[-3:] == ["tried", "returned", "edited"]
