@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
 
 SYS = Path("/sys")
+MACHINE_ID = Path("/etc/machine-id")
 LONGEST = 100  # characters that are read of one file
 
 
@@ -39,6 +41,20 @@ def machine(sys: Path = SYS) -> Machine:
         is_realtime=realtime == "1" if cpus.exists() else None,
         processors=os.cpu_count(),
     )
+
+
+def machine_name(seen: Machine, machine_id: Path = MACHINE_ID) -> str:
+    """Return which machine this is: kernel, processors, and a digest of its own number.
+
+    The number itself is nobody's business: who has it can tell the machine in other programs.
+    """
+    kernel = " ".join((os.uname().sysname, os.uname().release, os.uname().machine))
+    parts = [kernel]
+    if seen.processors is not None:
+        parts.append(f"{seen.processors} processors")
+    if number := _line(machine_id):
+        parts.append(hashlib.sha256(f"aff-runtime {number}".encode()).hexdigest()[:12])
+    return ", ".join(parts)
 
 
 def _line(path: Path) -> str:

@@ -167,7 +167,7 @@ def _step(options: argparse.Namespace) -> int:
 
 
 def _sign(options: argparse.Namespace) -> int:
-    from aff_runtime.app.card import work  # noqa: PLC0415
+    from aff_runtime.app.card import lines, work  # noqa: PLC0415
     from aff_runtime.app.commission import sources  # noqa: PLC0415
 
     card = work.CardFile.of(options.card)
@@ -175,7 +175,7 @@ def _sign(options: argparse.Namespace) -> int:
     by = sources.by_whom()
     signed = work.sign(card, options.number, now, name=options.name, reason=options.reason, by=by)
     newest = work.CardFile.of(options.card).newest
-    say(f"step {signed.step} signed as {signed.name}; newest {newest}")
+    say(f"step {signed.step} {lines.signed_line(signed)}; newest {newest}")
     return 0
 
 

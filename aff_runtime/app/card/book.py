@@ -51,12 +51,19 @@ class CardBook:
                 raise RefusedError(f"{self.path}: there is a card already; name another folder")
             return self._put(b"", Chain(), kind, body)
 
-    def add(self, kind: str, body: Any, expected: str | None = None) -> str:
+    def add(
+        self,
+        kind: str,
+        body: Any,
+        expected: str | None = None,
+        may_follow: Callable[[Chain], bool] = lambda _: False,
+    ) -> str:
         """Add an entry; return its hash.
 
         Parameters
         ----------
         expected : newest hash that the caller has seen; None: whatever is there.
+        may_follow : whether it may follow what somebody has added since.
 
         Raises
         ------
@@ -68,7 +75,8 @@ class CardBook:
         with self._alone():
             content = content_of(self.path)
             chain = holding(self.path, content)
-            if expected is not None and chain.newest != expected:
+            is_seen = expected is None or chain.newest == expected
+            if not is_seen and not may_follow(chain):
                 raise RefusedError(f"{self.path}: somebody has added to it meanwhile; do it again")
             return self._put(content, chain, kind, body)
 

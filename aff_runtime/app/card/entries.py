@@ -43,6 +43,7 @@ class Inputs:
     Attributes
     ----------
     site_hash : revision of the site file alone. ``config_hash`` : with what was learned.
+    machine : the one that this was measured on, or is looked at on.
     parts : SHA-256 of each part of the site file by its name, see `site_parts`; empty in an entry
         of an older release.
     shapes : short digest of the learned shape that the service started with, by actuator; stated
@@ -57,6 +58,7 @@ class Inputs:
     plc: str = ""
     roll_id: str = ""
     responses: Mapping[str, str] = field(default_factory=dict)
+    machine: str = ""
     parts: Mapping[str, str] = field(default_factory=dict)
     shapes: Mapping[str, str] = field(default_factory=dict)
 
@@ -112,13 +114,19 @@ class Measured:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Signed:
-    """A signature below one measurement, which ``measured`` names by its hash."""
+    """A signature below one measurement, which ``measured`` names by its hash.
+
+    Attributes
+    ----------
+    not_compared : what was not known then of what the step rests on, in sentences.
+    """
 
     step: int
     measured: str
     name: str
     reason: str
     by: str = ""
+    not_compared: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -169,7 +177,11 @@ def _said(link: Link) -> Begun | Measured | Signed:
         return _measured(fields)
     if link.kind == SIGNED:
         below = ("measured", "name", "reason", "by")
-        return Signed(step=fields.whole("step"), **{name: fields.text(name) for name in below})
+        return Signed(
+            step=fields.whole("step"),
+            not_compared=fields.texts("not_compared"),
+            **{name: fields.text(name) for name in below},
+        )
     raise ConfigError(f"entry {link.number}: of a kind that this release does not know")
 
 
@@ -233,6 +245,7 @@ def _inputs(said: Fields) -> Inputs:
         plc=said.text("plc"),
         roll_id=said.text("roll_id"),
         responses=said.named("responses"),
+        machine=said.text("machine"),
         parts=said.named("parts"),
         shapes=said.named("shapes"),
     )

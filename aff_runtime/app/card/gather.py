@@ -20,7 +20,7 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.report.comparison.window import Window, load_window
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import ConfigError, RefusedError
-from aff_runtime.base.machine import Machine
+from aff_runtime.base.machine import Machine, machine_name
 from aff_runtime.base.run_table import last_event_s
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.config.loader import load_recorded_site
@@ -93,6 +93,7 @@ def inputs_of(sources: Sources) -> Inputs:
         plc=sources.plc,
         roll_id=roll_id,
         responses={name: file_digest(text) for name, text in parameters.responses.items()},
+        machine=machine_name(sources.machine) if sources.machine is not None else "",
         parts=parts_of(_as_written(parameters), parameters.wire_digests),
         shapes=learned_of(answer.learned if answer is not None else ())[1],
     )
@@ -167,6 +168,7 @@ def _as_recorded(now: Inputs, window: Window, ran: InForce) -> Inputs:
         roll_id=_whole(float(rolls[-1])) if rolls is not None else "",
         responses={name: digest for name, digest in said.items() if digest},
         shapes=ran.shapes,
+        machine="",
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from aff_runtime.app.card.entries import Measured
+from aff_runtime.app.card.entries import Measured, Signed
 from aff_runtime.app.card.figures import Figure
 from aff_runtime.app.card.page import span_text, undone, value_text
 from aff_runtime.app.card.standing import Card
@@ -16,10 +16,15 @@ def card_lines(card: Card) -> Iterator[str]:
     """Yield how every step stands, then what was not done."""
     yield f"{card.begun.line}: {card.entries} entries, newest {card.newest}"
     for one in card.steps:
-        signed = f"signed as {one.signed.name}" if one.signed is not None else ""
+        signed = signed_line(one.signed) if one.signed is not None else ""
         yield f"{one.step.number:3}  {one.step.title[:52]:52}  {one.stand:14}  {signed}".rstrip()
     for sentence in undone(card):
         yield f"not done: {sentence}"
+
+
+def signed_line(signed: Signed) -> str:
+    """Return who signed, and what could not be compared then."""
+    return "; ".join((f"signed as {signed.name}", *signed.not_compared))
 
 
 def measured_lines(measured: Measured) -> Iterator[str]:

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 
 from aff_runtime.app.card.charts import bode, course, intervals
-from aff_runtime.app.card.entries import Measured, RecordWindow, Typed
+from aff_runtime.app.card.entries import Measured, RecordWindow, Signed, Typed
 from aff_runtime.app.card.figures import Figure
 from aff_runtime.app.card.standing import Card, Stand, StepStanding
 from aff_runtime.base.printable import printable
@@ -221,6 +221,7 @@ def _rests(said: Measured) -> str:
             ("revision (site file, responses, shapes)", inputs.config_hash),
             ("PLC program", inputs.plc),
             ("roll", inputs.roll_id),
+            ("machine", inputs.machine),
             *((f"response of {name}", digest) for name, digest in inputs.responses.items()),
             *((f"{name} started with shape", text) for name, text in inputs.shapes.items()),
         )
@@ -234,9 +235,14 @@ def _signed(one: StepStanding) -> str:
         return "<p>Not signed.</p>"
     return (
         f"<p>Signed {_shown(one.signature.utc)} as <b>{_shown(one.signed.name)}</b> "
-        f"({_shown(one.signed.by)}): {_shown(one.signed.reason)}; entry {one.signature.number} "
-        f"<code>{one.signature.sha256}</code></p>"
+        f"({_shown(one.signed.by)}): {_shown(signed_reason(one.signed))}; "
+        f"entry {one.signature.number} <code>{one.signature.sha256}</code></p>"
     )
+
+
+def signed_reason(signed: Signed) -> str:
+    """Return why somebody has signed, and what could not be compared then."""
+    return "; ".join((signed.reason, *signed.not_compared))
 
 
 def _end(card: Card) -> str:

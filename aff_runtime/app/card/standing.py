@@ -38,6 +38,7 @@ class StepStanding:
     Attributes
     ----------
     why : what has changed since, in sentences, where it is to be done again.
+    not_compared : what is known then or now alone, in sentences.
     last : entry of the measurement that counts; None without one.
     earlier : how many measurements were made before it. ``signature`` : entry below ``last``.
     """
@@ -45,6 +46,7 @@ class StepStanding:
     step: Step
     stand: Stand
     why: tuple[str, ...] = ()
+    not_compared: tuple[str, ...] = ()
     last: Entry | None = None
     earlier: int = 0
     signature: Entry | None = None
@@ -112,17 +114,46 @@ def changed(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
     What is not known on one side is no change; a response that is on one side alone is one. A
     learned shape is none: the law saves it anew at each bypass, that of the proof among them.
     """
-    pairs = {Rest.PLC: (then.plc, now.plc), Rest.ROLL: (then.roll_id, now.roll_id)}
     for rest in step.rests_on:
         if rest is Rest.SITE:
             yield from _changed_site(step, then, now)
         elif rest is Rest.RESPONSES:
-            for name in sorted({*then.responses, *now.responses}):
-                old, new = then.responses.get(name, ""), now.responses.get(name, "")
+            for name, old, new in _responses(then, now):
                 if UNKNOWN not in (old, new) and not _begins(old, new):
-                    yield f"{rest} of {name}: {_short(old)}, now {_short(new)}"
-        elif not _alike(*pairs[rest]):
-            yield _was(rest, *pairs[rest])
+                    yield _was(f"{rest} of {name}", old, new)
+        elif rest is Rest.MACHINE:
+            if then.machine and now.machine and not _begins(then.machine, now.machine):
+                yield f"{rest}: {then.machine}, now {now.machine}"
+        elif not _alike(*_pair(rest, then, now)):
+            yield _was(rest, *_pair(rest, then, now))
+
+
+def not_compared(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
+    """Yield what a step rests on and is known on one side alone: nobody can say that it stayed."""
+    for rest in step.rests_on:
+        if rest is Rest.RESPONSES:
+            for name, old, new in _responses(then, now):
+                if UNKNOWN in (old, new):
+                    yield f"{rest} of {name} not compared"
+        elif rest is not Rest.SITE:
+            old, new = _pair(rest, then, now)
+            if bool(old) != bool(new):
+                yield f"{rest} not compared"
+
+
+def _pair(rest: Rest, then: Inputs, now: Inputs) -> tuple[str, str]:
+    pairs = {
+        Rest.PLC: (then.plc, now.plc),
+        Rest.ROLL: (then.roll_id, now.roll_id),
+        Rest.MACHINE: (then.machine, now.machine),
+    }
+    return pairs[rest]
+
+
+def _responses(then: Inputs, now: Inputs) -> Iterator[tuple[str, str, str]]:
+    """Yield actuator and digest of its response then and now, empty where there was none."""
+    for name in sorted({*then.responses, *now.responses}):
+        yield name, then.responses.get(name, ""), now.responses.get(name, "")
 
 
 def _changed_site(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
@@ -168,7 +199,11 @@ def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepS
         return StepStanding(step=step, stand=Stand.NOT_DONE)
     last = mine[-1]
     assert isinstance(last.said, Measured)
-    why = tuple(changed(step, last.said.inputs, now)) if now is not None else ()
+    then = last.said.inputs
+    if not (then.machine or then.parts):  # an older release: in the card's first entry alone
+        begun = entries[0].said
+        then = replace(then, machine=begun.machine if isinstance(begun, Begun) else "")
+    why = tuple(changed(step, then, now)) if now is not None else ()
     signature = next(
         (
             entry
@@ -181,6 +216,7 @@ def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepS
         step=step,
         stand=Stand.AGAIN if why else _OF_VERDICT[last.said.verdict],
         why=why,
+        not_compared=tuple(not_compared(step, then, now)) if now is not None else (),
         last=last,
         earlier=len(mine) - 1,
         signature=signature,

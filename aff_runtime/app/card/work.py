@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from aff_runtime.app.card.book import CardBook
+from aff_runtime.app.card.chain import Chain
 from aff_runtime.app.card.entries import (
     BEGUN,
     MEASURED,
@@ -176,6 +177,8 @@ def leave_out(card: CardFile, number: int, reason: str, inputs: Inputs, by: str)
 def sign(card: CardFile, number: int, now: Inputs, *, name: str, reason: str, by: str) -> Signed:
     """Sign the measurement of a step that counts.
 
+    What could not be compared with what holds now stands in the signature.
+
     Raises
     ------
     RefusedError
@@ -197,6 +200,7 @@ def sign(card: CardFile, number: int, now: Inputs, *, name: str, reason: str, by
         name=_said(name, "name", SHORTEST_NAME, LONGEST_NAME),
         reason=_said(reason, "reason", SHORTEST_REASON, LONGEST_REASON),
         by=by,
+        not_compared=standing.not_compared,
     )
     _put(card, SIGNED, kept)
     return kept
@@ -209,7 +213,25 @@ def _put(card: CardFile, kind: str, said: Measured | Signed) -> None:
         read_back(kind, body)
     except ConfigError as error:
         raise RefusedError(f"{card.book.path}: too much for one entry: {error}") from None
-    card.book.add(kind, body, card.newest)
+    card.book.add(kind, body, card.newest, lambda chain: _may_follow(card, said, chain))
+
+
+def _may_follow(card: CardFile, said: Measured | Signed, chain: Chain) -> bool:
+    """Return whether an entry may follow what was added since the card was read.
+
+    A search takes an hour, and others sign meanwhile. What is measured rests on its own step's
+    entries and on the PLC's version alone.
+    """
+    entries, seen = entries_of(chain), len(card.entries)
+    if not isinstance(said, Measured) or entries[seen - 1 : seen] != card.entries[-1:]:
+        return False
+    since = [entry.said for entry in entries[seen:]]
+    return not any(
+        isinstance(one, Begun)
+        or one.step == said.step
+        or (isinstance(one, Measured) and one.inputs.plc != said.inputs.plc)
+        for one in since
+    )
 
 
 def _bounded(finding: Finding) -> Finding:

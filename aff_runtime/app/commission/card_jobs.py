@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from aff_runtime.app.card import page, steps, work
+from aff_runtime.app.card.lines import signed_line
 from aff_runtime.app.card.typed_values import typed
 from aff_runtime.app.card.verify import verify
 from aff_runtime.app.commission.answers import Answer, CardShown, Done, Printed
@@ -75,7 +76,7 @@ def sign(where: Paths, asked: Request, talk: Talk) -> Answer:
     if last is None or last.sha256 != asked.measured:
         return Refusal(why=Why.CHANGED)
     kept = work.sign(card_file, number, now, name=asked.account, reason=asked.reason, by=asked.by)
-    return Done(text=f"step {kept.step} signed as {kept.name}")
+    return Done(text=f"step {kept.step} {signed_line(kept)}")
 
 
 def verified(where: Paths, asked: Request, talk: Talk) -> Answer:

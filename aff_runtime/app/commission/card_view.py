@@ -8,7 +8,7 @@ from aff_runtime.app.card.entries import Entry, Measured
 from aff_runtime.app.card.evidence import CheckedSite, Evidence
 from aff_runtime.app.card.figures import Figure
 from aff_runtime.app.card.measure import proof
-from aff_runtime.app.card.page import span_text, undone, value_text
+from aff_runtime.app.card.page import signed_reason, span_text, undone, value_text
 from aff_runtime.app.card.standing import SIGNABLE, Card, StepStanding
 from aff_runtime.app.card.steps import Step
 from aff_runtime.app.card.typed_values import TypedValues
@@ -98,7 +98,7 @@ def _signature(one: StepStanding) -> SignatureView | None:
         return None
     return SignatureView(
         name=one.signed.name,
-        reason=one.signed.reason,
+        reason=signed_reason(one.signed),
         by=one.signed.by,
         utc=one.signature.utc,
         number=one.signature.number,

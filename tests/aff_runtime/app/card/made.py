@@ -23,7 +23,12 @@ BEGUN_OF = Begun(
     machine="Linux 6 x86_64",
 )
 INPUTS = Inputs(
-    site_hash="2" * 64, config_hash="3" * 64, plc="7", roll_id="4", responses={"unwind": "5" * 64}
+    site_hash="2" * 64,
+    config_hash="3" * 64,
+    plc="7",
+    roll_id="4",
+    responses={"unwind": "5" * 64},
+    machine="Linux 6 x86_64, 4 processors",
 )
 GOOD = Figure(
     name="wake-up", value=120.0, unit="us", low=110.0, high=130.0, limit="at most 500", good=True

@@ -16,6 +16,7 @@ def sources(**said):
         parameters=record_of(site_hash="a", config_hash="b"),
         answer=SimpleNamespace(learned=(), **answer),
         plc="",
+        machine=None,
     )
 
 

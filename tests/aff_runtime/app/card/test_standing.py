@@ -4,18 +4,26 @@ from dataclasses import replace
 
 import pytest
 
-from aff_runtime.app.card.entries import entries_of
+from aff_runtime.app.card.entries import UNKNOWN, entries_of
 from aff_runtime.app.card.figures import Sample
-from aff_runtime.app.card.standing import Stand, card_of, changed, former_samples, newest_plc
+from aff_runtime.app.card.standing import (
+    Stand,
+    card_of,
+    changed,
+    former_samples,
+    newest_plc,
+    not_compared,
+)
 from aff_runtime.app.card.steps import STEPS, Rest, step_of
 from aff_runtime.base.errors import ConfigError, RefusedError
-from tests.aff_runtime.app.card.made import BAD, INPUTS, add, book, measured, signed
+from tests.aff_runtime.app.card.made import BAD, BEGUN_OF, INPUTS, add, book, measured, signed
 
 OTHERS = {
     Rest.SITE: replace(INPUTS, site_hash="9" * 64),
     Rest.PLC: replace(INPUTS, plc="8"),
     Rest.ROLL: replace(INPUTS, roll_id="5"),
     Rest.RESPONSES: replace(INPUTS, responses={"unwind": "9" * 64}),
+    Rest.MACHINE: replace(INPUTS, machine="Linux 6 x86_64, 2 processors"),
 }
 
 
@@ -63,10 +71,25 @@ def test_a_step_is_due_again_by_what_it_rests_on_and_nothing_else(tmp_path, step
     assert bool(again.why) == (rest in step.rests_on)
 
 
-def test_what_is_not_known_on_one_side_is_no_change():
-    unknown = replace(INPUTS, plc="", roll_id="")
+def test_what_is_not_known_on_one_side_is_no_change_and_said():
+    unknown = replace(INPUTS, plc="", roll_id="", machine="", responses={"unwind": UNKNOWN})
+    names = {Rest.PLC, Rest.ROLL, Rest.MACHINE}
     for step in STEPS:
-        assert list(changed(step, INPUTS, unknown)) == []
+        wanted = {f"{rest} not compared" for rest in step.rests_on if rest in names}
+        if Rest.RESPONSES in step.rests_on:
+            wanted.add("measured responses of unwind not compared")
+        for then, now in ((INPUTS, unknown), (unknown, INPUTS)):
+            assert list(changed(step, then, now)) == []
+            assert set(not_compared(step, then, now)) == wanted
+        assert list(not_compared(step, INPUTS, INPUTS)) == []
+
+
+def test_an_older_card_has_its_machine_in_the_first_entry(tmp_path):
+    card = book(tmp_path)
+    add(card, measured(0, inputs=replace(INPUTS, machine="")))
+    assert stands(card, INPUTS)[0].stand is Stand.PASS
+    other = replace(INPUTS, machine="Linux 7 x86_64, 4 processors")
+    assert stands(card, other)[0].why == (f"machine: {BEGUN_OF.machine}, now {other.machine}",)
 
 
 def test_samples_count_as_long_as_site_and_plc_are_the_same(tmp_path):

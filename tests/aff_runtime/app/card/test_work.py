@@ -9,10 +9,15 @@ from aff_runtime.app.card import work
 from aff_runtime.app.card.evidence import CheckedSite
 from aff_runtime.app.card.figures import Verdict
 from aff_runtime.app.card.gather import Sources, inputs_of
+from aff_runtime.app.card.lines import signed_line
+from aff_runtime.app.card.page import page
+from aff_runtime.app.card.standing import Stand
 from aff_runtime.app.card.typed_values import typed
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.machine import Machine, machine_name
 from aff_runtime.config.facts import facts_of
+from tests.aff_runtime.app.card.made import add, measured
 from tests.aff_runtime.app.card.measure.recorded import SITE, SITE_FILE
 from tests.parameter_records import record_of
 
@@ -89,3 +94,76 @@ def test_two_who_add_at_once_are_told(begun):
     work.leave_out(one, 4, "the gateway has no watchdog", inputs, "root")
     with pytest.raises(RefusedError, match="added to it meanwhile"):
         work.leave_out(other, 4, "the gateway has no watchdog", inputs, "root")
+
+
+def test_a_signature_says_what_could_not_be_compared(begun):
+    """The service is stopped: the roll may have been exchanged since the proof."""
+    card = work.CardFile.of(begun)
+    known = replace(inputs_of(sources()), roll_id="4")
+    add(card.book, measured(12, inputs=known))
+    now = inputs_of(sources())
+    assert now.roll_id == ""
+    by = {"name": "Ada Miller", "reason": WHY, "by": "root"}
+    kept = work.sign(work.CardFile.of(begun), 12, now, **by)
+    assert kept.not_compared == ("roll not compared",)
+    assert signed_line(kept) == "signed as Ada Miller; roll not compared"
+    stands = work.CardFile.of(begun).card(now)
+    assert stands.steps[12].signed == kept
+    assert f"{WHY}; roll not compared" in page(stands)
+    other = replace(now, roll_id="5")
+    with pytest.raises(RefusedError, match="step 12 is again"):
+        work.sign(work.CardFile.of(begun), 12, other, **by)
+
+
+def test_a_card_that_is_opened_on_another_machine_has_its_step_0_again(begun, tmp_path):
+    number = tmp_path / "machine-id"
+    seen = Machine(governors="", isolated="", is_realtime=None, processors=4)
+    names = []
+    for text in ("a" * 32, "b" * 32):
+        number.write_text(text)
+        names.append(machine_name(seen, number))
+        names.append(machine_name(replace(seen, processors=2), number))
+    assert len(set(names)) == 4
+    assert not any("a" * 32 in name for name in names)
+    here = inputs_of(sources(machine=seen))
+    assert here.machine == machine_name(seen)
+    card = work.CardFile.of(begun)
+    add(card.book, measured(0, inputs=here))
+    card = work.CardFile.of(begun)
+    assert card.standing(0, here).stand is Stand.PASS
+    assert card.standing(0, replace(here, machine=names[3])).stand is Stand.AGAIN
+
+
+@pytest.mark.parametrize(
+    ("added", "is_kept"),
+    [({"step": 4}, True), ({"step": 4, "plc": "3.2"}, False), ({"step": 9}, False)],
+    ids=["another step", "another PLC program", "the same step"],
+)
+def test_a_search_is_kept_though_somebody_adds_to_the_card_meanwhile(begun, added, is_kept):
+    """Another signs step 3 and measures a step while the search runs."""
+    inputs = replace(inputs_of(sources()), plc="3.1")
+    signs = {"name": "Ada Miller", "reason": WHY, "by": "root"}
+    work.leave_out(work.CardFile.of(begun), 3, "no limit in this drive", inputs, "root")
+    mine = work.CardFile.of(begun)
+    work.sign(work.CardFile.of(begun), 3, inputs, **signs)
+    other = replace(inputs, plc=added.get("plc", "3.1"))
+    work.leave_out(work.CardFile.of(begun), added["step"], "not for this line", other, "root")
+    before = mine.book.path.read_bytes()
+    if is_kept:
+        work.leave_out(mine, 9, "a search of an hour", inputs, "root")
+        stands = work.CardFile.of(begun).card()
+        assert stands.steps[9].measured.reason == "a search of an hour"
+        assert stands.steps[3].is_done
+    else:
+        with pytest.raises(RefusedError, match="added to it meanwhile"):
+            work.leave_out(mine, 9, "a search of an hour", inputs, "root")
+        assert mine.book.path.read_bytes() == before
+
+
+def test_a_signature_follows_what_was_seen_and_nothing_else(begun):
+    inputs = inputs_of(sources())
+    work.leave_out(work.CardFile.of(begun), 4, "the gateway has no watchdog", inputs, "root")
+    seen = work.CardFile.of(begun)
+    work.leave_out(work.CardFile.of(begun), 3, "no limit in this drive", inputs, "root")
+    with pytest.raises(RefusedError, match="added to it meanwhile"):
+        work.sign(seen, 4, inputs, name="Ada Miller", reason=WHY, by="root")
