@@ -8,7 +8,11 @@ from dataclasses import dataclass
 from aff_runtime.base.units import UnitError, accepted_units, read_number, to_si, unit_info
 
 _PLACES = ("length", "angle", "ratio")  # dimensions in which a dancer's place is shown
-_SHOWN = re.compile(r"\s*[-+]?\d*\.?(?P<decimals>(?<=\.)\d*)?\s*(?P<unit>\S.*?)?\s*")
+_SHOWN = re.compile(
+    r"\s*[-+]?\d*\.?(?P<decimals>(?<=\.)\d*)?(?:[eE](?P<exponent>[-+]?\d+))?\s*"
+    r"(?P<unit>\S.*?)?\s*"
+)
+LONGEST = 100  # characters; no display shows as many
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -37,7 +41,9 @@ def shown_value(text: str, si_unit: str) -> Shown:
     ------
     UnitError : no number, no unit, a unit of another dimension, or zero.
     """
-    match = _SHOWN.fullmatch(text)
+    match = _SHOWN.fullmatch(text[: LONGEST + 1])
+    if len(text) > LONGEST:
+        raise UnitError(f'"{text.strip()[:40]}" is longer than a display. Write its value alone.')
     if match is None or not match["unit"]:
         read_number(text if match is None else f"{text.strip()} {si_unit}", si_unit)
         others = ", ".join(accepted_units(si_unit)[:5])
@@ -48,12 +54,13 @@ def shown_value(text: str, si_unit: str) -> Shown:
     if value == 0.0:
         raise UnitError("0 tells no scale. Wait until the display shows another value.")
     info = unit_info(match["unit"])
-    assert info is not None  # read_number took it
-    decimals = len(match["decimals"] or "")
+    if info is None:  # the two readings of it are not of one mind
+        raise UnitError(f'"{text.strip()}" is no value with a unit. Write it as 20.3 {si_unit}.')
+    last_digit = int(match["exponent"] or 0) - len(match["decimals"] or "")
     return Shown(
         text=" ".join(text.split()),
         value=value,
-        half_digit=0.5 * 10.0**-decimals * to_si(info.symbol)[1],
+        half_digit=float(f"5e{last_digit - 1}") * to_si(info.symbol)[1],
         unit=info.symbol,
         si_per_unit=info.si_per_unit,
     )
