@@ -1,3 +1,3 @@
 """The probe: tones out, response measured."""
 
-__all__ = ["probe", "repeats"]
+__all__ = ["estimate", "probe", "repeats"]

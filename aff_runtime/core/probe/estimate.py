@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -138,13 +139,19 @@ def measured_sign(points: Sequence[ResponsePoint], delay_s: float) -> int:
     Low frequencies decide (up to three times the lowest): delay removed, the mean of
     cos(arg P), weighted by quality, must exceed 0.2.
     """
-    if not points:
-        return 0
-    lowest = min(p.frequency_Hz for p in points)
-    total = weight = 0.0
-    for p in points:
-        if p.frequency_Hz <= SIGN_BAND * lowest:
-            total += p.coherence * math.cos(p.phase_rad + math.tau * p.frequency_Hz * delay_s)
-            weight += p.coherence
-    mean = total / weight if weight > 0.0 else 0.0
+    mean = low_direction(points, delay_s).real
     return 0 if abs(mean) < CLEAR_SIGN else int(math.copysign(1.0, mean))
+
+
+def low_direction(points: Sequence[ResponsePoint], delay_s: float) -> complex:
+    """Return the mean of P / abs(P) at low frequencies, delay removed, weighted by quality.
+
+    Low are those up to ``SIGN_BAND`` times the lowest; 0 where there is no point.
+    """
+    lowest = min((p.frequency_Hz for p in points), default=0.0)
+    low = [p for p in points if p.frequency_Hz <= SIGN_BAND * lowest]
+    weight = sum(p.coherence for p in low)
+    turned = (
+        cmath.rect(p.coherence, p.phase_rad + math.tau * p.frequency_Hz * delay_s) for p in low
+    )
+    return sum(turned, 0j) / weight if weight > 0.0 else 0j

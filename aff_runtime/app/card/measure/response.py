@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import astuple, fields
 
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Figure, Finding, Sample, at_least, at_most
+from aff_runtime.app.card.measure.proof import enabled
 from aff_runtime.config.crossings import frequency_Hz as order_Hz
+from aff_runtime.core.probe.estimate import SIGN_BAND, low_direction, measured_sign
 from aff_runtime.core.probe.repeats import MOST_REPEAT_ERRORS, alike, repeat_sigmas
 from aff_runtime.core.response import (
     BAND_SLACK,
@@ -54,6 +57,7 @@ def measure(evidence: Evidence) -> Finding:
         figures.extend(_figures(evidence, name, groups))
         figures.append(_sign(evidence, name, mine[-1]))
         missing.extend(_missing(name, groups))
+        missing.extend(_undecided(name, mine[-1]))
         remarks.extend(_remarks(evidence, name, mine))
     return Finding(
         figures=tuple(figures), samples=fresh, missing=tuple(missing), remarks=tuple(remarks)
@@ -129,26 +133,31 @@ def _figures(evidence: Evidence, name: str, groups: list[list[Sample]]) -> Itera
 
 
 def _sign(evidence: Evidence, name: str, sample: Sample) -> Figure:
-    """Return the sign of the response at its lowest frequency, its delay taken out."""
+    """Return the sign of the response as the probe itself takes it: 0 where it is undecided."""
     response = response_of(sample)
-    lowest = response.points[0]
-    phase = lowest.phase_rad + math.tau * lowest.frequency_Hz * response.delay_s
-    sign = math.copysign(1.0, math.cos(phase))
+    sign = measured_sign(response.points, response.delay_s)
     expected = evidence.typed.number(f"sign_{name}", "")
     if not math.isfinite(expected):
         kept = [one.number("sign") for one in evidence.former if one.of == name]
         expected = next((value for value in reversed(kept) if math.isfinite(value)), NAN)
     return Figure(
-        name=f"{name}: sign at {lowest.frequency_Hz:.3g} Hz",
-        value=sign,
+        name=f"{name}: sign, {_low_phase(response)}",
+        value=float(sign),
         limit=f"{expected:+.0f} by the geometry (typed)" if math.isfinite(expected) else "typed",
-        good=sign == expected if math.isfinite(expected) else None,
+        good=sign == expected if sign and math.isfinite(expected) else None,
     )
+
+
+def _low_phase(response: Response) -> str:
+    """Return the phase that decides the sign, in words: near 90 deg it hardly does."""
+    degrees = math.degrees(cmath.phase(low_direction(response.points, response.delay_s)))
+    highest = SIGN_BAND * min(point.frequency_Hz for point in response.points)
+    return f"phase {degrees:.0f} deg up to {highest:.3g} Hz, without its delay"
 
 
 def _wanted_Hz(evidence: Evidence, name: str, sample: Sample) -> Iterator[tuple[str, float]]:
     speed, radius = sample.number("line_speed_m_s"), sample.number("radius_m")
-    for block in evidence.site.actuators[name].blocks:
+    for block in enabled(evidence.site.actuators[name]):
         roll = evidence.site.rolls[block.roll]
         own = roll.radius_m or (radius if math.isfinite(radius) else roll.largest_radius_m)
         for order in block.orders:
@@ -180,6 +189,12 @@ def _missing(name: str, groups: list[list[Sample]]) -> Iterator[str]:
         yield f"{name}: once more at {one.number('line_speed_m_s'):.3g} m/s{at}"
     if len(groups) < OPERATING_POINTS:
         yield f"{name}: {OPERATING_POINTS - len(groups)} more speeds or radii"
+
+
+def _undecided(name: str, sample: Sample) -> Iterator[str]:
+    response = response_of(sample)
+    if not measured_sign(response.points, response.delay_s):
+        yield f"{name}: no sign can be told ({_low_phase(response)}): probe lower or louder"
 
 
 def _remarks(evidence: Evidence, name: str, samples: Sequence[Sample]) -> Iterator[str]:

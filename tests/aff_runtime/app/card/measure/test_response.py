@@ -130,3 +130,36 @@ def test_a_response_that_was_brought_from_outside_is_remarked():
     found = response.measure(evidence(given=SIGNS, responses={"unwind": one}))
     assert any("does not say of every response" in text for text in found.remarks)
     assert any("aff-runtime probe" in text for text in found.missing)
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("corner_Hz", [0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 5.0])
+def test_the_sign_is_that_of_all_low_tones_and_undecided_near_90_degrees(corner_Hz, sign):
+    """P = sign / (1 + j f / f0) with a delay: cos(arg P) = 1 / sqrt(1 + (f / f0)^2)."""
+    points = [
+        ResponsePoint(
+            frequency_Hz=float(f),
+            gain=1.0,
+            phase_rad=cmath.phase(
+                sign * cmath.exp(-1j * math.tau * f * DELAY_S) / (1 + 1j * f / corner_Hz)
+            ),
+            relative_error=ERROR,
+            coherence=0.97,
+        )
+        for f in FREQUENCIES
+    ]
+    about = Provenance(actuator="unwind", signal="s", line_speed_m_s=1.0, radius_m=0.2)
+    one = Response(points=points, delay_s=DELAY_S, provenance=about)
+    low = np.array([f for f in FREQUENCIES if f <= 3.0 * FREQUENCIES[0]]) / corner_Hz
+    mean = float(np.mean(1.0 / np.sqrt(1.0 + low**2)))
+    found = taken([one], given=(f"sign_unwind={sign:+.0f}", f"sign_swrap_follower={sign:+.0f}"))
+    seen = figure(found, "unwind: sign")
+    undecided = [text for text in found.missing if "no sign can be told" in text]
+    if mean < 0.2:
+        assert (seen.value, seen.good, len(undecided)) == (0.0, None, 2)
+    else:
+        assert (seen.value, seen.good, undecided) == (sign, True, [])
+    across = float(np.mean(low / np.sqrt(1.0 + low**2)))
+    turned = -math.degrees(math.atan2(across, mean))
+    wanted = turned if sign > 0.0 else turned + 180.0
+    assert f"phase {wanted:.0f} deg up to" in seen.name
