@@ -82,9 +82,10 @@ def refusal_in(refusal: Refusal, say: Say) -> str:
 def card_in(card: CardView, say: Say) -> CardView:
     """Return a card whose steps are told in the reader's language.
 
-    Figures, remarks and signatures stay as they are on the card: that is what was signed.
+    A step's figures, remarks and signatures stay as they are on the card: that is what was signed.
     """
-    return replace(card, steps=tuple(_step(one, say) for one in card.steps))
+    remarks = tuple(sentence(text, say) for text in card.remarks)
+    return replace(card, steps=tuple(_step(one, say) for one in card.steps), remarks=remarks)
 
 
 def _step(one: StepView, say: Say) -> ShownStep:
@@ -96,7 +97,7 @@ def _step(one: StepView, say: Say) -> ShownStep:
         limit=say(one.limit),
         seconds=one.seconds,
         stand=one.stand,
-        why=one.why,
+        why=tuple(sentence(text, say) for text in one.why),
         typed_names=one.typed_names,
         earlier=one.earlier,
         can_sign=one.can_sign,

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from functools import cache
 
 from aff_hmi.commission.bus_sentences import BUS
+from aff_hmi.commission.card_sentences import CARD
 from aff_hmi.commission.choices import all_named
 from aff_hmi.commission.run_sentences import RUNS
 from aff_hmi.commission.setup_sentences import SETUP
@@ -85,6 +86,7 @@ PATTERNS = (
     *SETUP,
     *BUS,
     *RUNS,
+    *CARD,
     *VERDICTS,
 )
 _PLACE = re.compile(r"\\\{(\w+)\\\}")

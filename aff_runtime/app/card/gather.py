@@ -212,9 +212,9 @@ def _check_settings(window: Window, ran: InForce, sources: Sources) -> None:
     """Refuse a window of other settings than the site file's."""
     wanted = sources.parameters.site_hash[:SHORT]
     if ran.site != wanted:
-        since = f", in force from {ran.from_s:.0f} s on," if ran.is_said else ""
+        since = f", in force from {ran.from_s:.0f} s on" if ran.is_said else ""
         raise RefusedError(
-            f"{window.table.window}: recorded on other settings ({ran.site}){since} than the "
+            f"{window.table.window}: recorded on other settings ({ran.site}{since}) than the "
             f"site file says now ({wanted})"
         )
 

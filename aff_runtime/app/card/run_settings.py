@@ -110,6 +110,8 @@ def _applied(rows: Sequence[Mapping[str, str]]) -> Iterator[InForce]:
 
 
 def _untold(window: RunWindow, changed_s: Sequence[float]) -> str:
+    why = f"{window}: which settings ran in it cannot be told"
     known = [f"{one:.0f} s" for one in changed_s if math.isfinite(one)]
-    when = f"they were changed at {known[-1]}" if known else "its events cannot be read to the end"
-    return f"{window}: which settings ran in it cannot be told: {when}; name a window before that"
+    if known:
+        return f"{why}: they were changed at {known[-1]}; name a window before that"
+    return f"{why}: its events cannot be read to the end; measure anew"

@@ -14,6 +14,8 @@ from aff_runtime.base.units import to_si, unit_info
 LONGEST = 200  # characters of a value
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*)")
+_COMMA = re.compile(r"([-+]?\d+),(\d+.*)")
+HAS_COMMA = "has a decimal comma"
 _DECIBEL = "dB"
 
 
@@ -43,6 +45,9 @@ class TypedValues:
         typed = self._values.get(name)
         if typed is None:
             return math.nan
+        if (comma := _COMMA.fullmatch(typed.text)) is not None:
+            point = f"{comma[1]}.{comma[2]}"
+            raise ConfigError(f"{name}={printable(typed.text, 40)}: {HAS_COMMA}; write {point}")
         if not math.isfinite(typed.number) or typed.unit not in ("", unit):
             wanted = f"a number in {unit}" if unit else "a plain number"
             raise ConfigError(

@@ -74,7 +74,7 @@ class CardFile:
         try:
             return cls(book=book, entries=entries_of(chain), newest=chain.newest)
         except ConfigError as error:
-            raise ConfigError(f"{book.path}: {error}") from None
+            raise ConfigError(f"{book.path}: no card of this release: {error}") from None
 
     @property
     def begun(self) -> Begun:
@@ -255,7 +255,9 @@ def keep_site(folder: Path, parameters: ParameterRecord) -> None:
         try:
             replace_text(path, parameters.site_text)
         except OSError as error:
-            raise RefusedError(f"{path}: {error.strerror}") from None
+            raise RefusedError(
+                f"{path}: {error.strerror}; the site file is not kept beside the card"
+            ) from None
 
 
 def _said(text: str, what: str, least: int, most: int) -> str:

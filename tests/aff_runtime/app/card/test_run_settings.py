@@ -103,7 +103,7 @@ def test_a_window_counts_on_the_settings_that_were_in_force_in_it(
         inputs = gathered(edited, WINDOWS[which], record, on_service=on_service).inputs
         assert inputs.site_hash == ran.site_hash
     else:
-        with pytest.raises(RefusedError, match=rf"other settings \({ran.site_hash[:SHORT]}\)"):
+        with pytest.raises(RefusedError, match=rf"other settings \({ran.site_hash[:SHORT]}"):
             gathered(edited, WINDOWS[which], record, on_service=on_service)
 
 

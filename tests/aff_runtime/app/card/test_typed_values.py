@@ -42,3 +42,11 @@ def test_a_value_of_another_kind_is_refused_and_a_missing_one_is_none():
     assert (values.word("reaction"), values.word("other")) == ("zero", "")
     with pytest.raises(ConfigError, match="this step does not ask for it; it asks for load"):
         values.refuse_others(["load"])
+
+
+@pytest.mark.parametrize(("text", "point"), [("20,3 lbf", "20.3 lbf"), ("-1,5", "-1.5")])
+def test_a_decimal_comma_is_told_with_what_to_write(text, point):
+    values = TypedValues([typed(f"load={text}")])
+    with pytest.raises(ConfigError, match=f"load={text}: has a decimal comma; write {point}$"):
+        values.number("load", "N")
+    assert values.word("load") == text

@@ -51,7 +51,9 @@ def test_nonsense_is_told_with_what_to_type(text: str, unit: str, said: str) -> 
 TYPED = st.one_of(
     st.text(max_size=130),
     st.text(alphabet="0123456789eE.,+- ", max_size=20).map(lambda text: f"{text} N"),
-    st.from_regex(r"[-+]?[0-9]{0,4}\.?[0-9]{0,4}([eE][-+]?[0-9]{1,4})? ?(N|lbf|bananas|%)?"),
+    st.from_regex(
+        r"[-+]?[0-9]{0,4}\.?[0-9]{0,4}([eE][-+]?[0-9]{1,4})? ?(N|lbf|bananas|%)?", fullmatch=True
+    ),
 )
 
 
