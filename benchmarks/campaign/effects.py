@@ -10,7 +10,6 @@ import numpy as np
 from benchmarks.campaign import line as short
 from benchmarks.campaign.contact import Array
 from benchmarks.campaign.fault import CELLS, DRIVES, FOREVER_S, NAMES, Fault
-from benchmarks.campaign.motion import roll_inertia
 from benchmarks.campaign.sensing import TICK_S
 from benchmarks.campaign.state import (
     CREEP,
@@ -251,10 +250,9 @@ def ramped_correction(m: Machine, f: Fault) -> Machine:
 def soft_shaft(m: Machine, f: Fault) -> Machine:
     """Put a spring (size: its compliance, rad per N m) and play between a motor and its body."""
     d, k = DRIVES.index(f.location), NAMES.index(f.location)
-    whole = roll_inertia(m, k, m.radius[k], m.inertia[k])
-    motor = 0.5 * whole
+    motor = body = 0.5 * m.inertia[k]  # wound web is on the body's side
     stiffness = 1.0 / f.size
-    damping = 2.0 * 0.05 * math.sqrt(stiffness * motor * (whole - motor) / whole)
+    damping = 2.0 * 0.05 * math.sqrt(stiffness * motor * body / (motor + body))
     m.shaft[d] = motor, stiffness, damping, f.number("backlash_rad")
     return m
 

@@ -5,27 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from sim_plant.base.arrays import LineArrays, total_inertia_kg_m2
+from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
     """Put a spring with play between motor and body of drive ``place``.
 
-    tau = K (twist -+ b/2) + D d twist/dt outside the play   [own; two-mass model]. K is at most
-    what the integration step resolves (w dt = 0.5), so a pure play has a stiff shaft behind it.
+    tau = K (twist -+ b/2) + D d twist/dt outside the play   [own; two-mass model]. The motor has
+    ``motor_share`` of the inertia that turns without web, core and drive of a roll: wound web is
+    on the other side of the shaft, whatever the radius. K is at most what the integration step
+    resolves on an empty core, the fastest (w dt = 0.5), so a pure play has a stiff shaft behind
+    it; the damping is a share of the critical one there.
     """
     compliance, play = float(parameters["compliance_rad_N_m"]), float(parameters["backlash_rad"])
     if compliance == 0.0 and play == 0.0:
         return arrays
     drive = arrays.drives[place]
     share = float(parameters["motor_share"])
-    inertia = total_inertia_kg_m2(arrays, int(drive["body"]))
-    reduced = share * (1.0 - share) * inertia
+    reduced = share * (1.0 - share) * float(arrays.bodies["inertia_kg_m2"][drive["body"]])
     step_s = float(arrays.timing["drive_tick_s"][0]) / float(arrays.timing["substeps"][0])
     stiffest = reduced * (0.5 / step_s) ** 2
     stiffness = stiffest if compliance == 0.0 else min(1.0 / compliance, stiffest)
-    drive["motor_share"] = share * inertia / float(arrays.bodies["inertia_kg_m2"][drive["body"]])
+    drive["motor_share"] = share
     drive["shaft_stiffness_N_m"] = stiffness
     drive["shaft_damping_N_m_s"] = (
         2.0 * float(parameters["damping"]) * math.sqrt(stiffness * reduced)

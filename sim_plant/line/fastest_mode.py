@@ -106,7 +106,6 @@ def _levers(line: Declaration, p: LineArrays) -> Array:
 
 def _of_parts(line: Declaration, p: LineArrays) -> Iterator[FastestMode]:
     """Yield what moves beside the web: load cells, shafts, the mandrel, a web that relaxes."""
-    inertias = _inertias(p)
     for cell in p.cells:
         name = line.rollers[int(cell["body"])].name
         corner = TAU * max(float(cell["corner_Hz"]), float(cell["resonance_Hz"]))
@@ -114,8 +113,9 @@ def _of_parts(line: Declaration, p: LineArrays) -> Iterator[FastestMode]:
     for drive in p.drives:
         body, stiffness = int(drive["body"]), float(drive["shaft_stiffness_N_m"])
         if stiffness > 0.0:
-            motor = float(drive["motor_share"]) * float(p.bodies["inertia_kg_m2"][body])
-            light = 1.0 / motor + 1.0 / (float(inertias[body]) - motor)
+            fixed = float(p.bodies["inertia_kg_m2"][body])
+            motor = float(drive["motor_share"]) * fixed
+            light = 1.0 / motor + 1.0 / (fixed - motor)  # of a roll: once it is unwound
             damped = float(drive["shaft_damping_N_m_s"]) * light
             rate = max(math.sqrt(stiffness * light), damped)
             yield FastestMode(rate_rad_s=rate, where=f"the shaft of {line.rollers[body].name}")
