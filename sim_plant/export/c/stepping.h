@@ -2,7 +2,14 @@
 
 #include "line_variables.h"
 
-/* full rolls at both ends: rims at the web's speed, drives with the old web force */
+/* the angle at which a shaft holds this share of its torque; within the play as it is */
+static double twisted(double twist_rad, double play_rad, double torques) {
+    double half_rad = 0.5 * play_rad;
+    double loose_rad = fmin(fmax(twist_rad, -half_rad), half_rad);
+    return loose_rad + (twist_rad - loose_rad) * torques;
+}
+
+/* full rolls at both ends: rims at the web's speed, drives and shafts with the old web force */
 static void change_rolls(line *it) {
     line_state *s = &it->memory.state;
     const line_numbers *n = &it->memory.numbers;
@@ -19,6 +26,8 @@ static void change_rolls(line *it) {
                               k_roll_inertia(&it->p, body->inertia_kg_m2, new_m);
             s->y[LAYOUT.motor + d] *= old_m / new_m;
             s->drive_integral[d] *= new_m / old_m * inertias;
+            double *twist_rad = &s->y[LAYOUT.twist + d];
+            *twist_rad = twisted(*twist_rad, n->drives[d].shaft_backlash_rad, new_m / old_m);
         }
     }
 }

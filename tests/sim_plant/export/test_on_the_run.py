@@ -12,6 +12,7 @@ import pytest
 from sim_plant.base.arrays import Array
 from sim_plant.export.binary import compiler
 from sim_plant.export.fmu import settled_line
+from sim_plant.line.declaration import EffectEntry
 from sim_plant.line.kernel import measure, run_frames
 from sim_plant.line.load import load_declaration
 from sim_plant.line.simulation import LineSimulation
@@ -19,7 +20,7 @@ from sim_plant.line.simulation import LineSimulation
 pytest.importorskip("fmpy", reason="FMPy, of the extra dev, runs the FMUs")
 from fmpy.fmi1 import FMICallException
 
-from benchmarks.fmu.beside import by_fmu, by_kernel, differences, moving_references
+from benchmarks.fmu.beside import by_fmu, by_kernel, differences, exported, moving_references
 from benchmarks.fmu.imported import Imported
 
 pytestmark = pytest.mark.skipif(compiler() is None, reason="no C compiler on this machine")
@@ -104,6 +105,30 @@ def test_a_roll_change_is_the_lines_own_and_waits_for_an_edge(line: Imported) ->
     full_m = LINE.initial_radii_m.unwind
     assert changed[0, 2] == pytest.approx(full_m, abs=1e-6)
     assert changed[-1, 2] < changed[0, 2]  # the input is still true: no second change
+
+
+def test_a_roll_change_turns_a_soft_shaft_as_the_line_does(tmp_path: Path) -> None:
+    shaft = EffectEntry(
+        effect="shaft_compliance_backlash",
+        location="unwind",
+        parameters={"compliance_rad_N_m": 6e-3, "backlash_rad": 0.004},
+    )
+    mine = settled_line(LINE.model_copy(update={"effects": (shaft,)}))
+    lay, y = mine.layout, mine.state.y
+    y[lay.radius] *= 0.6
+    y[lay.omega] /= 0.6
+    y[lay.motor] /= 0.6
+    stepped(mine, 400)
+    line = Imported(exported(tmp_path / "shaft.fmu", mine, "3.0"))
+    line.start()
+    assert np.array_equal(run(line, 0, 100), stepped(mine, 100))
+    twist_rad, radius_m = float(y[lay.twist]), float(y[lay.radius])
+    mine.change_rolls()
+    share = float(y[lay.radius]) / radius_m
+    assert share > 1.6
+    assert y[lay.twist] + 0.002 == pytest.approx(share * (twist_rad + 0.002), rel=1e-9)
+    assert np.array_equal(run(line, 100, 300, roll_change=1), stepped(mine, 300))
+    line.close()
 
 
 def spliced(line: LineSimulation, EA_ratio: float, thickness_ratio: float, step_m: float) -> None:
