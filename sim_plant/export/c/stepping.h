@@ -40,8 +40,11 @@ static bool splice_now(line *it) {
     bool spliced = web->splice_EA_ratio != 1.0 || web->splice_thickness_ratio != 1.0 ||
                    web->splice_step_m != 0.0;
     if (spliced) {
-        double in_line = 0.0;  /* web between unwind and rewind, unstretched, and the seam */
-        for (int i = 0; i < SPANS; i++) in_line += s->contacts[i * CONTACTS];
+        double in_line = 0.0;  /* web between unwind and rewind, stretched: at least what it is */
+        for (int i = 0; i < SPANS; i++) {
+            in_line += s->contacts[i * CONTACTS];
+            in_line += k_wrapped(&it->p, i, it->s.phi_rad, it->w.contacts);
+        }
         if (!(s->y[LAYOUT.flow] > web->splice_m + in_line + web->splice_piece_m)) {
             snprintf(it->message, MESSAGE,
                      "no splice: the seam at %.3f m has not left the line, of which %.3f m are "

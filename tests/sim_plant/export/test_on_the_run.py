@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -164,6 +165,36 @@ def test_a_second_splice_waits_until_the_seam_before_has_left_the_line(line: Imp
     spliced(mine, 0.5, 1.0, 2e-4)
     assert np.array_equal(run(line, 3221, 500, splice=1), stepped(mine, 500))
     assert len(line.said) == 1
+
+
+def test_a_second_splice_moves_no_tension_when_it_is_taken(line: Imported) -> None:
+    """The seam is on a wrap or a span until the last of it has passed the rewind."""
+    names = [f"spans.{a.name}_{b.name}.tension_N" for a, b in pairwise(LINE.rollers)]
+    line.start({"splice.EA_ratio": 0.5})
+    run(line, 0, 1, splice=1)
+    line.set({"splice.EA_ratio": 1.0, "splice.step_m": 0.0, "splice.piece_m": 0.05})
+    line.set({"splice": 0})
+    line.step(STEP_S, 2400 * STEP_S)  # 12 s at 1 m/s; the free spans alone are 13 m
+    for at in range(2401, 6000, 2):
+        run(line, at, 1, splice=0)
+        before_N, said = line.get(names), len(line.said)
+        run(line, at + 1, 1, splice=1)
+        if len(line.said) == said:
+            break
+    else:
+        pytest.fail("no second splice was taken")
+    in_line_m = sum(span.length_m for span in LINE.spans) + wraps_m()
+    come_m = (at + 1) * STEP_S * LINE.operating_point.line_speed_m_s
+    assert in_line_m < come_m < in_line_m + 0.5  # the seam, and web is counted stretched
+    assert np.max(np.abs(np.array(line.get(names)) - before_N)) < 1.0
+
+
+def wraps_m() -> float:
+    """Return the web on the rollers between unwind and rewind, m, by the file's own angles."""
+    return sum(
+        roller.radius_m * math.radians(roller.wrap_angle_deg or 0.0)
+        for roller in LINE.rollers[1:-1]
+    )
 
 
 def test_changed_parameters_are_settled_as_the_line_settles(line: Imported) -> None:
