@@ -32,6 +32,7 @@ Candidates = Literal[
 Value = float | str
 Apply = Callable[[LineArrays, int, Mapping[str, Value]], LineArrays]
 Limits = Callable[[LineArrays, int], Mapping[str, tuple[float, float]]]
+Beside = Callable[[Mapping[str, Value], Mapping[str, Value]], str]
 Refusal = Callable[[LineArrays, int, Mapping[str, Value]], str]
 Starts = Callable[[LineArrays, int, "Asked"], Sequence["Start"]]
 RunOut = Callable[[Mapping[str, Value]], float]
@@ -197,6 +198,8 @@ class Effect:
         given line, where physics knows them; None where the line says nothing.
     refuses : says why an index of its place on a given line cannot have it in this form, "" where
         it can; None: every place can have every form.
+    beside : (parameters of one that is there, of another of the same effect at the same place) ->
+        why there cannot be both, "" where they add; None: any two add.
     starts : returns further starts of a search at an index of its place, from what the records
         ask; None: ``tries`` are all.
     declared_as : declared numbers that it is another name of.
@@ -226,6 +229,7 @@ class Effect:
     pairs: Literal["orders", "cells"] = "orders"
     limits: Limits | None = None
     refuses: Refusal | None = None
+    beside: Beside | None = None
     starts: Starts | None = None
     declared_as: tuple[DeclaredNumber, ...] = ()
     profiles: Profiles | None = None

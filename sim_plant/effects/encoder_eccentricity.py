@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.base.signatures import whole
+from sim_plant.effects.beside import where_alike
 from sim_plant.effects.experiments import of_the_encoder
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
@@ -23,6 +24,9 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     eccentricity = phasor(parameters, PAIR)
     if eccentricity != 0.0:
         drive = arrays.drives[place]
+        if drive["encoder_offset_ratio"] != 0.0:  # seen by the loop alike
+            old = cmath.rect(drive["encoder_offset_ratio"], -drive["encoder_angle_rad"])
+            eccentricity += old
         # c cos(theta) + s sin(theta) = e cos(theta - angle)
         drive["encoder_offset_ratio"] = abs(eccentricity)
         drive["encoder_angle_rad"] = -cmath.phase(eccentricity)
@@ -58,4 +62,5 @@ EFFECT = Effect(
     remedy="centre the encoder of {place} and its coupling",
     experiment=of_the_encoder,
     sensor_only=True,
+    beside=where_alike("loop_share", absent={PAIR.amplitude: 0.0, PAIR.cos: 0.0, PAIR.sin: 0.0}),
 )

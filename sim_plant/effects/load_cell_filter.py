@@ -26,6 +26,14 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
+def beside(there: Mapping[str, Value], more: Mapping[str, Value]) -> str:
+    """Return that a corner takes the place of what is there; a lag comes on top."""
+    is_there = any(float(there[name]) != 0.0 for name in ("corner_Hz", "lag_s"))
+    if is_there and float(more["corner_Hz"]) != 0.0:
+        return "and corner_Hz would take its place; give it first, or all lag as lag_s"
+    return ""
+
+
 def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
     """Return the lag at which no filter would be left: less than none is impossible."""
     tau_s = 1.0 / (2.0 * math.pi * float(arrays.cells["corner_Hz"][place]))
@@ -43,6 +51,7 @@ EFFECT = Effect(
     traced=("lag_s",),
     apply=apply,
     limits=limits,
+    beside=beside,
     text="a load-cell amplifier filters more than declared: readings and loop lag",
     shows=None,
     remedy="compare the filter set in the amplifier of {place} with low_pass_Hz as declared",

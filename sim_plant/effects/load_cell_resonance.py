@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.effects.beside import where_alike
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -42,5 +43,6 @@ EFFECT = Effect(
     apply=apply,
     text="a load cell rings on its mounts: one frequency is amplified in its reading",
     shows=None,
+    beside=where_alike(absent={"frequency_Hz": 0.0}),
     remedy="look for loose mounts at {place}",
 )

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.base.signatures import Frequency
+from sim_plant.effects.beside import where_alike
 from sim_plant.effects.experiments import of_the_cell
 from sim_plant.effects.phasor import amplitude, angle, component, phasor
 
@@ -36,6 +37,8 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     if hum_N != 0.0:
         cell = arrays.cells[place]
         # c cos + s sin = A cos(w t - angle)
+        if cell["hum_N"] != 0.0:  # of the same frequency
+            hum_N += cmath.rect(float(cell["hum_N"]), -float(cell["hum_phase_rad"]))
         cell["hum_N"], cell["hum_phase_rad"] = abs(hum_N), -cmath.phase(hum_N)
         cell["hum_Hz"] = float(parameters["frequency_Hz"])
     return arrays
@@ -69,4 +72,8 @@ EFFECT = Effect(
     remedy="look at shield and earth of the cable of {place}",
     experiment=of_the_cell,
     sensor_only=True,
+    beside=where_alike(
+        "frequency_Hz",
+        absent={PAIR.amplitude: 0.0} | {n: 0.0 for p in (PAIR, *OTHERS) for n in (p.cos, p.sin)},
+    ),
 )

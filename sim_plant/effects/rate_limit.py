@@ -41,6 +41,13 @@ def refuses(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> 
     return ""
 
 
+def beside(there: Mapping[str, Value], more: Mapping[str, Value]) -> str:
+    """Return that two limits of the same part are one too many; those of other parts are two."""
+    both = float(there["slew_m_s2"]) != 0.0 and float(more["slew_m_s2"]) != 0.0
+    same = both and there["limits"] == more["limits"]
+    return f"on the {there['limits']}, and two of it do not add" if same else ""
+
+
 def starts(arrays: LineArrays, place: int, asked: Asked) -> list[Start]:
     """Return limits of the reference just below the rate of the fastest ramp, which meets them."""
     rate = asked.fastest_ramp_m_s2 * (1.0 + arrays.drives["draw"][place])
@@ -83,5 +90,6 @@ EFFECT = Effect(
     remedy="look at the ramp times of drive {place} and of its tension loop; let the tension "
     "correction enter behind them",
     refuses=refuses,
+    beside=beside,
     starts=starts,
 )

@@ -8,6 +8,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import UNWIND, LineArrays
 from sim_plant.base.effects import Effect, Parameter, Quadrature, Value
 from sim_plant.base.signatures import said_by
+from sim_plant.effects.beside import where_alike
 from sim_plant.effects.phasor import component, phasor
 
 FIRST = Quadrature(cos="cos1_kg_m", sin="sin1_kg_m", against=True)
@@ -32,8 +33,10 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
         float(parameters["order"]),
     )
     first, other = phasor(parameters, FIRST), phasor(parameters, OTHER)
-    web["bounce_cos1_kg_m"], web["bounce_sin1_kg_m"] = first.real, first.imag
-    web["bounce_cosn_kg_m"], web["bounce_sinn_kg_m"] = other.real, other.imag
+    web["bounce_cos1_kg_m"] += first.real
+    web["bounce_sin1_kg_m"] += first.imag
+    web["bounce_cosn_kg_m"] += other.real
+    web["bounce_sinn_kg_m"] += other.imag
     return arrays
 
 
@@ -77,5 +80,6 @@ EFFECT = Effect(
     apply=apply,
     text="the roll bounces on its mandrel: a fixed frequency that an order of the roll excites",
     shows=said_by("order", resonant=True),
+    beside=where_alike("mass_kg", "frequency_Hz", "damping", "order", absent={"mass_kg": 0.0}),
     remedy="look for play in mandrel and chucks of {place}, or avoid the speed at which it rings",
 )

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.effects.beside import where_alike
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -63,5 +64,6 @@ EFFECT = Effect(
     apply=apply,
     text="a drive shaft twists or has play: the motor runs ahead of its roller",
     shows=None,
+    beside=where_alike(absent={"compliance_rad_N_m": 0.0, "backlash_rad": 0.0}),
     remedy="look for play in couplings, keys and gear of {place}",
 )

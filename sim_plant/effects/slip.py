@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import SLIP, LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.effects.beside import where_alike
 from sim_plant.effects.onset import FROM, HOLD, begins, begins_later, with_change
 
 
@@ -23,7 +24,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     body["slip_speed_m_s"] = float(parameters["threshold_m_s"])
     if begins_later(parameters):
         return with_change(arrays, SLIP, place, slope, parameters)
-    body["slip_s_m"] = slope
+    body["slip_s_m"] += slope
     return arrays
 
 
@@ -53,5 +54,6 @@ EFFECT = Effect(
     shows=None,
     wander=0.02,  # how well a roller holds the web varies: draw wanders by 5 to 20 % at one speed
     onset=begins("slope_s_m", threshold_m_s=0.0),
+    beside=where_alike("threshold_m_s", absent={"slope_s_m": 0.0}),
     remedy="clean the surface of {place}, give it more wrap or nip, or run slower",
 )

@@ -33,6 +33,23 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
+def beside(there: Mapping[str, Value], more: Mapping[str, Value]) -> str:
+    """Return that a line has one splice at a time; what is said of the same one adds."""
+    if not (_is_there(there) and _is_there(more)):
+        return ""
+    if there["at_length_m"] != more["at_length_m"]:
+        return f"at {there['at_length_m']} m, and a line has one splice"
+    seams = float(there["step_m"]) != 0.0 and float(more["step_m"]) != 0.0
+    if seams and there["piece_m"] != more["piece_m"]:
+        return f"with a seam of {there['piece_m']} m"
+    return ""
+
+
+def _is_there(values: Mapping[str, Value]) -> bool:
+    webs = float(values["EA_factor"]) != 1.0 or float(values["thickness_factor"]) != 1.0
+    return webs or float(values["step_m"]) != 0.0
+
+
 EFFECT = Effect(
     name="splice",
     place="web",
@@ -69,6 +86,7 @@ EFFECT = Effect(
     apply=apply,
     text="from a splice on the web is another one: tensions change zone by zone as it passes",
     shows=None,
+    beside=beside,
     onset=Onset(
         moment="at_length_m",
         unit="m",

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.effects.beside import where_alike
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -40,5 +41,6 @@ EFFECT = Effect(
     apply=apply,
     text="the web relaxes: tension creeps back after every change of strain",
     shows=None,
+    beside=where_alike("time_s", absent={"ratio": 0.0}),
     remedy="keep to the amended line; this web creeps, no setting is wrong",
 )

@@ -23,9 +23,11 @@ def apply_effects(
     Raises
     ------
     PlantError
-        On an unknown effect, location or parameter (the message offers the nearest name), and on
-        a form that a place cannot have.
+        On an unknown effect, location or parameter (the message offers the nearest name), on
+        a form that a place cannot have, and on a second of one kind that does not add to one that
+        is there.
     """
+    there: dict[tuple[str, int], list[Mapping[str, Value]]] = {}
     for number, entry in enumerate(entries):
         where = f"effects.{number}"
         effect = _known(BY_NAME, entry.effect, f"{where}.effect")
@@ -34,8 +36,23 @@ def apply_effects(
             against = effect.refuses(arrays, place, values) if effect.refuses is not None else ""
             if against:
                 raise PlantError(f"{where}: {effect.name} at {entry.location}: {against}")
+            ones = there.setdefault((effect.name, place), [])
+            _not_twice(effect, ones, values, f"{where}: {effect.name} at {entry.location}")
+            ones.append(values)
             arrays = effect.apply(arrays, place, values)
     return arrays
+
+
+def _not_twice(
+    effect: Effect, ones: Sequence[Mapping[str, Value]], values: Mapping[str, Value], where: str
+) -> None:
+    """Raise PlantError where one of these that are there already does not add to another."""
+    if effect.beside is None:
+        return
+    for one in ones:
+        against = effect.beside(one, values)
+        if against:
+            raise PlantError(f"{where} is there already, {against}")
 
 
 def _known(table: Mapping[str, Effect], name: str, where: str) -> Effect:
