@@ -13,6 +13,20 @@ from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.declared_bodies import carriage_numbers, section_of
 
+MAY_VANISH = {
+    "web.kelvin_voigt_eta_s",
+    "web.wound_in_tension_N",
+    "friction",
+    "carriage_load",
+    "carriage_drag",
+    "heat",
+}
+"""Kinds of numbers that may be taken away as a whole; of others at least a hundredth stays."""
+BOUNDS = {"offset": 1e4, "draw": 0.5, "travel": 10.0, "radius": 0.5, "effective_radius": 0.5}
+"""Either way: of a cell's offset, N; of a draw; of a dancer's position, m; of a radius, its share
+(a drive that believes a wrong one is an effect, to a quarter)."""
+MOST_SHARE = 99.0
+"""A number a hundred times as declared is another machine."""
 Shift = Callable[[LineArrays, float], LineArrays]
 
 
@@ -25,11 +39,22 @@ class Number:
     name : dotted path in the declaration.
     kind : what it is a case of, for a default tolerance.
     shift : returns arrays changed by this much (mostly relative); those given may be changed.
+    low, high : what a file may correct it by. A search may look beyond.
     """
 
     name: str
     kind: str
     shift: Shift
+
+    @property
+    def low(self) -> float:
+        """The least that it may be corrected by."""
+        return -BOUNDS.get(self.kind, 1.0 if self.kind in MAY_VANISH else 0.99)
+
+    @property
+    def high(self) -> float:
+        """The most that it may be corrected by."""
+        return BOUNDS.get(self.kind, MOST_SHARE)
 
 
 def _scale(record: str, field: str, index: int | slice) -> Shift:

@@ -17,6 +17,7 @@ from aff_runtime.base.yaml_places import Place
 from sim_plant.base.plain_file import read_plain_text
 from sim_plant.line.declaration import Declaration, LoadCell
 from sim_plant.line.load_bodies import bodies_findings
+from sim_plant.line.load_numbers import numbers_findings
 from sim_plant.line.yaml_file import LONGEST_BYTES, parse_yaml
 
 LENGTH_TOLERANCE_M = 2e-3
@@ -155,7 +156,7 @@ def consistency(line: Declaration) -> list[str]:
     findings += _geometry(line)
     findings += _references(line, names)
     if not findings:
-        findings += bodies_findings(line)
+        findings += bodies_findings(line) or numbers_findings(line)
     return findings
 
 

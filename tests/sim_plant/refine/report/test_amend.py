@@ -88,7 +88,7 @@ def test_declared_effects_are_written_as_they_stood_when_the_record_began(tmp_pa
     turned = EffectEntry(
         effect=declared.effect,
         location=declared.location,
-        parameters={**declared.parameters, name: 0.125},
+        parameters={**declared.parameters, name: 0.0125},
     )
     path = amended(line, tmp_path, stated=(turned, *rest))
     assert load_line(path).declaration.effects[0] == turned
