@@ -14,6 +14,7 @@ __all__ = [
     "fastest_mode",
     "frequency",
     "kernel",
+    "laws",
     "layout",
     "load",
     "locations",

@@ -28,6 +28,7 @@ from sim_plant.base.arrays import (
 )
 from sim_plant.line.build_bodies import carriages_of, heats_of, moves_of
 from sim_plant.line.declaration import Declaration, DriveSpeed, LoadCell
+from sim_plant.line.laws import draws, sign_of
 from sim_plant.line.layout import Layout, layout_of
 
 
@@ -136,7 +137,7 @@ def _drives(declaration: Declaration) -> Records:
         drive["body"] = declaration.body(given.roller)
         drive["loop"] = trims.get(given.roller, -1)
         drive["gain_rad_s"], drive["damping"] = given.K_ref_rad_s, given.zeta
-        drive["draw"] = control.pull_roll_draw if "draw" in given.speed_reference else 0.0
+        drive["draw"] = control.pull_roll_draw if draws(given.speed_reference) else 0.0
         drive["radius_ratio"] = 1.0
         drive["limit_N_m"] = control.drive_torque_limit_N_m
         drive["motor_share"] = 0.5
@@ -163,7 +164,7 @@ def _loops(declaration: Declaration) -> Records:
     for loop, given in zip(loops, control.tension_pi, strict=False):
         loop["cell"], loop["carriage"] = number[given.load_cell], -1
         loop["gain_m_s_N"], loop["corner_rad_s"] = given.gain_m_s_per_N, given.corner_rad_s
-        loop["sign"] = -1.0 if "v_correction = -" in given.law else 1.0
+        loop["sign"] = sign_of(declaration, given.acts_on, given.load_cell, given.law)
     for loop, held in zip(loops[len(control.tension_pi) :], control.position_pi, strict=True):
         loop["cell"], loop["carriage"] = -1, declaration.carriage(held.carriage)
         loop["gain_m_s_N"], loop["corner_rad_s"] = held.gain_m_s_per_m, held.corner_rad_s

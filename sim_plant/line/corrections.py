@@ -12,6 +12,7 @@ from sim_plant.effects.shape_rows import add_mean
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.declared_bodies import carriage_numbers, section_of
+from sim_plant.line.laws import draws
 
 MAY_VANISH = {
     "web.kelvin_voigt_eta_s",
@@ -169,7 +170,7 @@ def _control_rows(line: Declaration) -> list[tuple[str, str, Shift]]:
         path = f"control.drives.{drive.roller}."
         rows.append((path + "K_ref_rad_s", "drive", _scale("drives", "gain_rad_s", d)))
         rows.append((path + "zeta", "drive", _scale("drives", "damping", d)))
-        if "draw" in drive.speed_reference:
+        if draws(drive.speed_reference):
             rows.append(("control.pull_roll_draw", "draw", _add("drives", "draw", d)))
     for number, loop in enumerate(line.control.tension_pi):
         path = f"control.tension_pi.{loop.loop}."

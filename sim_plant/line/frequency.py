@@ -19,6 +19,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.line.build import cell_sensors
 from sim_plant.line.declaration import CarriagePosition, Declaration, DriveSpeed, LoadCell
 from sim_plant.line.frequency_bodies import SmallBodies, tension_rows
+from sim_plant.line.laws import sign_of
 from sim_plant.line.operating_point import SteadyLine, friction_of, inertias_of, steady_line
 
 ComplexArray = npt.NDArray[np.complex128]
@@ -115,7 +116,7 @@ class _Network:
         held = hold_factor(self.s, period, tick)
         for loop in control.tension_pi:
             sensor = next(c for c in cell_sensors(self.line) if c.roller == loop.load_cell)
-            sign = -1.0 if "v_correction = -" in loop.law else 1.0
+            sign = sign_of(self.line, loop.acts_on, loop.load_cell, loop.law)
             law = sign * loop.gain_m_s_per_N * (1.0 + loop.corner_rad_s * integral)
             gain = self.torque_per_reference[drives.index(loop.acts_on)]
             self.A[self.line.body(loop.acts_on)] += gain * law * held * self.reading(sensor)

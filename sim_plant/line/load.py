@@ -16,6 +16,7 @@ from aff_runtime.base.printable import printable
 from aff_runtime.base.yaml_places import Place
 from sim_plant.base.plain_file import read_plain_text
 from sim_plant.line.declaration import Declaration, LoadCell
+from sim_plant.line.laws import laws_findings
 from sim_plant.line.load_bodies import bodies_findings
 from sim_plant.line.load_numbers import numbers_findings
 from sim_plant.line.yaml_file import LONGEST_BYTES, parse_yaml
@@ -156,6 +157,7 @@ def consistency(line: Declaration) -> list[str]:
     findings += _geometry(line)
     findings += _references(line, names)
     if not findings:
+        findings += laws_findings(line)
         findings += bodies_findings(line) or numbers_findings(line)
     return findings
 

@@ -14,6 +14,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array, IntArray
 from sim_plant.line.build_bodies import carriages_of, heats_of
 from sim_plant.line.declaration import Declaration
+from sim_plant.line.laws import draws
 from sim_plant.line.resting_bodies import RestingBodies, carriage_forces, warmth_at
 
 STICTION_SPEED_RAD_S = 0.3  # of the declaration's friction_law
@@ -95,7 +96,7 @@ def declared_line(line: Declaration) -> RestingLine:
         free_strain=np.zeros(n - 1),
         supply_strain=line.web.wound_in_tension_N / line.web.EA_N,
         driven=np.array([line.body(d.roller) for d in drives], dtype=np.int64),
-        ratio=np.array([1.0 + (draw if "draw" in d.speed_reference else 0.0) for d in drives]),
+        ratio=np.array([1.0 + (draw if draws(d.speed_reference) else 0.0) for d in drives]),
         cell=np.array([line.body(loop.load_cell) for loop in loops], dtype=np.int64),
         acts_on=np.array([line.body(loop.acts_on) for loop in loops], dtype=np.int64),
         gain=np.ones(len(loops)),

@@ -17,6 +17,7 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration, DriveSpeed, RollAngle
+from sim_plant.line.laws import draws
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.records.run_activity import box_mean, ramps
 
@@ -123,7 +124,7 @@ def _roller_travel(line: Declaration, columns: Mapping[str, Array]) -> tuple[str
 
     One whose reference is a draw is left out: it does not run at the line's speed.
     """
-    drawn = {d.roller for d in line.control.drives if "draw" in d.speed_reference}
+    drawn = {d.roller for d in line.control.drives if draws(d.speed_reference)}
     fixed = {r.name: r.radius_m for r in line.rollers if r.kind == "driven"}
     for sensor in line.sensors:
         if not isinstance(sensor, RollAngle) or sensor.roller in drawn:
