@@ -12,6 +12,9 @@ from sim_plant.servers.can_server import CanServer
 from sim_plant.servers.canopen_node import CanopenNetwork
 from sim_plant.servers.later import Later, in_real_time
 from sim_plant.servers.plant import Plant
+from sim_plant.servers.wire_faults import Medium, WireFaults
+
+_MEDIA = {"dbc": Medium.DBC, "canopen": Medium.CANOPEN}
 
 
 def can_node(plant: Plant, protocol: str, map_path: Path) -> CanNode:
@@ -40,4 +43,8 @@ def can_server(
 ) -> CanServer:
     """Return the server of a plant on a bus."""
     node = can_node(plant, protocol, map_path)
-    return CanServer(plant, node, channel_of(interface, channel), f"{interface} {channel}", later)
+    bus = channel_of(interface, channel)
+    broken = WireFaults(
+        medium=_MEDIA[protocol], channels=node.channels, tells_errors=bus.tells_errors
+    )
+    return CanServer(plant, node, bus, f"{interface} {channel}", broken, later)

@@ -21,6 +21,9 @@ _HEX = frozenset(b"0123456789ABCDEFabcdef")
 class CanChannel(Protocol):
     """One bus as the plant's event loop sees it."""
 
+    tells_errors: bool
+    """Whether ``report`` reaches the other side."""
+
     def open(self, take: Take) -> None:
         """Begin; ``take`` gets every frame of the runtime."""
         ...
@@ -44,6 +47,8 @@ class PtyChannel:
     The link is replaced at every ``open``, so a runtime that reopens its tty by name finds the
     new adapter, as it would find one that was plugged in again.
     """
+
+    tells_errors = True
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -113,6 +118,8 @@ class PtyChannel:
 
 class BusChannel:
     """Any python-can bus with a descriptor: SocketCAN, multicast."""
+
+    tells_errors = False
 
     def __init__(self, interface: str, channel: str) -> None:
         self._interface, self._channel = interface, channel

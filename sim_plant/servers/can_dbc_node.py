@@ -140,12 +140,14 @@ class DbcNode:
     Attributes
     ----------
     torn : sets of the runtime that never became whole.
+    channels : measured channels that it shows.
     """
 
     def __init__(self, rows: DbcMap, database: Database, registers: Registers) -> None:
         self._rows = rows
         self._registers = registers
         self.torn = 0
+        self.channels = frozenset(rows.channels)
         self._last: list[CanFrame] = []
         self._pending: dict[str, dict[str, float]] = {}
         self._words: dict[str, int] = {}
@@ -194,9 +196,9 @@ class DbcNode:
         heartbeat = shown["plc_heartbeat"]
         values: dict[str, float] = {s: shown[n] for n, s in self._rows.read.items()}
         for name, channel in self._rows.channels.items():
-            values[channel.signal] = plant.measured[name] / channel.scale
+            values[channel.signal] = plant.shown.measured[name] / channel.scale
         for name, signal in self._rows.applied.items():
-            values[signal] = plant.applied_m_s[name]
+            values[signal] = plant.shown.applied_m_s[name]
         self._last = [self._encode(plan, values, heartbeat) for plan in self._ours]
         return self._last
 

@@ -36,6 +36,9 @@ _ON_THE_WAY = _CUTTING | {
 class CanNode(Protocol):
     """What stands behind the bus on the plant's side: PLC, drives, or both."""
 
+    channels: frozenset[str]
+    """Measured channels that it shows."""
+
     def take(self, frame: CanFrame) -> list[CanFrame]:
         """Take a frame of the runtime; return what is answered at once."""
         ...

@@ -8,6 +8,7 @@ from sim_plant.servers.can_frames import BusFaults, CanFrame, CanNode
 from sim_plant.servers.faults import Fault, FaultEdge
 from sim_plant.servers.later import Later, in_real_time
 from sim_plant.servers.plant import Plant
+from sim_plant.servers.wire_faults import WireFaults
 
 _GONE = (Fault.DROP, Fault.REFUSE, Fault.RESTART)
 
@@ -18,6 +19,7 @@ class CanServer:
     Attributes
     ----------
     sent, taken : frames put on the bus and taken from it.
+    wire_faults : which faults it has.
     """
 
     def __init__(
@@ -26,8 +28,10 @@ class CanServer:
         node: CanNode,
         channel: CanChannel,
         name: str,
+        wire_faults: WireFaults,
         later: Later = in_real_time,
     ) -> None:
+        self.wire_faults = wire_faults
         self._later = later
         self._plant = plant
         self._node = node

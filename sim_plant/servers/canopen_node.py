@@ -59,6 +59,10 @@ class CanopenNetwork:
 
     A SYNC makes received data act and transmitted data leave. The PLC's words change only when
     every RPDO has come since the last SYNC, all nodes work and none has lost its master.
+
+    Attributes
+    ----------
+    channels : measured channels that it shows.
     """
 
     def __init__(self, path: Path, registers: Registers) -> None:
@@ -71,6 +75,7 @@ class CanopenNetwork:
             }
         except (OSError, ValidationError, ValueError) as error:
             raise PlantError(f"{path}: {error}") from error
+        self.channels = frozenset(self._rows.channels)
         self._registers = registers
         self._plant: Plant | None = None
         self._now_s = 0.0
@@ -159,9 +164,9 @@ class CanopenNetwork:
         for name, word in self._rows.read.items():
             self._set(word.node, word.object, shown[name])
         for name, row in self._rows.channels.items():
-            self._set(row.node, row.object, _counts(plant.measured[name] / row.scale, row))
+            self._set(row.node, row.object, _counts(plant.shown.measured[name] / row.scale, row))
         for name, row in self._rows.applied.items():
-            self._set(row.node, row.object, round(plant.applied_m_s[name] / row.scale))
+            self._set(row.node, row.object, round(plant.shown.applied_m_s[name] / row.scale))
 
     def _set(self, node: str, index: int, value: int) -> None:
         device = self._devices[node]

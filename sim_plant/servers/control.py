@@ -170,7 +170,7 @@ class ControlSocket:
         return Done()
 
     def _fault(self, arguments: list[str]) -> Done:
-        placed = self._plant.faults.inject(parse_fault(arguments[0]))
+        placed = self._plant.inject(parse_fault(arguments[0]))
         return Done(start_s=placed.start_s)
 
     def _clear(self, arguments: list[str]) -> Done:

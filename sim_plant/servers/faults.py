@@ -48,7 +48,8 @@ class Fault(StrEnum):
 
 
 _DEFAULT_DURATION_S = {Fault.RESET: 0.0, Fault.DROP: 0.0, Fault.RESTART: 1.0, Fault.SPLICE: 2.0}
-_TAKES_CHANNEL = frozenset({Fault.NAN, Fault.ABSURD, Fault.STUCK})
+TAKES_CHANNEL = frozenset({Fault.NAN, Fault.ABSURD, Fault.STUCK})
+"""Faults of a measured channel; without an argument of all tensions."""
 _NUMBER = r"\d+(?:\.\d*)?|\.\d+"
 _SPEC = re.compile(
     r"(?P<name>[a-z]+)(=(?P<argument>[\w.]+))?"
@@ -110,14 +111,14 @@ def _checked_argument(text: str, fault: Fault, argument: str) -> str:
             raise PlantError(f"fault {text!r}: write delay=MILLISECONDS")
     elif fault is Fault.LOSE:
         argument = argument or "20"
-        if re.fullmatch(_NUMBER, argument) is None:
-            raise PlantError(f"fault {text!r}: write lose=PERCENT")
+        if re.fullmatch(_NUMBER, argument) is None or float(argument) > 100.0:
+            raise PlantError(f"fault {text!r}: write lose=PERCENT, 0 to 100")
     elif fault is Fault.PERMISSIVE:
         argument = argument or "WEB_INTACT"
         if argument not in Status.__members__:
             known = ", ".join(Status.__members__)
             raise PlantError(f"fault {text!r}: unknown status bit; known are {known}")
-    elif argument and fault not in _TAKES_CHANNEL:
+    elif argument and fault not in TAKES_CHANNEL:
         raise PlantError(f"fault {text!r}: {fault.value} takes no argument")
     return argument
 

@@ -24,6 +24,8 @@ _ANOTHER = "name another --channel"
 class FrameHub:
     """Listens at a path; the plant is one party, every connection another."""
 
+    tells_errors = True
+
     def __init__(self, path: Path) -> None:
         self._path = path
         self._listener: socket.socket | None = None

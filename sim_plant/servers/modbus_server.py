@@ -9,6 +9,7 @@ from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge
 from sim_plant.servers.later import Later, in_real_time
 from sim_plant.servers.modbus_connection import ModbusConnection
 from sim_plant.servers.modbus_device import ModbusDevice
+from sim_plant.servers.wire_faults import Medium, WireFaults
 
 _ABSENT = (Fault.REFUSE, Fault.RESTART)
 _REOPEN_PERIOD_S = 0.05
@@ -21,6 +22,7 @@ class ModbusServer:
     Attributes
     ----------
     host, port : where it listens; a port of 0 is replaced by the one the system gave.
+    wire_faults : which faults it has.
     accepted, turned_away : connections taken, and refused because there were too many.
 
     Parameters
@@ -40,6 +42,7 @@ class ModbusServer:
         idle_timeout_s: float = 60.0,
         later: Later = in_real_time,
     ) -> None:
+        self.wire_faults = WireFaults(medium=Medium.TCP)
         self.host = host
         self.port = port
         self.accepted = 0

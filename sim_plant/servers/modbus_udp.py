@@ -12,6 +12,7 @@ from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge
 from sim_plant.servers.later import Later, in_real_time
 from sim_plant.servers.modbus_answer import HEADER, answer_to, request_length
 from sim_plant.servers.modbus_device import ModbusDevice
+from sim_plant.servers.wire_faults import Medium, WireFaults
 
 EXCEPTION = 0x80
 """Function codes from here on are of answers: two servers would answer each other for ever."""
@@ -27,6 +28,7 @@ class ModbusUdpServer(asyncio.DatagramProtocol):
     Attributes
     ----------
     host, port : where it listens; a port of 0 is replaced by the one the system gave.
+    wire_faults : which faults it has.
     refused, lost : datagrams that were no request, and that the fault ``lose`` took.
     """
 
@@ -40,6 +42,7 @@ class ModbusUdpServer(asyncio.DatagramProtocol):
         seed: int = 0,
         later: Later = in_real_time,
     ) -> None:
+        self.wire_faults = WireFaults(medium=Medium.UDP)
         self.host = host
         self.port = port
         self.refused = 0

@@ -6,20 +6,30 @@ import math
 from collections import deque
 from collections.abc import Callable, Mapping
 from itertools import islice
+from typing import NamedTuple
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Status
 from sim_plant.base.ports import RollChanger, SteppedLine, TravelDriver
-from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge, parse_fault
+from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge, FaultSpec, parse_fault
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.registers import Registers
 from sim_plant.servers.web_end import SPEED, WebEnd
+from sim_plant.servers.wire_faults import WireFaults
 
 REFERENCES = (SPEED, "tension_ref_N")
 _HISTORY_SCANS = 20_000
 _ABSURD_SI = 1.0e6
 THIRD_M_S = 0.02  # the correction of a third station
 _ANOTHER = 0x8000  # heartbeat of another master, far from any young runtime's
+
+
+class Shown(NamedTuple):
+    """What the PLC shows of one scan: its words, its readings and what it applies, SI."""
+
+    words: list[int]
+    measured: Mapping[str, float]
+    applied_m_s: Mapping[str, float]
 
 
 class Plant:
@@ -31,9 +41,11 @@ class Plant:
     Attributes
     ----------
     registers, plc, faults : the parts, for servers and scenarios.
-    time_s, scans : plant time and number of samples so far.
+    time_s, scans, plc_scans : plant time, number of samples and of the PLC's scans so far.
     measured : the line's last outputs, faults included.
     applied_m_s : correction added at the plant per actuator in the coming sample.
+    shown : what the wire shows of the last scan; old ones by turns while ``turns`` lasts.
+    wire_faults : which faults the wire has; None in a scenario that has its own wire.
     max_abs_applied_m_s : largest |correction| per actuator since the last ``reset_extremes``.
     refusal : why the last correction did not count.
     web : what is left on the unwind roll; at its end it stops the line and LINE_RUN is off.
@@ -59,7 +71,9 @@ class Plant:
         self.edge_observers: list[Callable[[FaultEdge], None]] = []
         self._inputs: dict[str, float] = {}
         self._stuck: dict[str, float] = {}
-        self._old_words: list[list[int]] = []
+        self.wire_faults: WireFaults | None = None
+        self.plc_scans = 0
+        self._old: list[Shown] = []
         self._dropped = Status(0)
         self._rolls_due_s = math.inf
         self._ran = False  # LINE_RUN is to come back with full rolls
@@ -69,6 +83,7 @@ class Plant:
         self._history: deque[tuple[float, tuple[float, ...]]] = deque(maxlen=_HISTORY_SCANS)
         self.reset_extremes()
         self.measured: Mapping[str, float] = {}
+        self.shown = Shown([], {}, {})
         self.step()
 
     @property
@@ -111,6 +126,18 @@ class Plant:
                 raise PlantError("the web is at its end: LINE_RUN comes back with `roll`")
             self._ran = False
         self.plc.set_status(bit, on)
+
+    def inject(self, spec: FaultSpec) -> FaultSpec:
+        """Begin a fault, its start counted from now; return it with its start in plant time.
+
+        Raises
+        ------
+        PlantError
+            On this wire it would change nothing.
+        """
+        if self.wire_faults is not None:
+            self.wire_faults.check(spec, self.plc.map)
+        return self.faults.inject(spec)
 
     @property
     def takes_rolls(self) -> bool:
@@ -199,21 +226,26 @@ class Plant:
         for name, value in scan.corrections_m_s.items():
             self._inputs[f"aff_{name}_m_s"] = value
             self.max_abs_applied_m_s[name] = max(self.max_abs_applied_m_s[name], abs(value))
+        self.plc_scans += 1
+        fresh = Shown(scan.read_words, self.measured, scan.corrections_m_s)
+        if not self.shown.words:
+            self.shown = fresh
         if not self.faults.active(Fault.FREEZE):
-            words = self._by_turns(scan.read_words)
+            self.shown = self._by_turns(fresh)
+            words = self.shown.words
             self.registers.publish(
                 self.plc.map.swap_read(words) if self.faults.active(Fault.SWAP) else words
             )
 
-    def _by_turns(self, words: list[int]) -> list[int]:
-        """Return one of the first two scans of ``turns``, the scan's own words without it."""
+    def _by_turns(self, fresh: Shown) -> Shown:
+        """Return one of the first two scans of ``turns``, the scan itself without it."""
         if not self.faults.active(Fault.TURNS):
-            self._old_words.clear()
-            return words
-        if len(self._old_words) < 2:
-            self._old_words.append(words)
-            return words
-        return self._old_words[self.scans % 2]
+            self._old.clear()
+            return fresh
+        if len(self._old) < 2:
+            self._old.append(fresh)
+            return fresh
+        return self._old[self.plc_scans % 2]
 
     def _take(self, edge: FaultEdge) -> None:
         if edge.spec.fault is Fault.RESTART:

@@ -30,6 +30,7 @@ from sim_plant.servers.realtime import (
 from sim_plant.servers.recorder import PlantRecorder
 from sim_plant.servers.stepped import SteppedClock
 from sim_plant.servers.web_end import WebState
+from sim_plant.servers.wire_faults import WireFaults
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,6 +72,8 @@ class ServeOptions:
 
 class Wire(Protocol):
     """What a plant is served on."""
+
+    wire_faults: WireFaults
 
     @property
     def address(self) -> str:
@@ -123,12 +126,21 @@ def _wire(plant: Plant, options: ServeOptions) -> Wire:
 
 
 class PlantService:
-    """One plant being served; ``run`` is its whole life."""
+    """One plant being served; ``run`` is its whole life.
+
+    Raises
+    ------
+    PlantError
+        A fault of the options would change nothing on this wire.
+    """
 
     def __init__(self, line: SteppedLine, plc_map: PlcMap, options: ServeOptions) -> None:
         self._options = options
         self.plant = Plant(line, Plc(plc_map), FaultBoard(options.faults))
         self.server = _wire(self.plant, options)
+        for spec in options.faults:
+            self.server.wire_faults.check(spec, plc_map)
+        self.plant.wire_faults = self.server.wire_faults
         self.stepper = self._clock()
         self.plant.edge_observers.append(self.server.take_edge)
         self._scheduler = "not asked"

@@ -27,7 +27,7 @@ class Served:
     def __init__(self, service: PlantService, loop: asyncio.AbstractEventLoop) -> None:
         self.service = service
         self.loop = loop
-        self.port = service.server.port
+        self.port = getattr(service.server, "port", 0)  # a CAN bus has none
         self._control = ControlSocket(None, service.plant, service.status)
 
     def command(self, line: str) -> dict[str, Any]:
