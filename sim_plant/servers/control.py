@@ -6,7 +6,7 @@ set REFERENCE VALUE         line_speed_ref_m_s, tension_ref_N, or travel_NAME_m_
                             an accumulator that has a drive of its own
 set STATUS_BIT 0|1          any bit of the status word
 fault SPEC                  as ``--fault``; a start counts from now; answers it in plant time
-clear [NAME]                end one fault, or all
+clear [NAME]                end one fault, or all; of `splice` it calls a `roll` off
 value CHANNEL               one channel as the line has it now: true_... or as measured
 step N                      take N samples; of a plant that is served --stepped alone
 roll                        full rolls at both ends, on the run; announced as a splice for 2 s;
@@ -174,7 +174,7 @@ class ControlSocket:
         return Done(start_s=placed.start_s)
 
     def _clear(self, arguments: list[str]) -> Done:
-        self._plant.faults.clear(Fault(arguments[0]) if arguments else None)
+        self._plant.clear(Fault(arguments[0]) if arguments else None)
         return Done()
 
     def _value(self, arguments: list[str]) -> Value:

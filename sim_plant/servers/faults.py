@@ -162,22 +162,22 @@ class FaultBoard:
         return [fault.value for fault in self._active]
 
     def advance(self, now_s: float) -> list[FaultEdge]:
-        """Move to ``now_s`` and return what ended and what began, in this order."""
+        """Move to ``now_s``; return what ended, then what began by its start.
+
+        A fault that another of its kind replaces ends before that one begins.
+        """
         self._now_s = now_s
-        ended = [spec for spec in self._active.values() if spec.end_s <= now_s]
+        over = [spec for spec in self._active.values() if spec.end_s <= now_s]
+        edges = [self._end(spec.fault) for spec in over]
         begun = [spec for spec in self._pending if spec.start_s <= now_s]
         if begun:
             self._pending = [spec for spec in self._pending if spec.start_s > now_s]
-        begun_kinds = {spec.fault for spec in begun}
-        ended += [
-            spec
-            for spec in self._active.values()
-            if spec.fault in begun_kinds and spec not in ended
-        ]
-        for spec in ended:
-            del self._active[spec.fault]
-        for spec in begun:
+        for spec in sorted(begun, key=lambda spec: spec.start_s):
+            if spec.fault in self._active:
+                edges.append(self._end(spec.fault))
             self._active[spec.fault] = spec
-        return [FaultEdge(spec=spec, began=False) for spec in ended] + [
-            FaultEdge(spec=spec, began=True) for spec in begun
-        ]
+            edges.append(FaultEdge(spec=spec, began=True))
+        return edges
+
+    def _end(self, fault: Fault) -> FaultEdge:
+        return FaultEdge(spec=self._active.pop(fault), began=False)

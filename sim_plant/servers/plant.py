@@ -139,6 +139,12 @@ class Plant:
             self.wire_faults.check(spec, self.plc.map)
         return self.faults.inject(spec)
 
+    def clear(self, fault: Fault | None = None) -> None:
+        """End one fault, or all, at the next sample; without its splice no rolls are exchanged."""
+        if fault in {None, Fault.SPLICE}:
+            self._rolls_due_s = math.inf
+        self.faults.clear(fault)
+
     @property
     def takes_rolls(self) -> bool:
         """Return whether ``change_rolls`` can put full rolls on."""
@@ -147,13 +153,19 @@ class Plant:
     def change_rolls(self) -> float:
         """Announce a splice for 2 s and put full rolls on in its middle; return when, s.
 
+        An exchange whose splice is no longer there at that time is called off.
+
         Raises
         ------
         PlantError
-            The line has no rolls that can be exchanged.
+            The line has no rolls that can be exchanged, or an exchange is announced already.
         """
         if not isinstance(self._line, RollChanger):
             raise PlantError("this line has no rolls that can be exchanged")
+        if self._rolls_due_s < math.inf:
+            raise PlantError(
+                f"full rolls are coming already, at {self._rolls_due_s:.3f} s of plant time"
+            )
         placed = self.faults.inject(parse_fault("splice"))
         self._rolls_due_s = placed.start_s + 0.5 * placed.duration_s
         return self._rolls_due_s
@@ -171,8 +183,9 @@ class Plant:
         """Advance line and PLC by one sample."""
         if self.time_s >= self._rolls_due_s and isinstance(self._line, RollChanger):
             self._rolls_due_s = math.inf
-            self._line.change_rolls()
-            self._start_again()
+            if self.faults.active(Fault.SPLICE):
+                self._line.change_rolls()
+                self._start_again()
         measured = dict(self._line.step(self.web.references(self._inputs, self.sample_time_s)))
         for name in REFERENCES:
             if name in self._inputs:

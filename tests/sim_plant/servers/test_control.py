@@ -1,4 +1,5 @@
 import asyncio
+import itertools
 import json
 import socket
 import stat
@@ -135,6 +136,62 @@ def test_a_roll_is_changed_in_the_middle_of_an_announced_splice():
     assert line.changes == 1
     assert plant.plc.roll_id == 2
     assert not plant.plc.status & Status.SPLICE_ACTIVE
+
+
+def test_after_clear_the_status_word_is_what_it_was_before_two_faults_of_one_sample(control):
+    socket_, plant = control
+    before = plant.plc.status
+    for bit in ("WEB_INTACT", "ESTOP_OK"):
+        answered(socket_, f"fault permissive={bit}")
+    plant.step()
+    assert plant.plc.status == before & ~Status.ESTOP_OK
+    answered(socket_, "clear")
+    plant.step()
+    assert plant.plc.status == before
+
+
+class Rolls(FakeLine):
+    """Counts exchanges."""
+
+    changes = 0
+
+    def change_rolls(self):
+        self.changes += 1
+
+
+@pytest.mark.parametrize("clear_after", [0, 1, 50, 190])
+@pytest.mark.parametrize("command", ["clear", "clear splice", "fault splice:0.01"])
+def test_rolls_whose_splice_is_over_before_they_are_on_never_come(clear_after, command):
+    plant = Plant(Rolls(), Plc(default_map()))
+    socket_ = ControlSocket(None, plant, dict)
+    answered(socket_, "roll")
+    for _ in range(clear_after):
+        plant.step()
+    assert answered(socket_, command)["ok"]
+    for _ in range(500):
+        plant.step()
+    assert plant._line.changes == 0
+    assert not plant.plc.status & Status.SPLICE_ACTIVE
+    assert answered(socket_, "roll")["ok"]  # and it can be asked for again
+    for _ in range(500):
+        plant.step()
+    assert plant._line.changes == 1
+
+
+def test_rolls_that_are_coming_are_not_asked_for_twice_and_later_ones_are_counted():
+    plant = Plant(Rolls(), Plc(default_map()))
+    socket_ = ControlSocket(None, plant, dict)
+    seen = []
+    for second in range(6):
+        answer = answered(socket_, "roll")
+        assert ("already" in answer.get("error", "")) == bool(second % 2)
+        for _ in range(120):  # 0.6 s
+            plant.step()
+            announced = bool(plant.plc.status & Status.SPLICE_ACTIVE)
+            seen.append((plant._line.changes, plant.plc.roll_id, announced))
+    jumps = [b for a, b in itertools.pairwise(seen) if a[0] != b[0]]
+    assert jumps == [(1, 2, True), (2, 3, True), (3, 4, True)][: len(jumps)]
+    assert len(jumps) >= 2
 
 
 def test_a_line_without_rolls_says_so(control):

@@ -79,3 +79,12 @@ def test_a_second_fault_of_a_kind_replaces_the_first():
     board.advance(1.0)
     assert edges(board, 2.0) == [("splice", False), ("splice", True)]
     assert edges(board, 3.0) == [("splice", False)]
+
+
+def test_of_two_of_a_kind_that_begin_in_one_step_the_first_ends_before_the_second_begins():
+    board = FaultBoard()
+    board.inject(parse_fault("permissive=WEB_INTACT@0.2"))
+    board.inject(parse_fault("permissive=ESTOP_OK@0.1"))
+    got = [(edge.spec.argument, edge.began) for edge in board.advance(0.5)]
+    assert got == [("ESTOP_OK", True), ("ESTOP_OK", False), ("WEB_INTACT", True)]
+    assert board.argument(Fault.PERMISSIVE) == "WEB_INTACT"
