@@ -119,7 +119,7 @@ class WebLine:
     def inject(self, fault: str) -> float:
         """Begin a fault, spelt as for ``--fault``; return when it begins, s of plant time.
 
-        Without a start it is in force on return; a stepped line takes one sample for it.
+        Without a start it is in force on return; a stepped line takes one scan of the PLC for it.
         """
         return float(self.tell(f"fault {fault}")["start_s"])
 

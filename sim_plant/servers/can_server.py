@@ -20,6 +20,7 @@ class CanServer:
     ----------
     sent, taken : frames put on the bus and taken from it.
     wire_faults : which faults it has.
+    trouble : why the bus is not joined though no fault forbids it; else empty.
     """
 
     def __init__(
@@ -31,6 +32,7 @@ class CanServer:
         wire_faults: WireFaults,
         later: Later = in_real_time,
     ) -> None:
+        self.trouble = ""
         self.wire_faults = wire_faults
         self._later = later
         self._plant = plant
@@ -85,6 +87,7 @@ class CanServer:
         if self._open:
             self._channel.close()
             self._open = False
+            self.trouble = ""
 
     def _on_sample(self, plant: Plant) -> None:
         gone = any(plant.faults.active(fault) for fault in _GONE)
@@ -93,8 +96,10 @@ class CanServer:
                 return
             try:
                 self._channel.open(self._take)
-            except WireError:
+            except WireError as error:
+                self.trouble = str(error)
                 return
+            self.trouble = ""
             self._open = True
             self._send(self._node.reset())
         if plant.faults.active(Fault.ERRORS):

@@ -14,8 +14,8 @@ roll                        full rolls at both ends, on the run; announced as a 
 reset                       forget the largest correction seen
 
 Every command is answered by one line of JSON; an ``error`` key says what was wrong. ``set``,
-``clear`` and a ``fault`` that begins now are answered when they are in force: after the next
-sample, which a stepped plant takes for them.
+``clear`` and a ``fault`` that begins now are answered when they are in force: after the PLC's next
+scan, whose samples a stepped plant takes for them.
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ from sim_plant.servers.answers import Answer, Done, History, PlantStatus, Refuse
 from sim_plant.servers.faults import Fault, parse_fault
 from sim_plant.servers.plant import Plant
 
-_TAKES_A_SAMPLE = frozenset({"set", "fault", "clear"})
+_TAKES_A_SCAN = frozenset({"set", "fault", "clear"})
 
 
 class ControlledClock(Protocol):
     """The time of the plant, as far as commands have to do with it."""
 
     async def in_force(self) -> None:
-        """Return when the next sample is over."""
+        """Return when the PLC's next scan is over; ``AffError`` when the wire is not back."""
         ...
 
     async def step(self, samples: int) -> None:
-        """Take ``samples`` samples; ``PlantError`` where time is not to be stepped."""
+        """Take ``samples`` samples; ``AffError`` where they, or the wire after them, fail."""
         ...
 
 
@@ -110,10 +110,13 @@ class ControlSocket:
         if words[:1] == ["step"] and self._clock is not None:
             return await self._step(words[1:], self._clock)
         answer = self._obey(words)
-        if self._clock is not None and isinstance(answer, Done) and words[0] in _TAKES_A_SAMPLE:
+        if self._clock is not None and isinstance(answer, Done) and words[0] in _TAKES_A_SCAN:
             begins_s = answer.start_s or 0.0
-            if begins_s <= self._plant.time_s:
-                await self._clock.in_force()
+            try:
+                if begins_s <= self._plant.time_s:
+                    await self._clock.in_force()
+            except AffError as error:
+                return Refused(error=str(error))
             answer = replace(answer, time_s=self._plant.time_s)
         return answer
 

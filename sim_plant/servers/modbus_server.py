@@ -13,7 +13,8 @@ from sim_plant.servers.wire_faults import Medium, WireFaults
 
 _ABSENT = (Fault.REFUSE, Fault.RESTART)
 _REOPEN_PERIOD_S = 0.05
-_REOPEN_PATIENCE_S = 2.0
+_REOPEN_PATIENCE_S = 1.0
+_STILL_PATIENCE_S = 2.0 * _REOPEN_PERIOD_S  # of who asks when it has been told
 
 
 class ModbusServer:
@@ -23,6 +24,7 @@ class ModbusServer:
     ----------
     host, port : where it listens; a port of 0 is replaced by the one the system gave.
     wire_faults : which faults it has.
+    trouble : why it does not listen though no fault forbids it; else empty.
     accepted, turned_away : connections taken, and refused because there were too many.
 
     Parameters
@@ -42,6 +44,8 @@ class ModbusServer:
         idle_timeout_s: float = 60.0,
         later: Later = in_real_time,
     ) -> None:
+        self.trouble = ""
+        self._told = False
         self.wire_faults = WireFaults(medium=Medium.TCP)
         self.host = host
         self.port = port
@@ -129,16 +133,20 @@ class ModbusServer:
         )
 
     async def settled(self) -> None:
-        """Wait until a server that may listen again does, at most two seconds."""
+        """Wait until a server that may listen again does, at most a second, then no longer."""
         if self._reopening is not None:
-            await asyncio.wait({self._reopening}, timeout=_REOPEN_PATIENCE_S)
+            patience_s = _STILL_PATIENCE_S if self._told else _REOPEN_PATIENCE_S
+            await asyncio.wait({self._reopening}, timeout=patience_s)
+            self._told = bool(self.trouble)
 
     async def _reopen(self) -> None:
         """Listen again once no fault forbids it; the port may be busy for a moment."""
         while self._listener is None and not self._absent():
             try:
                 await self.open()
-            except WireError:
+                self.trouble, self._told = "", False
+            except WireError as error:
+                self.trouble = str(error)
                 await asyncio.sleep(_REOPEN_PERIOD_S)
         if self._absent():
             self._leave()
@@ -148,6 +156,7 @@ class ModbusServer:
         return any(self._faults.active(fault) for fault in _ABSENT)
 
     def _leave(self) -> None:
+        self.trouble, self._told = "", False
         if self._listener is not None:
             self._listener.close()
             self._listener = None

@@ -29,6 +29,7 @@ class ModbusUdpServer(asyncio.DatagramProtocol):
     ----------
     host, port : where it listens; a port of 0 is replaced by the one the system gave.
     wire_faults : which faults it has.
+    trouble : always empty: the socket stays open.
     refused, lost : datagrams that were no request, and that the fault ``lose`` took.
     """
 
@@ -42,6 +43,7 @@ class ModbusUdpServer(asyncio.DatagramProtocol):
         seed: int = 0,
         later: Later = in_real_time,
     ) -> None:
+        self.trouble = ""
         self.wire_faults = WireFaults(medium=Medium.UDP)
         self.host = host
         self.port = port

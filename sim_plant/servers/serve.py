@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import StateBits, Status
 from sim_plant.base.ports import SteppedLine
 from sim_plant.servers.answers import Counts, PlantStatus, WebReport
@@ -74,6 +75,8 @@ class Wire(Protocol):
     """What a plant is served on."""
 
     wire_faults: WireFaults
+    trouble: str
+    """Why it is not served though no fault forbids it; else empty."""
 
     @property
     def address(self) -> str:
@@ -152,13 +155,33 @@ class PlantService:
         return RealTimeStepper(self.plant.step, self.plant.sample_time_s)
 
     async def in_force(self) -> None:
-        """Return when the next sample is over and the wire has followed it."""
-        await self.stepper.next_sample()
+        """Return when the PLC's next scan is over and the wire has followed it.
+
+        Raises
+        ------
+        WireError
+            The wire should be served again and cannot.
+        """
+        scans = self.plant.plc_scans
+        while self.plant.plc_scans == scans:
+            await self.stepper.next_sample()
         await self.server.settled()
+        self._check_wire()
 
     async def step(self, samples: int) -> None:
-        """Take ``samples`` samples of a stepped plant; see ``SteppedClock.advance``."""
+        """Take ``samples`` samples of a stepped plant; see ``SteppedClock.advance``.
+
+        Raises
+        ------
+        AffError
+            They were not taken, or the wire should be served again and cannot.
+        """
         await self.stepper.advance(samples)
+        self._check_wire()
+
+    def _check_wire(self) -> None:
+        if self.server.trouble:
+            raise WireError(f"{self.server.trouble}; it is tried again and again")
 
     def stop(self) -> None:
         """Ask ``run`` to return."""

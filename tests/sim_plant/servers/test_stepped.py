@@ -2,6 +2,7 @@
 
 import asyncio
 import socket
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -9,6 +10,7 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.servers.control_client import ask as tell
 from sim_plant.servers.stepped import MOST_SAMPLES, SteppedClock
+from tests.sim_plant.servers.fake_line import default_map
 from tests.sim_plant.servers.served import (
     PATIENCE_s,
     SAMPLE_TIME_s,
@@ -17,12 +19,14 @@ from tests.sim_plant.servers.served import (
     receive,
     served,
     silent,
+    wait_until,
 )
 
 pytestmark = pytest.mark.wire
 
 READ = "0007 0000 0006 01 03 0000 0010"  # the whole read block, FC3
 ANSWER_BYTES = 9 + 2 * 16
+NAN = "80000000"
 NAN_SWAPPED = "00008000"  # the lowest i32, its low word first
 
 
@@ -82,6 +86,43 @@ def test_a_fault_is_in_force_when_it_is_answered_and_over_when_its_end_is(contro
             tell(control, "fault busy")
             assert ask(client, READ, 9)[7:9] == bytes([0x83, 6])
             tell(control, "clear busy")
+            assert ask(client, READ, ANSWER_BYTES)[7] == 3
+
+
+def heartbeat(client):
+    return int.from_bytes(ask(client, READ, ANSWER_BYTES)[9:11], "big")
+
+
+@pytest.mark.parametrize("stepped", [True, False])
+def test_a_plc_that_scans_slowly_has_scanned_when_a_command_is_answered(control, stepped):
+    """A scan of five samples: what the words say of a fault is there, and gone, on the answer."""
+    slow = replace(default_map(), scan_s=5 * SAMPLE_TIME_s)
+    with served(control=control, stepped=stepped, plc=slow) as plant, plant.client() as client:
+        for _ in range(3):
+            before = heartbeat(client)
+            tell(control, "fault nan=unwind_tension_N")
+            lying = ask(client, READ, ANSWER_BYTES)
+            tell(control, "clear")
+            assert lying[13:17].hex() == NAN
+            assert ask(client, READ, ANSWER_BYTES)[13:17].hex() != NAN
+            assert heartbeat(client) - before == 2 or not stepped
+            tell(control, "set tension_ref_N 75")
+            assert ask(client, READ, ANSWER_BYTES)[17:19] == (7500).to_bytes(2, "big")
+            tell(control, "set tension_ref_N 90")
+
+
+@pytest.mark.parametrize("fault", ["refuse", "restart"])
+def test_a_port_that_another_took_meanwhile_is_told_until_it_is_free(control, fault):
+    with served(control=control, stepped=True) as plant:
+        tell(control, f"fault {fault}")
+        with socket.socket() as thief:
+            thief.bind(("127.0.0.1", plant.port))
+            thief.listen()
+            wrong = f"cannot listen on 127.0.0.1:{plant.port}"
+            assert wrong in tell(control, f"clear {fault}")["error"]
+            assert wrong in tell(control, "step 1")["error"]
+        wait_until(lambda: "ok" in tell(control, "step 1"))
+        with plant.client() as client:
             assert ask(client, READ, ANSWER_BYTES)[7] == 3
 
 

@@ -231,3 +231,19 @@ def test_a_scheduled_fault_is_checked_before_the_line_is_served():
     options = ServeOptions(faults=(parse_fault("sync@5"),))
     with pytest.raises(PlantError, match="this line is served on Modbus TCP"):
         PlantService(FakeLine(), default_map(), options)
+
+
+@pytest.mark.wire
+def test_a_bus_that_another_took_meanwhile_is_told_until_it_is_free(tmp_path):
+    with bus_of(tmp_path):
+        control, path = tmp_path / "control", tmp_path / "can"
+        tell(control, "fault refuse")
+        with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as thief:
+            thief.bind(str(path))
+            thief.listen()
+            assert "another plant listens there" in tell(control, "clear refuse")["error"]
+            assert "another plant listens there" in tell(control, "step 1")["error"]
+        assert tell(control, "step 1")["ok"]
+        with WebLineBus(path) as bus:
+            tell(control, "step 1")
+            assert bus.recv(1.0) is not None
