@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib.util
 import json
 import os
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.python_child import module_command
@@ -17,10 +19,14 @@ ENDED = "ended"
 _HOST = "sim_plant.pytest_plugin.plant_host"
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")  # who forks has one
 _PATIENCE_S = 30.0
+_MOST_BYTES = 65_536
 
 
 class HostClient:
     """Starts the process at the first line, and ends it with everything it started.
+
+    One that was lost is started again at the next line. Requests are numbered: the answer to one
+    whose test was interrupted is dropped, and the plant that it tells of is ended.
 
     Parameters
     ----------
@@ -31,7 +37,10 @@ class HostClient:
     def __init__(self, folder: Path, module: str = _HOST) -> None:
         self._module = module
         self._log = folder / "host.log"
-        self._process: subprocess.Popen[str] | None = None
+        self._process: subprocess.Popen[bytes] | None = None
+        self._requests = 0
+        self._rest = b""
+        self._nobodys: list[int] = []
 
     def serve(self, words: Sequence[str], log: Path) -> int:
         """Begin ``sim-plant serve WORDS``; return its process id.
@@ -41,12 +50,25 @@ class HostClient:
         Raises
         ------
         PlantError
-            The line model is not installed, or the process ended.
+            The line model is not installed, the log cannot be written, or the process ended.
         """
-        return self._ask({"serve": list(words), "log": str(log)}, "pid")
+        if self._process is not None and self._process.poll() is not None:
+            self._forget()
+        plant = self._ask({"serve": list(words), "log": str(log)}, "pid")
+        while self._nobodys:
+            self.end(self._nobodys.pop())
+        return plant
 
     def end(self, plant: int) -> int:
-        """End a plant; return its exit code, negative for the signal that ended it."""
+        """End a plant; return its exit code, negative for the signal that ended it.
+
+        Raises
+        ------
+        PlantError
+            It is not there any more, or the process ended and took it along.
+        """
+        if self._process is None:
+            raise PlantError("the process of the simulated lines ended and took this one along")
         return self._ask({"end": plant}, "exit_code")
 
     def close(self) -> None:
@@ -59,16 +81,58 @@ class HostClient:
     def _ask(self, request: Mapping[str, str | int | list[str]], wanted: str) -> int:
         process = self._process = self._process or self._start()
         assert process.stdin is not None
-        assert process.stdout is not None
+        self._requests += 1
+        number = self._requests
         try:
-            process.stdin.write(json.dumps(request) + "\n")
+            process.stdin.write(json.dumps({**request, "number": number}).encode() + b"\n")
             process.stdin.flush()
-            return int(json.loads(process.stdout.readline())[wanted])
-        except (OSError, ValueError) as error:
-            said = self._log.read_text(encoding="utf-8", errors="replace")
-            raise PlantError(f"the process of the simulated lines ended:\n{said}") from error
+            answer = self._answer(process, number)
+        except OSError as error:
+            raise PlantError(f"the process of the simulated lines ended {self._why()}") from error
+        if "error" in answer:
+            raise PlantError(answer["error"])
+        return int(answer[wanted])
 
-    def _start(self) -> subprocess.Popen[str]:
+    def _answer(self, process: subprocess.Popen[bytes], number: int) -> dict[str, Any]:
+        """Return the answer to the request of this number; an older one's plant is nobody's."""
+        while True:
+            answer = _read_answer(self._line(process))
+            if answer.get("number") == number:
+                return answer
+            if "pid" in answer:
+                self._nobodys.append(int(answer["pid"]))
+
+    def _line(self, process: subprocess.Popen[bytes]) -> bytes:
+        """Return the next line; what is read of one stays if the wait is interrupted."""
+        assert process.stdout is not None
+        while b"\n" not in self._rest:
+            part = os.read(process.stdout.fileno(), _MOST_BYTES)
+            if not part:
+                raise BrokenPipeError
+            self._rest += part
+        line, _, self._rest = self._rest.partition(b"\n")
+        return line
+
+    def _why(self) -> str:
+        """Forget the process; return how it ended and what it said."""
+        code = self._forget()
+        how = f"by signal {-code}" if code < 0 else f"with {code}"
+        said = self._log.read_text(encoding="utf-8", errors="replace").strip()
+        return f"{how}; " + (f"it said:\n{said}" if said else "it said nothing")
+
+    def _forget(self) -> int:
+        """Take leave of a process that ended, or closed its side; return its exit code."""
+        process, self._process = self._process, None
+        assert process is not None
+        assert process.stdout is not None
+        self._rest = b""
+        self._nobodys.clear()
+        process.kill()
+        with contextlib.suppress(OSError):
+            process.communicate(timeout=_PATIENCE_S)
+        return process.wait(_PATIENCE_S)
+
+    def _start(self) -> subprocess.Popen[bytes]:
         if importlib.util.find_spec("numba") is None:
             raise PlantError(
                 "the line model is not installed here: pip install 'aff-runtime[plant]'"
@@ -79,7 +143,15 @@ class HostClient:
                 stdin=subprocess.PIPE,
                 stdout=subprocess.PIPE,
                 stderr=log,
-                text=True,
                 start_new_session=True,
                 env=os.environ | dict.fromkeys(_ONE_THREAD, "1"),
             )
+
+
+def _read_answer(line: bytes) -> dict[str, Any]:
+    """Return an answer; an empty one for a line that is none, or the end of one."""
+    try:
+        answer = json.loads(line)
+    except ValueError:
+        return {}
+    return answer if isinstance(answer, dict) else {}

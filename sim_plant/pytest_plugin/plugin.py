@@ -25,10 +25,13 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_configure(config: pytest.Config) -> None:
-    """Refuse a declaration that is not there before any test is run."""
+    """Find the declaration from where pytest was called, or refuse it before any test is run."""
     line = config.getoption("--web-line")
-    if line is not None and not line.is_file():
+    if line is None:
+        return
+    if not line.is_file():
         raise pytest.UsageError(f"--web-line {line}: no such file; name a line's declaration")
+    config.option.web_line = line.absolute()  # a test may change the folder
 
 
 @pytest.fixture(scope="session")

@@ -5,9 +5,10 @@ from __future__ import annotations
 import contextlib
 import importlib.util
 import math
+import os
 import shutil
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from sim_plant.servers.control_client import ask
 _PATIENCE_S = 60.0
 _LOOK_AGAIN_S = 0.005
 _MOST_AT_ONCE = 2_000  # samples of one command, so that none takes long
+_PROTOCOLS = ("", "dbc", "canopen")
 DEFAULT_LINE = "lines/euclid_ripple.yaml"
 
 
@@ -48,11 +50,24 @@ class LineSetup:
     seed: int = 0
     speed_m_s: float | None = None
     plc: Path | None = None
-    words: tuple[str, ...] = ()
+    words: Sequence[str] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse what `sim-plant serve` could not make sense of.
+
+        Raises
+        ------
+        PlantError
+            With what is to be written instead.
+        """
+        if self.can not in _PROTOCOLS:
+            raise PlantError(f"can={self.can!r}: write dbc or canopen")
+        if isinstance(self.words, str):
+            raise PlantError(f"words={self.words!r}: give a tuple of words")
 
     def serve_words(self, folder: Path) -> list[str]:
         """Return the words of ``sim-plant serve`` with every socket in ``folder``."""
-        words = [str(self.line or shipped(DEFAULT_LINE)), "--no-realtime"]
+        words = [os.path.abspath(self.line or shipped(DEFAULT_LINE)), "--no-realtime"]
         words += ["--control", str(folder / "control"), "--seed", str(self.seed)]
         words += ["--stepped"] * self.stepped + ["--udp"] * self.udp
         if self.can:
@@ -62,7 +77,7 @@ class LineSetup:
         if self.speed_m_s is not None:
             words += ["--speed-m-s", str(self.speed_m_s)]
         if self.plc is not None:
-            words += ["--plc", str(self.plc)]
+            words += ["--plc", os.path.abspath(self.plc)]
         return [*words, *self.words]
 
 
@@ -128,8 +143,20 @@ class WebLine:
         self.tell(f"clear {fault}".strip())
 
     def set(self, name: str, value: float) -> None:
-        """Set a reference (``line_speed_ref_m_s``, ``tension_ref_N``) or a status bit (0, 1)."""
-        self.tell(f"set {name} {value:g}")
+        """Set a reference (``line_speed_ref_m_s``, ``tension_ref_N``) or a status bit (0, 1).
+
+        Raises
+        ------
+        PlantError
+            There is none of that name, or it cannot have that value.
+        """
+        try:
+            number = float(value)
+        except (TypeError, ValueError) as error:
+            raise PlantError(
+                f"set {name}: {value!r} is no number; give one in SI units"
+            ) from error
+        self.tell(f"set {name} {int(number) if number.is_integer() else number!r}")
 
     def value(self, channel: str) -> float:
         """Return one channel in SI: ``true_unwind_tension_N``, or as measured without ``true_``.

@@ -20,4 +20,4 @@ line.open_line = small_line
 from sim_plant.pytest_plugin import plant_host  # noqa: E402 (takes the name from above)
 
 if __name__ == "__main__":
-    plant_host.obey(sys.stdin, sys.stdout)
+    plant_host.obey(sys.stdin, plant_host.answers_alone())

@@ -1,5 +1,6 @@
 """Nothing that the plugin starts outlives the tests, whatever becomes of them."""
 
+import json
 import os
 import signal
 import time
@@ -31,19 +32,16 @@ def _wait_until_gone(process):
         time.sleep(0.01)
 
 
-def test_a_host_that_is_killed_takes_its_plants_along_and_the_test_is_told(tmp_path, monkeypatch):
-    monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    host = HostClient(tmp_path, module="tests.sim_plant.pytest_plugin.small_host")
-    line = WebLine(host, LineSetup())
-    plant, process = line._plant, host._process
-    assert not _is_gone(plant)
-    os.kill(process.pid, signal.SIGKILL)
-    _wait_until_gone(plant)
-    with pytest.raises(PlantError, match="the line is gone"):
-        line.step()
-    with pytest.raises(PlantError, match="the process of the simulated lines ended"):
-        line.close()
-    host.close()
+@pytest.fixture(scope="module")
+def host(tmp_path_factory):
+    """One process for all tests that leave it whole, and for the one that loses it."""
+    made = HostClient(
+        tmp_path_factory.mktemp("host"), module="tests.sim_plant.pytest_plugin.small_host"
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("PYTHONPATH", str(ROOT))
+        yield made
+    made.close()
 
 
 def test_a_host_whose_tests_are_gone_ends_its_plants_and_itself(tmp_path, monkeypatch):
@@ -54,3 +52,107 @@ def test_a_host_whose_tests_are_gone_ends_its_plants_and_itself(tmp_path, monkey
     assert host._process.wait(PATIENCE_s) == 0
     assert _is_gone(plant)
     host._process.stdout.close()
+
+
+class Interrupted(BaseException):
+    pass
+
+
+def test_a_test_that_is_interrupted_at_its_first_line_leaves_the_next_ones_whole(host):
+    def interrupt(*_):
+        raise Interrupted
+
+    before = signal.signal(signal.SIGALRM, interrupt)
+    try:
+        for after_s in (0.01, 0.1, 0.3, 0.6):
+            signal.setitimer(signal.ITIMER_REAL, after_s)
+            try:
+                with pytest.raises(Interrupted):
+                    _lines_for_ever(host)
+            finally:
+                signal.setitimer(signal.ITIMER_REAL, 0)
+            line = WebLine(host, LineSetup())
+            assert line.step(3) == pytest.approx(4 * line.sample_time_s)
+            line.close()
+            assert not _children_of(host._process.pid)
+    finally:
+        signal.signal(signal.SIGALRM, before)
+
+
+def test_an_answer_that_nobody_waited_for_is_dropped_and_its_plant_ended(host, tmp_path):
+    WebLine(host, LineSetup()).close()
+    late = LineSetup().serve_words(tmp_path)
+    request = {"serve": late, "log": str(tmp_path / "late"), "number": 0}
+    host._process.stdin.write(json.dumps(request).encode() + b"\n")
+    line = WebLine(host, LineSetup())
+    assert _children_of(host._process.pid) == [line._plant]
+    line.close()
+
+
+def test_a_log_that_cannot_be_written_is_told_at_once_and_the_next_line_is_served(host, tmp_path):
+    with pytest.raises(PlantError, match="No such file or directory"):
+        host.serve(LineSetup().serve_words(tmp_path), tmp_path / "none" / "log")
+    WebLine(host, LineSetup()).close()
+
+
+def test_a_value_arrives_with_all_its_digits_and_what_is_none_is_refused(host):
+    line = WebLine(host, LineSetup())
+    try:
+        line.set("tension_ref_N", 75.123456789)
+        assert line.value("tension_ref_N") == 75.123456789
+        line.set("WEB_INTACT", 0.0)
+        assert "WEB_INTACT" not in line.status().status
+        with pytest.raises(PlantError, match="'75 N' is no number; give one in SI units"):
+            line.set("tension_ref_N", "75 N")
+    finally:
+        line.close()
+
+
+def test_a_killed_host_takes_its_plants_along_tells_the_test_and_another_follows(host):
+    line = WebLine(host, LineSetup())
+    plant, process = line._plant, host._process
+    assert not _is_gone(plant)
+    os.kill(process.pid, signal.SIGKILL)
+    _wait_until_gone(plant)
+    with pytest.raises(PlantError, match="the line is gone"):
+        line.step()
+    with pytest.raises(PlantError, match="ended by signal 9; it said nothing"):
+        line.close()
+    other = WebLine(host, LineSetup())
+    assert host._process.pid != process.pid
+    os.kill(host._process.pid, signal.SIGKILL)
+    host._process.wait(PATIENCE_s)
+    line = WebLine(host, LineSetup())  # the loss is seen before anything is asked
+    with pytest.raises(PlantError, match="is no line of this host"):
+        other.close()
+    line.step()
+    line.close()
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"can": "canfd"}, "can='canfd': write dbc or canopen"),
+        ({"words": "--no-fc23"}, "words='--no-fc23': give a tuple of words"),
+    ],
+)
+def test_a_setting_that_makes_no_sense_is_refused_with_what_to_write(settings, said):
+    with pytest.raises(PlantError, match=said):
+        LineSetup(**settings)
+
+
+def test_a_relative_path_is_that_of_the_test_wherever_the_host_is(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = LineSetup(line=Path("mine.yaml"), plc=Path("map.yaml")).serve_words(Path("/x"))
+    assert words[0] == str(tmp_path / "mine.yaml")
+    assert words[words.index("--plc") + 1] == str(tmp_path / "map.yaml")
+
+
+def _lines_for_ever(host):
+    while True:
+        WebLine(host, LineSetup()).close()
+
+
+def _children_of(process):
+    children = Path(f"/proc/{process}/task/{process}/children").read_text().split()
+    return [int(child) for child in children if not _is_gone(child)]
