@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import errno
+import socket
 import stat
 from pathlib import Path
 
@@ -30,6 +32,19 @@ def make_room(path: Path, another: str) -> None:
     if not stat.S_ISSOCK(kind):
         raise RefusedError(f"{path}: is no socket and stays; take it away, or {another}")
     path.unlink(missing_ok=True)
+
+
+def listens(path: Path, kind: socket.SocketKind) -> bool:
+    """Return whether somebody answers at ``path``; a file that was left behind does not."""
+    with socket.socket(socket.AF_UNIX, kind) as caller:
+        caller.setblocking(False)
+        try:
+            caller.connect(str(path))
+        except BlockingIOError:  # its queue is full
+            return True
+        except OSError as error:
+            return error.errno == errno.EPROTOTYPE  # it lives, and speaks another way
+    return True
 
 
 def identity(path: Path) -> tuple[int, int]:

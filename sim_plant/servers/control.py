@@ -24,15 +24,16 @@ import asyncio
 import json
 import math
 import os
-import stat
+import socket
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Protocol
 
-from aff_runtime.base.errors import AffError, PlantError
+from aff_runtime.base.errors import AffError, PlantError, RefusedError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import Status
+from aff_runtime.base.socket_file import identity, listens, make_room, remove_own
 from sim_plant.servers.answers import Answer, Done, History, PlantStatus, Refused, Value, to_json
 from sim_plant.servers.faults import Fault, parse_fault
 from sim_plant.servers.plant import Plant
@@ -67,6 +68,7 @@ class ControlSocket:
         self._plant = plant
         self._status = status
         self._server: asyncio.Server | None = None
+        self._made = (0, 0)
 
     async def open(self) -> None:
         """Listen; a socket left behind by an earlier run is replaced.
@@ -74,24 +76,30 @@ class ControlSocket:
         Raises
         ------
         PlantError
-            The path cannot be used.
+            The path cannot be used, or another plant listens there.
         """
+        if listens(self._path, socket.SOCK_STREAM):
+            raise PlantError(
+                f"{self._path}: another plant listens there. Stop it, or name another --control"
+            )
         try:
-            if os.path.lexists(self._path) and stat.S_ISSOCK(self._path.lstat().st_mode):
-                self._path.unlink()
+            make_room(self._path, "name another --control")
             mask = os.umask(0o177)
             try:
                 self._server = await asyncio.start_unix_server(self._serve, self._path)
             finally:
                 os.umask(mask)
+            self._made = identity(self._path)
+        except RefusedError as error:
+            raise PlantError(f"cannot open control socket {error}") from None
         except OSError as error:
             raise PlantError(f"cannot open control socket {self._path}: {error}") from error
 
     async def close(self) -> None:
-        """Stop listening and remove the file."""
+        """Stop listening and remove the file, if it is still ours."""
         if self._server is not None:
             self._server.close()
-            self._path.unlink(missing_ok=True)
+            remove_own(self._path, self._made)
 
     async def _serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         try:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import socket
 import struct
 from pathlib import Path
 
 from aff_runtime.base.errors import RefusedError, WireError
-from aff_runtime.base.socket_file import make_room
+from aff_runtime.base.socket_file import identity, listens, make_room, remove_own
 from sim_plant.servers.can_frames import CanFrame, Take
 
 FRAME = struct.Struct("=IB3x8s")
@@ -29,6 +28,7 @@ class FrameHub:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._listener: socket.socket | None = None
+        self._made = (0, 0)
         self._parties: dict[int, socket.socket] = {}
         self._take: Take = lambda _: None
 
@@ -41,7 +41,7 @@ class FrameHub:
             The path cannot be used, or another plant listens there.
         """
         self._take = take
-        if _listens(self._path):
+        if listens(self._path, socket.SOCK_SEQPACKET):
             raise WireError(
                 f"{self._path}: another plant listens there. Stop it, or name another --channel"
             )
@@ -52,6 +52,7 @@ class FrameHub:
             listener.bind(str(self._path))
             self._path.chmod(0o600)
             listener.listen(8)
+            self._made = identity(self._path)
         except RefusedError as error:
             listener.close()
             raise WireError(str(error)) from None
@@ -79,8 +80,7 @@ class FrameHub:
             loop.remove_reader(self._listener.fileno())
             self._listener.close()
             self._listener = None
-            with contextlib.suppress(OSError, RefusedError):
-                make_room(self._path, _ANOTHER)
+            remove_own(self._path, self._made)
         for descriptor in tuple(self._parties):
             self._forget(descriptor)
 
@@ -128,16 +128,3 @@ class FrameHub:
         if party is not None:
             asyncio.get_running_loop().remove_reader(descriptor)
             party.close()
-
-
-def _listens(path: Path) -> bool:
-    """Return whether somebody answers at ``path``; a file that was left behind does not."""
-    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as caller:
-        caller.setblocking(False)
-        try:
-            caller.connect(str(path))
-        except BlockingIOError:  # its queue is full
-            return True
-        except OSError:
-            return False
-    return True

@@ -9,8 +9,10 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Status
 from sim_plant.servers.control import ControlSocket
+from sim_plant.servers.control_client import ask as tell
 from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import Plc
+from sim_plant.servers.serve import PlantService, ServeOptions
 from tests.sim_plant.servers.fake_line import FakeLine, default_map
 from tests.sim_plant.servers.served import PATIENCE_s, answered, served
 
@@ -114,6 +116,48 @@ def test_a_socket_left_behind_is_replaced_and_a_file_is_not(tmp_path, control):
     with pytest.raises(PlantError, match="cannot open control socket"):
         asyncio.run(open_and_close())
     assert path.read_text(encoding="ascii") == "precious"
+
+
+@pytest.mark.wire
+@pytest.mark.parametrize("kind", [socket.SOCK_STREAM, socket.SOCK_SEQPACKET])
+def test_a_path_where_another_listens_is_refused_and_the_other_goes_on(tmp_path, control, kind):
+    path = tmp_path / "control"
+    with socket.socket(socket.AF_UNIX, kind) as other:
+        other.bind(str(path))
+        other.listen()
+        with pytest.raises(PlantError, match="another plant listens there"):
+            asyncio.run(ControlSocket(path, control[1], dict).open())
+        with socket.socket(socket.AF_UNIX, kind) as client:
+            client.connect(str(path))
+
+
+@pytest.mark.wire
+def test_two_plants_with_one_path_leave_the_first_reachable(tmp_path):
+    path = tmp_path / "control"
+    with served(control=path, stepped=True) as first:
+        second = PlantService(
+            FakeLine(), default_map(), ServeOptions(port=0, control=path, stepped=True)
+        )
+        with pytest.raises(PlantError, match="another plant listens there"):
+            asyncio.run(second.run(lambda _: None))
+        assert tell(path, "step 1")["time_s"] == pytest.approx(first.service.plant.time_s)
+    assert not path.exists()
+
+
+@pytest.mark.wire
+def test_a_socket_that_came_into_its_place_is_not_taken_away_with_it(tmp_path, control):
+    path = tmp_path / "control"
+
+    async def replaced_and_closed():
+        opened = ControlSocket(path, control[1], dict)
+        await opened.open()
+        path.rename(tmp_path / "old")
+        with socket.socket(socket.AF_UNIX) as other:
+            other.bind(str(path))
+            await opened.close()
+
+    asyncio.run(replaced_and_closed())
+    assert path.is_socket()
 
 
 def test_a_roll_is_changed_in_the_middle_of_an_announced_splice():
