@@ -12,6 +12,7 @@ import numpy as np
 
 from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.errors import PlantError
+from sim_plant.base.effects import Effect
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.fleet.refine_look import LookResult
 from sim_plant.refine.report.verdict import Ambiguity, ChannelError, EffectFinding
@@ -19,6 +20,8 @@ from sim_plant.refine.report.verdict import Ambiguity, ChannelError, EffectFindi
 SURE = 4.0
 """Standard deviations of a slope that is told: of hundreds of lines one were else told daily."""
 DAYS = 30.0
+APART = 1.02
+"""Orders or frequencies of a smaller ratio are one: what a fit may differ by from look to look."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -30,6 +33,7 @@ class Finding:
     line, recorded : which line, which day.
     verdict : ``traced``, ``not_identifiable``, ``unknown``, ``nothing`` or ``failed``.
     effect, place, number, size, size_low, size_high, unit : what, where, how large (95 %).
+    tone : order or frequency (Hz) of an effect that may show at any; else NaN.
     trend, trend_low, trend_high : change of ``size`` in 30 days, where it is sure; else NaN.
     sure : ``named``, ``one of several``, ``no known effect`` or empty.
     to_do : what to do at the machine, or what went wrong.
@@ -46,6 +50,7 @@ class Finding:
     size_low: float = math.nan
     size_high: float = math.nan
     unit: str = ""
+    tone: float = math.nan
     trend: float = math.nan
     trend_low: float = math.nan
     trend_high: float = math.nan
@@ -97,9 +102,18 @@ def _effect(plain: Finding, found: EffectFinding, alike: Ambiguity | None) -> Fi
         size_low=float(low),
         size_high=float(high),
         unit=effect.accepts[number].unit,
+        tone=_tone(effect, found.parameters),
         sure=sure,
         to_do=to_do,
     )
+
+
+def _tone(effect: Effect, parameters: Mapping[str, float | str]) -> float:
+    """Return what tells two effects of a kind at one place apart, where a number does."""
+    name = effect.shows.parameter if effect.shows is not None else ""
+    if name not in effect.accepts:
+        return math.nan
+    return float(parameters.get(name, effect.accepts[name].default))
 
 
 def _worst_tension(rms: Mapping[str, ChannelError]) -> tuple[float, float]:
@@ -120,12 +134,8 @@ def with_trends(findings: Sequence[Finding]) -> list[Finding]:
     Equation: weighted least squares of size over days, weights from the 95 % intervals; told
     beyond ``SURE`` standard deviations of the slope, from three days on  [own].
     """
-    series: dict[tuple[str, str, str], list[int]] = {}
-    for at, found in enumerate(findings):
-        if np.isfinite([found.size, found.size_low, found.size_high]).all():
-            series.setdefault((found.line, found.effect, found.place), []).append(at)
     told = list(findings)
-    for places in series.values():
+    for places in _series(findings):
         places.sort(key=lambda at: findings[at].recorded)
         slope, deviation = slope_of([findings[at] for at in places])
         if deviation > 0.0 and abs(slope) > SURE * deviation:
@@ -137,6 +147,24 @@ def with_trends(findings: Sequence[Finding]) -> list[Finding]:
                 trend_high=DAYS * (slope + half),
             )
     return told
+
+
+def _series(findings: Sequence[Finding]) -> Iterator[list[int]]:
+    """Yield the places in the list of what is one effect, seen again and again."""
+    kinds: dict[tuple[str, str, str, str], list[int]] = {}
+    for at, found in enumerate(findings):
+        if np.isfinite([found.size, found.size_low, found.size_high]).all():
+            key = (found.line, found.effect, found.place, found.number)
+            kinds.setdefault(key, []).append(at)
+    for places in kinds.values():
+        places.sort(key=lambda at: findings[at].tone)
+        one = places[:1]
+        for at in places[1:]:
+            if findings[at].tone > APART * findings[one[-1]].tone:
+                yield one
+                one = []
+            one.append(at)
+        yield one
 
 
 def slope_of(series: Sequence[Finding]) -> tuple[float, float]:

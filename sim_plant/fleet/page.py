@@ -15,14 +15,21 @@ from sim_plant.fleet.findings import Finding
 NONE = "–"
 
 
-def write_page(findings: Sequence[Finding], reports: Mapping[str, str], path: Path) -> None:
-    """Write the page; ``reports`` has the last report of each line, relative to it."""
+def write_page(
+    findings: Sequence[Finding], answers: Sequence[str], reports: Mapping[str, str], path: Path
+) -> None:
+    """Write the page.
+
+    Parameters
+    ----------
+    answers : verdict of every look, in a word.
+    reports : the last report of each line that has one, relative to the page.
+    """
     environment = Environment(autoescape=True, loader=PackageLoader("sim_plant.fleet", "."))
-    looks = {(f.line, f.recorded): f.verdict for f in findings}
     text = environment.get_template("page.html.j2").render(
         lines=len({f.line for f in findings}),
-        looks=len(looks),
-        verdicts=Counter(looks.values()).most_common(),
+        looks=len(answers),
+        verdicts=Counter(answers).most_common(),
         findings=by_urgency(findings),
         reports=reports,
         size=_size,

@@ -57,7 +57,8 @@ class FleetOutcome:
 def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
     """Refine what has no row yet, then write table and page into the plan's folder.
 
-    Rows are written whole, one per look, as they come: what was stopped goes on from there.
+    Rows are written whole, one per look, as they come: what was stopped goes on from there. What
+    failed is done again after all that is new: a disk may have been full.
 
     Raises
     ------
@@ -76,9 +77,11 @@ def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
     kept = {look: kept_result(row_file(out, key), say) for look, key in keys.items()}
     results: dict[Look, LookResult] = {look: row for look, row in kept.items() if row is not None}
     fresh = [look for look in looks if look not in results]
-    orders = [Order(look=look, out=out / "reports" / keys[look]) for look in fresh]
+    failed = [look for look, row in results.items() if row.verdict is None]
+    orders = [Order(look=look, out=out / "reports" / keys[look]) for look in (*fresh, *failed)]
     todo = orders[: plan.most]
     later = f", {len(orders) - len(todo)} wait" if len(orders) > len(todo) else ""
+    later += f"; {len(failed)} failed before" if failed else ""
     say(
         f"{len(looks)} looks at {len({look.line for look in looks})} lines, "
         f"{len(todo)} to refine{later}"
@@ -98,8 +101,9 @@ def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
     done = [results[look] for look in looks if look in results]
     findings = with_trends([f for result in done for f in findings_of(result)])
     write_parquet(findings, out / TABLE)
-    reports = {look.line: f"reports/{keys[look]}/report.html" for look in looks}
-    write_page(findings, reports, out / PAGE)
+    places = {look: f"reports/{keys[look]}/report.html" for look in looks if look in results}
+    reports = {look.line: place for look, place in places.items() if (out / place).is_file()}
+    write_page(findings, [result.answer for result in done], reports, out / PAGE)
     return FleetOutcome(
         findings=findings,
         lost=lost,

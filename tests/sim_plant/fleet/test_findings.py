@@ -119,6 +119,33 @@ def test_another_place_is_another_series():
     assert np.isnan([f.trend for f in with_trends(moved)]).all()
 
 
+def of(effect, place, **numbers):
+    found = replace(traced(), place=EffectAt(effect, place), parameters=numbers)
+    (one,) = findings_of(look(effects=(replace(found, interval95={}),)))
+    return one
+
+
+def test_two_of_a_kind_at_one_place_are_told_apart_by_order_or_frequency():
+    """Each of two grows by itself; one steady size each is no change, however far apart."""
+    hum = {"amplitude_N": 1.0}
+    tones = [
+        of("mains_hum", "R9", frequency_Hz=50.0, **hum).tone,
+        of("mains_hum", "R9", frequency_Hz=99.9, **hum).tone,
+        of("torque_ripple", "R1", order=6.0, amplitude_N_m=1.0).tone,
+        of("eccentric_roller", "R6", eccentricity_m=1e-4).tone,
+    ]
+    assert tones[:3] == [50.0, 99.9, 6.0]
+    assert np.isnan(tones[3])
+    small, large = grown([1e-4] * 4), grown([9e-4, 8e-4, 7e-4, 6e-4])
+    both = [
+        *(replace(f, tone=50.0 + 0.1 * at) for at, f in enumerate(small)),
+        *(replace(f, tone=100.0 - 0.1 * at) for at, f in enumerate(large)),
+    ]
+    told = with_trends(both)
+    assert np.isnan([f.trend for f in told[:7]]).all()
+    assert told[7].trend == pytest.approx(-30.0 * 1e-4 / 7.0)
+
+
 def test_the_parquet_file_reads_back_with_days_and_the_meaning_of_its_columns(tmp_path):
     import pyarrow.parquet as pq
 

@@ -37,7 +37,8 @@ def test_the_page_has_size_interval_change_and_link(tmp_path):
         trend_low=2e-6,
         trend_high=4e-6,
     )
-    write_page([row], {"film1": "reports/film1-abc/report.html"}, tmp_path / "fleet.html")
+    reports = {"film1": "reports/film1-abc/report.html"}
+    write_page([row], ["traced"], reports, tmp_path / "fleet.html")
     text = (tmp_path / "fleet.html").read_text(encoding="utf-8")
     assert "0.0001 m (9e-05 to 0.00011)" in text
     assert "+3e-06 (+2e-06 to +4e-06)" in text
@@ -46,7 +47,17 @@ def test_the_page_has_size_interval_change_and_link(tmp_path):
 
 
 def test_a_hostile_name_is_text(tmp_path):
-    write_page([replace(PLAIN, line="<script>x</script>")], {}, tmp_path / "fleet.html")
+    write_page(
+        [replace(PLAIN, line="<script>x</script>")], ["nothing"], {}, tmp_path / "fleet.html"
+    )
     text = (tmp_path / "fleet.html").read_text(encoding="utf-8")
     assert "<script>" not in text
     assert "&lt;script&gt;x&lt;/script&gt;" in text
+
+
+def test_looks_are_counted_though_two_are_of_one_line_and_day(tmp_path):
+    rows = [PLAIN, replace(PLAIN, verdict="traced"), replace(PLAIN, line="film2")]
+    write_page(rows, [f.verdict for f in rows], {}, tmp_path / "fleet.html")
+    text = (tmp_path / "fleet.html").read_text(encoding="utf-8")
+    assert "2 lines, 3 looks" in text
+    assert "2 nothing, 1 traced" in text

@@ -53,7 +53,7 @@ def test_what_has_a_row_is_not_done_again_and_a_failure_is_a_row(plan, capsys):
     assert "film2.yaml" in by_line["film2"].to_do
     again = []
     assert repr(refine_fleet(plan, again.append).findings) == repr(outcome.findings)  # with NaN
-    assert again == ["2 looks at 2 lines, 0 to refine"]
+    assert again[0] == "2 looks at 2 lines, 1 to refine; 1 failed before"
     arguments = [str(plan.lines), "--runs", str(plan.runs), "--out", str(plan.out)]
     assert main(["fleet", *arguments]) == 0
     assert "film2 2026-11-20 failed" in capsys.readouterr().out
@@ -70,6 +70,37 @@ def test_so_many_looks_as_asked_are_done_and_the_rest_waits(plan, capsys, monkey
     assert "1 looks in " in said
     assert said.endswith("1 looks wait; the same command goes on\n")
     assert len(list((plan.out / "rows").iterdir())) == 1
+
+
+def test_what_failed_is_done_again_and_a_page_links_what_is_there(plan, monkeypatch):
+    """As after a full disk: the first night writes a failure, the second has room."""
+    room = []
+
+    def refined(_, todo, __):
+        for order in todo:
+            if room:
+                order.out.mkdir(parents=True)
+                (order.out / "report.html").write_text("found", encoding="utf-8")
+            done = replace(jobs.failed(order), error="" if room else "No space left on device")
+            yield order, replace(done, verdict=NOTHING) if room else done
+
+    monkeypatch.setattr(pipeline, "_refined", refined)
+    said = []
+    outcome = refine_fleet(plan, said.append)
+    assert [f.to_do for f in outcome.findings if f.verdict == "failed"] == [
+        "No space left on device"
+    ]
+    page = (plan.out / pipeline.PAGE).read_text(encoding="utf-8")
+    assert "href" not in page  # film1 was kept without its report, film2 has none
+    room.append(True)
+    outcome = refine_fleet(plan, said.append)
+    assert said[-2] == "2 looks at 2 lines, 1 to refine; 1 failed before"
+    assert {f.verdict for f in outcome.findings} == {"nothing"}
+    page = (plan.out / pipeline.PAGE).read_text(encoding="utf-8")
+    assert page.count("href") == 1
+    assert "2 lines, 2 looks" in page
+    refine_fleet(plan, said.append)
+    assert said[-1] == "2 looks at 2 lines, 0 to refine"
 
 
 @pytest.mark.campaign  # quick: a killed process of a job, in test_cluster
@@ -118,8 +149,11 @@ def test_a_number_that_makes_no_sense_is_refused(more, says, tmp_path, capsys):
     assert says in capsys.readouterr().err
 
 
+NO_DAY = '{"line": "a", "recorded": "2000-12-34", "verdict": null, "error": "", "time_s": 1}'
+
+
 @pytest.mark.parametrize(
-    "text", ["", "{", "[1]", '{"line": 1}', '{"verdict": {}}', "null", "[" * 9999]
+    "text", ["", "{", "[1]", '{"line": 1}', '{"verdict": {}}', "null", "[" * 9999, NO_DAY]
 )
 def test_a_row_that_is_none_counts_as_not_done(text, tmp_path):
     said = []
