@@ -6,13 +6,14 @@ import hashlib
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
 
 RECORD_ENDS = (".csv", ".csv.gz", ".txt", ".parquet", ".mf4")
-DATE = re.compile(r"(20\d\d)-?([01]\d)-?([0-3]\d)")
+DATE = re.compile(r"(?<!\d)(20\d\d)-?(\d\d)-?(\d\d)(?:\d{6})?(?!\d)")
+"""A day, with or without the time after it: no part of a longer number."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,7 +25,8 @@ class Look:
     line : name of the line, that of its file.
     file : its declaration.
     fitted, held : records, files or run folders; ``held`` is the later one.
-    recorded : day of the first: from its name (2026-11-22), else from when it was written.
+    recorded : day of the first: from its name (2026-11-22) if that is one, else from when it
+        was written.
     """
 
     line: str
@@ -94,8 +96,10 @@ def _stamp(record: Path) -> str:
 
 
 def _day(record: Path) -> str:
-    found = DATE.search(record.name)
-    if found:
-        return "-".join(found.groups())
+    for found in DATE.finditer(record.name):
+        try:
+            return date(*map(int, found.groups())).isoformat()
+        except ValueError:  # eight digits that are no day
+            continue
     written = datetime.fromtimestamp(record.stat().st_mtime, tz=UTC)
     return written.date().isoformat()

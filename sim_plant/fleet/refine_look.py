@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from dataclasses import dataclass
+from datetime import date
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
@@ -57,6 +58,7 @@ class LookResult:
         try:
             row = json.loads(text)
             verdict = row["verdict"]
+            date.fromisoformat(row["recorded"])
             return cls(
                 line=str(row["line"]),
                 recorded=str(row["recorded"]),

@@ -76,3 +76,22 @@ def test_a_folder_without_line_files_or_that_is_none_is_refused(fleet, tmp_path)
         looks_in(runs, runs)
     with pytest.raises(PlantError, match="cannot be read"):
         looks_in(tmp_path / "nowhere", runs)
+
+
+@pytest.mark.parametrize(
+    ("name", "day"),
+    [
+        ("run_1720001234567_a.csv", "2023-11-14"),  # of its writing: no part of a longer number
+        ("2026-02-30.csv", "2023-11-14"),
+        ("20001345.csv", "2023-11-14"),
+        ("20001345_20261120.csv", "2026-11-20"),
+        ("film1_20261120T101500.csv", "2026-11-20"),
+        ("20261120101500.csv", "2026-11-20"),
+        ("2024-02-29_b.csv", "2024-02-29"),
+    ],
+)
+def test_eight_digits_that_are_no_day_are_none(fleet, name, day):
+    lines, runs = fleet
+    put(runs, f"film1/{name}", "film1/zz.csv")
+    os.utime(runs / "film1" / name, (1_700_000_000, 1_700_000_000))  # 2023-11-14 UTC
+    assert looks_in(lines, runs)[0].recorded == day
