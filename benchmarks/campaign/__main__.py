@@ -24,6 +24,10 @@ KEYS = ("number", "group", "seed", "faults", "floor", "classes", "coordinate", "
 """What a row is not whole without."""
 
 
+class AnotherSeedError(Exception):
+    """A campaign is to go on in the folder of another one."""
+
+
 def run(
     seed: int, numbers: Sequence[int], workers: int, out: Path, until_s: float, scheduler: str = ""
 ) -> list[int]:
@@ -32,7 +36,18 @@ def run(
     Returns
     -------
     The cases that lost every process that was given them.
+
+    Raises
+    ------
+    AnotherSeedError
+        The folder holds rows of another seed: a case of that number is not this one.
     """
+    others = {row["seed"] for _, row in rows_of(out)} - {seed}
+    if others:
+        was = ", ".join(map(str, sorted(others)))
+        raise AnotherSeedError(
+            f"{out}: holds rows of seed {was}; go on with --seed {was}, or name another --out"
+        )
     todo = [n for n in numbers if read_row(place(out, n), KEYS) is None]
     begun = time.monotonic()  # noqa: TID251
 
@@ -149,7 +164,10 @@ def main() -> int:
     if not given.report_only and not given.tell_again:
         numbers = numbers_of(given.cases, given.group, given.effect, given.seed)
         out = given.out.absolute()
-        lost = run(given.seed, numbers, given.workers, out, given.for_s, given.scheduler)
+        try:
+            lost = run(given.seed, numbers, given.workers, out, given.for_s, given.scheduler)
+        except AnotherSeedError as error:
+            parser.error(str(error))
     from benchmarks.campaign.report import page
 
     if given.tell_again:
