@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import importlib.util
 import json
 import os
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.python_child import module_command
@@ -19,6 +17,7 @@ ENDED = "ended"
 _HOST = "sim_plant.pytest_plugin.plant_host"
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS")  # who forks has one
 _PATIENCE_S = 30.0
+_ENDING_S = 5.0
 _MOST_BYTES = 65_536
 
 
@@ -90,10 +89,10 @@ class HostClient:
         except OSError as error:
             raise PlantError(f"the process of the simulated lines ended {self._why()}") from error
         if "error" in answer:
-            raise PlantError(answer["error"])
+            raise PlantError(str(answer["error"]))
         return int(answer[wanted])
 
-    def _answer(self, process: subprocess.Popen[bytes], number: int) -> dict[str, Any]:
+    def _answer(self, process: subprocess.Popen[bytes], number: int) -> dict[str, int | str]:
         """Return the answer to the request of this number; an older one's plant is nobody's."""
         while True:
             answer = _read_answer(self._line(process))
@@ -124,13 +123,14 @@ class HostClient:
         """Take leave of a process that ended, or closed its side; return its exit code."""
         process, self._process = self._process, None
         assert process is not None
-        assert process.stdout is not None
         self._rest = b""
         self._nobodys.clear()
-        process.kill()
-        with contextlib.suppress(OSError):
-            process.communicate(timeout=_PATIENCE_S)
-        return process.wait(_PATIENCE_S)
+        try:
+            process.communicate(timeout=_ENDING_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+        return process.wait()
 
     def _start(self) -> subprocess.Popen[bytes]:
         if importlib.util.find_spec("numba") is None:
@@ -148,7 +148,7 @@ class HostClient:
             )
 
 
-def _read_answer(line: bytes) -> dict[str, Any]:
+def _read_answer(line: bytes) -> dict[str, int | str]:
     """Return an answer; an empty one for a line that is none, or the end of one."""
     try:
         answer = json.loads(line)

@@ -134,7 +134,7 @@ def obey(requests: TextIO, answers: TextIO) -> None:
         host.end_all()
 
 
-def _obeyed(host: PlantHost, request: dict[str, Any]) -> dict[str, int | str]:
+def _obeyed(host: PlantHost, request: Any) -> dict[str, int | str]:
     try:
         if "end" in request:
             return {"exit_code": host.end(request["end"])}
