@@ -59,6 +59,11 @@ def compiled_apart(function: F) -> F:
     return _without_python(_made(function, inlined=False, no_cpython_wrapper=True))
 
 
+def nothing_kept() -> bool:
+    """Return whether no compiled code of these sources is kept: then the next call compiles."""
+    return _FOLDER is None or next(_FOLDER.rglob("*.nbc"), None) is None
+
+
 def _made(function: F, *, inlined: bool, **more: bool) -> F:
     options: dict[str, Any] = {
         "cache": _FOLDER is not None,

@@ -86,17 +86,19 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until a signal or the duration."""
     options = read_options(arguments)
-    print(
-        f"opening {arguments.line}; the first start on a machine compiles the line's model, "
-        "which takes some ten seconds",
-        file=sys.stderr,
-        flush=True,
-    )
+    from sim_plant.base import jit  # noqa: PLC0415 (loads the compiler: only when used)
     from sim_plant.line import open_line  # noqa: PLC0415 (compiles the kernel: only when used)
     from sim_plant.servers.map_file import load_plc_map  # noqa: PLC0415
     from sim_plant.servers.serve import serve  # noqa: PLC0415
 
     plc_map = load_plc_map(arguments.plc)
+    if jit.nothing_kept():
+        print(
+            f"opening {arguments.line}: the first start compiles the line's model, "
+            "which takes some ten seconds",
+            file=sys.stderr,
+            flush=True,
+        )
     line = open_line(arguments.line, seed=arguments.seed, speed_m_s=arguments.speed_m_s)
     serve(line, plc_map, options, _say)
     return 0

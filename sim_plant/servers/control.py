@@ -35,7 +35,7 @@ from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import Status
 from aff_runtime.base.socket_file import identity, listens, make_room, remove_own
 from sim_plant.servers.answers import Answer, Done, History, PlantStatus, Refused, Value, to_json
-from sim_plant.servers.faults import Fault, parse_fault
+from sim_plant.servers.faults import fault_named, parse_fault
 from sim_plant.servers.plant import Plant
 
 _TAKES_A_SCAN = frozenset({"set", "fault", "clear"})
@@ -185,7 +185,7 @@ class ControlSocket:
         return Done(start_s=placed.start_s)
 
     def _clear(self, arguments: list[str]) -> Done:
-        self._plant.clear(Fault(arguments[0]) if arguments else None)
+        self._plant.clear(fault_named(arguments[0]) if arguments else None)
         return Done()
 
     def _value(self, arguments: list[str]) -> Value:

@@ -91,11 +91,7 @@ def parse_fault(text: str) -> FaultSpec:
     match = _SPEC.fullmatch(text)
     if match is None:
         raise PlantError(f"fault {text!r}: write NAME[=ARGUMENT][@START][:DURATION]")
-    try:
-        fault = Fault(match["name"])
-    except ValueError as error:
-        known = ", ".join(fault.value for fault in Fault)
-        raise PlantError(f"fault {text!r}: unknown name; known are {known}") from error
+    fault = fault_named(match["name"])
     duration = match["duration"]
     return FaultSpec(
         fault=fault,
@@ -103,6 +99,21 @@ def parse_fault(text: str) -> FaultSpec:
         start_s=float(match["start"] or 0.0),
         duration_s=float(duration) if duration else _DEFAULT_DURATION_S.get(fault, math.inf),
     )
+
+
+def fault_named(name: str) -> Fault:
+    """Return the fault of this name.
+
+    Raises
+    ------
+    PlantError
+        There is none; all are told.
+    """
+    try:
+        return Fault(name)
+    except ValueError as error:
+        known = ", ".join(fault.value for fault in Fault)
+        raise PlantError(f"fault {name!r}: unknown name; known are {known}") from error
 
 
 def _checked_argument(text: str, fault: Fault, argument: str) -> str:

@@ -104,11 +104,19 @@ class Plant:
         Raises
         ------
         PlantError
-            The name is no reference, the value is not finite, or the web is at its end.
+            The name is no reference, the value is not finite or does not fit into the PLC's word,
+            or the web is at its end.
         """
         known = self.references
         if name not in known or not math.isfinite(value):
             raise PlantError(f"cannot set {name} = {value}; references are {known}")
+        for item in self.plc.map.channels:
+            low, high = item.range_si
+            if item.name == name and not low <= value <= high:
+                raise PlantError(
+                    f"cannot set {name} = {value:g}: the PLC's word of it holds "
+                    f"{low:g} to {high:g}"
+                )
         if name == SPEED and self.web.at_end:
             raise PlantError("the web is at its end and the line stops; `roll` starts it again")
         self._inputs[name] = value
@@ -232,7 +240,8 @@ class Plant:
         except KeyError as error:
             known = sorted(name for name in self.measured if not name.startswith("true_"))
             raise PlantError(
-                f"the PLC's map asks for {error}; the line measures {known}"
+                f"the PLC's map asks for {error}; the line measures {known}; give a map of its "
+                "own channels: `--plc MAP.yaml`, in a test `plc=`"
             ) from error
         self.refusal = scan.refusal
         self.applied_m_s = scan.corrections_m_s

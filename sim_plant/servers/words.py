@@ -51,6 +51,13 @@ class RegisterItem:
         """Return the number of 16-bit words."""
         return 1 if self.type in {"u16", "i16"} else 2
 
+    @property
+    def range_si(self) -> tuple[float, float]:
+        """Return the smallest and the largest value that it can say, SI."""
+        low, high = _RANGE.get(self.type, (-_LARGEST_F32, _LARGEST_F32))
+        ends = (low * self.scale, high * self.scale)
+        return min(ends), max(ends)
+
     def to_words(self, value_si: float, *, low_first: bool = False) -> tuple[int, ...]:
         """Return ``value_si`` quantised to counts and clipped to the type's range.
 

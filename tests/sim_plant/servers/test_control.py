@@ -66,7 +66,9 @@ def test_faults_are_injected_and_cleared(control):
         ("set tension_ref_N ten", "wrong or missing"),
         ("fault", "wrong or missing"),
         ("fault melt", "unknown name"),
-        ("clear melt", "melt"),
+        ("clear bsy", "fault 'bsy': unknown name; known are mute, "),
+        ("set tension_ref_N -5", "the PLC's word of it holds 0 to 655.35"),
+        ("set tension_ref_N 1e6", "the PLC's word of it holds 0 to 655.35"),
         ("history all", "wrong or missing"),
     ],
 )
@@ -240,3 +242,16 @@ def test_rolls_that_are_coming_are_not_asked_for_twice_and_later_ones_are_counte
 
 def test_a_line_without_rolls_says_so(control):
     assert "no rolls" in answered(control[0], "roll")["error"]
+
+
+def test_a_line_without_the_channels_of_the_map_says_what_to_give():
+    class Bare(FakeLine):
+        def step(self, inputs):
+            return {"line_speed_m_s": 1.0, "true_unwind_tension_N": 90.0}
+
+    with pytest.raises(PlantError) as refused:
+        Plant(Bare(), Plc(default_map()))
+    assert "the line measures ['line_speed_m_s']; give a map of its own channels: " in str(
+        refused.value
+    )
+    assert "`--plc MAP.yaml`, in a test `plc=`" in str(refused.value)
