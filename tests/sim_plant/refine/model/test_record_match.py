@@ -126,7 +126,6 @@ def test_a_sidecar_leaves_what_was_put_right_before(tmp_path):
     ("more", "said"),
     [
         ({"effects": [{"effect": "gremlin", "location": "R6"}]}, "effects.0.effect: read"),
-        ({"corrections": {"web.colour": 1.0}}, "corrections.web.colour: this line declares no"),
         (
             {
                 "effects": [
@@ -144,6 +143,14 @@ def test_a_sidecar_leaves_what_was_put_right_before(tmp_path):
 def test_what_cannot_be_put_on_the_line_is_refused_before_the_search(tmp_path, more, said):
     with pytest.raises(PlantError, match=r"r\.csv: its line cannot be built: " + said):
         twin_of(LINE, own_file(tmp_path, **more))
+
+
+def test_a_correction_of_a_number_that_no_line_has_is_refused_with_its_file(tmp_path):
+    beside = own_file(tmp_path, corrections={"web.colour": 1.0})
+    with pytest.raises(
+        PlantError, match=r"r\.yaml: corrections\.web\.colour: this line declares no"
+    ):
+        twin_of(LINE, beside)
 
 
 def test_one_speed_only_is_said():
