@@ -1,4 +1,4 @@
-"""A run's channels by the names of the line: by name, else by what its site file uses them for."""
+"""Gives a run's columns the line's channel names: the same name, else by its site file's use."""
 
 from __future__ import annotations
 
@@ -38,27 +38,32 @@ def run_on_line(line: Declaration, record: Recording) -> Recording:
     if not any(isinstance(s, LoadCell) and s.channel in names for s in line.sensors):
         raise PlantError(
             f"{record.path}: holds no tension of this line: its site file maps "
-            f"{', '.join(sorted(run.site.steps))}; the line declares "
+            f"{', '.join(sorted(run.site.count_sizes))}; the line declares "
             f"{', '.join(s.channel for s in line.sensors if isinstance(s, LoadCell))}; "
             "is it a run of another line? Else name the sensors of the line file as the site does"
         )
-    columns = {mine: record.columns[theirs] for mine, theirs in names.items()}
-    said = [f"{mine} is the run's {theirs}" for mine, theirs in names.items() if mine != theirs]
-    said += _unused(run, names, record.columns)
-    columns[SPEED_REF], speed_said = _speed_reference(line, run, record, columns)
-    columns[TENSION_REF], tension_said = _tension_reference(line, run, record, columns, names)
+    columns = {channel: record.columns[column] for channel, column in names.items()}
+    findings = [f"{to} is the run's {column}" for to, column in names.items() if to != column]
+    findings += _unused(run, names, record.columns)
+    columns[SPEED_REF], speed_findings = _speed_reference(line, run, record, columns)
+    tension, tension_findings = _tension_reference(line, run, record, columns, names)
+    columns[TENSION_REF] = tension
     columns |= _corrections(line, record)
     return replace(
         record,
         columns=columns,
-        findings=(*record.findings, *said, *speed_said, *tension_said),
-        zeros_rad={m: record.zeros_rad[t] for m, t in names.items() if t in record.zeros_rad},
-        run=replace(run, site=replace(run.site, steps=_steps(run, names))),
+        findings=(*record.findings, *findings, *speed_findings, *tension_findings),
+        zeros_rad={
+            channel: record.zeros_rad[column]
+            for channel, column in names.items()
+            if column in record.zeros_rad
+        },
+        run=replace(run, site=replace(run.site, count_sizes=_count_sizes(run, names))),
     )
 
 
-def _steps(run: RunFacts, names: Mapping[str, str]) -> dict[str, float]:
-    return {mine: run.site.steps.get(theirs, 0.0) for mine, theirs in names.items()}
+def _count_sizes(run: RunFacts, names: Mapping[str, str]) -> dict[str, float]:
+    return {to: run.site.count_sizes.get(column, 0.0) for to, column in names.items()}
 
 
 def _unused(run: RunFacts, names: Mapping[str, str], columns: Mapping[str, Array]) -> list[str]:
@@ -70,7 +75,7 @@ def _unused(run: RunFacts, names: Mapping[str, str], columns: Mapping[str, Array
         return []
     return [
         f"not used: {', '.join(sorted(rest))}: no sensor of the line file has that name or use; "
-        "name a sensor of the line file so where it is the same reading"
+        "give a sensor of the line file that name where both are the same reading"
     ]
 
 
@@ -80,26 +85,26 @@ def _speed_reference(
     """Return the line speed reference, measured or stood in for, and what is said of it."""
     for name in (run.site.speed_reference, SPEED_REF):
         if name and name in record.columns:
-            return _acting(record, name), []
-    straight, said = stand_in_speed(line, columns, record)
-    return acting(straight, 0.0), said  # linear between the moments of the rows
+            return _mean_over_row(record, name), []
+    straight, findings = stand_in_speed(line, columns, record)
+    return mean_over_row(straight, 0.0), findings  # linear between the moments of the rows
 
 
-def _acting(record: Recording, name: str) -> Array:
+def _mean_over_row(record: Recording, name: str) -> Array:
     assert record.run is not None
-    return acting(record.columns[name], record.run.scan_s / record.sample_time_s)
+    return mean_over_row(record.columns[name], record.run.scan_s / record.sample_time_s)
 
 
-def acting(read: Array, scan_rows: float) -> Array:
-    """Return the mean of a reference from each row to the next; (n,) as given.
+def mean_over_row(reference: Array, scan_rows: float) -> Array:
+    """Return the mean of a reference over the interval from each row to the next; (n,) as given.
 
-    A row shows what acted in the scan of the PLC that ends with it, ``scan_rows`` rows long; 0: at
-    its own moment. With a scan per row that is, from a row on, what the next one shows, and exact.
-    Of shorter scans the one in a row's middle counts, on a straight line between those shown.
+    A row shows the value that acted in the scan of the PLC that ends with it, ``scan_rows`` rows
+    long. 1: the mean is exactly the next row's value. Shorter: straight lines between the rows,
+    at the middle of the interval. 0: rows are instants.
     """
-    following = np.append(read[1:], read[-1:])
-    still = 0.5 * (1.0 - min(1.0, scan_rows))
-    return np.asarray(still * read + (1.0 - still) * following)
+    following = np.append(reference[1:], reference[-1:])
+    weight_of_row = 0.5 * (1.0 - min(1.0, scan_rows))
+    return np.asarray(weight_of_row * reference + (1.0 - weight_of_row) * following)
 
 
 def _tension_reference(
@@ -112,7 +117,7 @@ def _tension_reference(
     """Return the tension reference; the mean of the loop's own cell where none is mapped."""
     for name in (TENSION_REF, *tension_references(line, run.site, names)):
         if name in record.columns:
-            return _acting(record, name), []
+            return _mean_over_row(record, name), []
     cells = {s.roller: s.channel for s in line.sensors if isinstance(s, LoadCell)}
     looped = [cells[loop.load_cell] for loop in line.control.tension_pi]
     others = [s.channel for s in line.sensors if isinstance(s, LoadCell)]

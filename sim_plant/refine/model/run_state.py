@@ -54,7 +54,7 @@ def at_run(line: Declaration, record: Recording) -> Declaration:
         r.model_copy(update={"radius_m": put[k]}) if k in put else r
         for k, r in enumerate(line.rollers)
     ]
-    steps = record.run.site.steps
+    steps = record.run.site.count_sizes
     return line.model_copy(
         update={
             "sample_time_s": round(record.sample_time_s, 6),
@@ -93,7 +93,7 @@ def word_steps(record: Recording, channels: Sequence[str]) -> dict[str, float]:
     """Return one count, SI, of each channel's word, angles and unknown ones left out."""
     if record.run is None:
         return {}
-    steps = record.run.site.steps
+    steps = record.run.site.count_sizes
     angles = "_angle_rad"  # their count is in the declaration, see ``at_run``
     return {
         name: steps[name]

@@ -70,19 +70,22 @@ def _by_use(line: Declaration, site: RunSite, sensor: Sensor, recorded: Collecti
     if isinstance(sensor, RollRadius):
         return uses.get("radius", "")
     if isinstance(sensor, CarriagePosition):
-        return ""  # a site file has no word for it
+        return ""  # a site file has no key for it
     if isinstance(sensor, LoadCell):
-        return _signal_of(line, site, sensor) or _signal_behind(line, site, sensor, recorded)
-    end = "_m_s" if sensor.scale_radius_m is not None else "_rad_s"
+        return _signal_of(line, site, sensor) or _signal_downstream_of_drive(
+            line, site, sensor, recorded
+        )
+    unit_suffix = "_m_s" if sensor.scale_radius_m is not None else "_rad_s"
     own = uses.get("speed", "")
-    if own.endswith(end):
+    if own.endswith(unit_suffix):
         return own
+    # a drive without a speed of its own: the line speed is that of the first one in m/s
     first = next((s for s in line.sensors if isinstance(s, DriveSpeed) and s.scale_radius_m), None)
     return site.speed if sensor is first else ""
 
 
 def _signal_of(line: Declaration, site: RunSite, cell: LoadCell) -> str:
-    """Return what the actuator of this cell's tension loop keeps quiet, if that is a tension."""
+    """Return the error signal of the actuator of this cell's tension loop, if it is a tension."""
     for loop in line.control.tension_pi:
         own = actuators_of(line, site, loop.acts_on) if loop.load_cell == cell.roller else []
         if own:
@@ -90,26 +93,26 @@ def _signal_of(line: Declaration, site: RunSite, cell: LoadCell) -> str:
     return ""
 
 
-def _signal_behind(
+def _signal_downstream_of_drive(
     line: Declaration, site: RunSite, cell: LoadCell, recorded: Collection[str]
 ) -> str:
-    """Return what the actuator of the drive before this cell keeps quiet, if no loop acts on it.
+    """Return the error signal of the actuator on the drive upstream, if no loop acts on that.
 
-    That is a tension of the zone behind its roller; which cell has it is clear only where the zone
-    has no more than one that is not recorded by its own name.
+    It is a tension of the zone downstream of the drive. Which cell measures it is clear only if at
+    most one cell there is not recorded by its own name.
     """
     at = line.body(cell.roller)
     driven = sorted(line.body(d.roller) for d in line.control.drives)
-    before = max((k for k in driven if k < at), default=-1)
-    end = min((k for k in driven if k > at), default=len(line.rollers))
+    drive_upstream = max((k for k in driven if k < at), default=-1)
+    next_drive = min((k for k in driven if k > at), default=len(line.rollers))
     cells = [
         s
         for s in line.sensors
         if isinstance(s, LoadCell)
         and s.channel not in recorded
-        and before < line.body(s.roller) < end
+        and drive_upstream < line.body(s.roller) < next_drive
     ]
-    roller = line.rollers[before].name if before >= 0 else ""
+    roller = line.rollers[drive_upstream].name if drive_upstream >= 0 else ""
     if len(cells) > 1 or roller in ("", *(loop.acts_on for loop in line.control.tension_pi)):
         return ""
     own = actuators_of(line, site, roller)

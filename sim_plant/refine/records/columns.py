@@ -43,11 +43,11 @@ def numbers(path: Path, name: str, values: Any) -> Array:
     return np.asarray(found, dtype=np.float64)
 
 
-def package_for(path: Path, module: str, package: str) -> Any:
+def module_of_extra(path: Path, module: str, package: str) -> Any:
     """Return a module of the extra ``records``; PlantError when it is not there."""
     try:
         return importlib.import_module(module)
     except ImportError as error:
         raise PlantError(
-            f"{shown(path)}: needs the package {package}: pip install {package}"
+            f"{shown(path)}: needs {package}, of the extra records: pip install {package}"
         ) from error

@@ -11,7 +11,7 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
-from sim_plant.refine.records.columns import Table, header_of, numbers, package_for
+from sim_plant.refine.records.columns import Table, header_of, module_of_extra, numbers
 from sim_plant.refine.records.limits import check_size, shown
 from sim_plant.refine.records.mdf_formulas import nothing_evaluated, refuse_formulas
 
@@ -30,7 +30,7 @@ def mdf_table(path: Path, payload: bytes) -> Table:
         When it is not an MDF file, is too large, holds a formula or no channel, a channel holds
         no numbers, or another group covers another span of time or has stamps that go back.
     """
-    package = package_for(path, "asammdf", "asammdf")
+    package = module_of_extra(path, "asammdf", "asammdf")
     try:
         with (
             nothing_evaluated(path),

@@ -12,7 +12,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import megabytes
-from sim_plant.refine.records.columns import Table, header_of, numbers, package_for
+from sim_plant.refine.records.columns import Table, header_of, module_of_extra, numbers
 from sim_plant.refine.records.limits import UNPACKED_BYTES, check_size, shown
 
 
@@ -27,8 +27,8 @@ def parquet_table(path: Path, payload: bytes) -> Table:
     PlantError
         When it is not a Parquet file, is too large, or a column holds no numbers.
     """
-    reader = package_for(path, "pyarrow.parquet", "pyarrow")
-    arrow = package_for(path, "pyarrow", "pyarrow")
+    reader = module_of_extra(path, "pyarrow.parquet", "pyarrow")
+    arrow = module_of_extra(path, "pyarrow", "pyarrow")
     try:
         file = reader.ParquetFile(io.BytesIO(payload), pre_buffer=False)
         _check_footer(path, file, file.schema_arrow, arrow.types)
@@ -45,7 +45,7 @@ def _columns(path: Path, file: Any) -> dict[str, Array]:
 
     That takes half the memory of reading the whole file first.
     """
-    arrow = package_for(path, "pyarrow", "pyarrow")
+    arrow = module_of_extra(path, "pyarrow", "pyarrow")
     columns: dict[str, Array] = {}
     for field in file.schema_arrow:
         part = file.read(columns=[field.name], use_threads=False)

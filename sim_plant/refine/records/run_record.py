@@ -97,7 +97,7 @@ def read_run_record(path: Path) -> Recording:
     site = run_site(table.site_text, f"{shown}: site.yaml")
     if other := other_line(table.about, site.name):
         raise PlantError(f"{shown}: {other}")
-    channels = [name for name in site.steps if _is_read(table.columns, name)]
+    channels = [name for name in site.count_sizes if _is_read(table.columns, name)]
     waited_for = [name for name in channels if name in site.needed]
     try:
         scans = scans_of(table.columns, waited_for)
@@ -105,7 +105,7 @@ def read_run_record(path: Path) -> Recording:
         raise PlantError(f"{shown}: {error}") from error
     read = {n: table.columns[n][scans.rows] for n in channels}
     time_s = table.columns["time_s"][scans.rows]
-    site = replace(site, steps=counts_of(read, site.steps))
+    site = replace(site, count_sizes=counts_of(read, site.count_sizes))
     turned, counted = without_starts_over(read, scans.taken_s, scans.step_s, site.registers_rad)
     whole = {n: filled(v, scans.taken_s, time_s, scans.step_s) for n, v in turned.items()}
     readings = {n: one.values for n, one in whole.items()}
@@ -115,7 +115,7 @@ def read_run_record(path: Path) -> Recording:
     lost = {n: one.holes_in(piece.first, piece.end) for n, one in whole.items()}
     kept = {n: values for n, values in readings.items() if not lost[n]}
     grid = _on_grid(table.columns, site, scans, piece, kept, acted)
-    said = [_unread(name, table.columns) for name in site.steps if name not in channels]
+    said = [_unread(name, table.columns) for name in site.count_sizes if name not in channels]
     said += [f"{n} is left out: {text}" for n, text in lost.items() if text]
     said += [
         *_other_cycle(scans.cycle_s, site.cycle_s),
@@ -134,7 +134,7 @@ def read_run_record(path: Path) -> Recording:
         sha256=_digest(grid.columns),
         sample_time_s=scans.step_s,
         columns=grid.columns,
-        findings=(*said, *grid.said, *oddities(measured, counts_seen(read, site.steps))),
+        findings=(*said, *grid.said, *oddities(measured, counts_seen(read, site.count_sizes))),
         zeros_rad=grid.zeros_rad,
         run=RunFacts(
             site=site,

@@ -52,8 +52,8 @@ class RunSite:
     rolls : per roll its channels by use (``angle``, ``speed``, ``radius``).
     actuators : by name.
     needed : channels that the service's corrections wait for; others are for the record alone.
-    steps : per channel one count of its word, SI; where the scale is a factor of what a DBC gives,
-        or of a float, that factor: see ``word_steps.one_count``.
+    count_sizes : per channel one count of its word, SI; where the scale is a factor of what a DBC
+        gives, or of a float, that factor: see ``word_steps.one_count``.
     registers_rad : per channel that ``wraps``, what its register holds, rad; none of a CAN signal,
         whose length is in the DBC alone.
     """
@@ -64,7 +64,7 @@ class RunSite:
     rolls: Mapping[str, Mapping[str, str]]
     actuators: Mapping[str, RunActuator]
     needed: frozenset[str]
-    steps: Mapping[str, float]
+    count_sizes: Mapping[str, float]
     cycle_s: float = 0.0
     registers_rad: Mapping[str, float] = field(default_factory=dict)
 
@@ -94,7 +94,7 @@ def run_site(text: str, where: str) -> RunSite:
                 for name, given in data["actuators"].items()
             },
             needed=_needed(data),
-            steps={
+            count_sizes={
                 str(name): abs(_number(row.get("scale"), unit_of_name(str(name)), 0.0))
                 for name, row in channels.items()
             },

@@ -205,7 +205,7 @@ def _of_zone(at: int, site: SiteFile, declaration: Declaration) -> str:
     driven = sorted(declaration.body(drive.roller) for drive in declaration.control.drives)
     before = max((k for k in driven if k <= at), default=-1)
     after = min((k for k in driven if k > at), default=len(declaration.rollers))
-    channels = channels_of(declaration, site.names, site.names.steps)
+    channels = channels_of(declaration, site.names, site.names.count_sizes)
     signals = {
         channels.get(sensor.channel, "")
         for sensor in declaration.sensors

@@ -47,7 +47,7 @@ def run(columns=None, *, actuators=None, speed_reference="", rolls=None):
         rolls=uses if rolls is None else rolls,
         actuators={"unwind": actuator()} if actuators is None else actuators,
         needed=frozenset(given),
-        steps=dict.fromkeys((n for n in given if not n.startswith("correction_")), 0.001),
+        count_sizes=dict.fromkeys((n for n in given if not n.startswith("correction_")), 0.001),
     )
     facts = RunFacts(
         site=site, activity=NO_ACTIVITY, delivery_known={"unwind": False}, scan_s=STEP_S

@@ -11,7 +11,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_limits import run_limits
-from sim_plant.refine.model.run_match import acting, run_on_line
+from sim_plant.refine.model.run_match import mean_over_row, run_on_line
 from sim_plant.refine.records.recording import Recording
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plant import Plant
@@ -45,7 +45,7 @@ def test_channels_are_found_by_what_the_site_file_uses_them_for():
     theirs = run().columns
     for mine, name in expected.items():
         read = theirs[name]
-        wanted = acting(read, 1.0) if mine == "tension_ref_N" else read
+        wanted = mean_over_row(read, 1.0) if mine == "tension_ref_N" else read
         assert record.columns[mine].tolist() == wanted.tolist(), mine
     assert set(record.columns) == {*expected, "line_speed_ref_m_s"}
     assert record.zeros_rad == {"unwind_angle_rad": 3.5}
@@ -149,7 +149,7 @@ def test_the_set_point_of_the_loops_own_tension_is_taken_whoever_names_it(owner)
 def test_a_mapped_speed_reference_is_taken_and_nothing_said():
     wanted = np.linspace(0.9, 1.0, ROWS)
     record = run_on_line(LINE, run({"v_set_m_s": wanted}, speed_reference="v_set_m_s"))
-    assert record.columns["line_speed_ref_m_s"].tolist() == acting(wanted, 1.0).tolist()
+    assert record.columns["line_speed_ref_m_s"].tolist() == mean_over_row(wanted, 1.0).tolist()
     assert not any("reference" in text for text in record.findings)
 
 
@@ -177,7 +177,7 @@ def test_a_roll_of_which_only_the_turning_is_known_starts_at_its_radius_then(rol
 
 def test_a_straight_ramp_stands_in_where_a_drive_follows_one():
     wanted = np.interp(TIME_S, [10.0, 14.0], [0.8, 1.2])
-    acts = acting(wanted, 0.0)
+    acts = mean_over_row(wanted, 0.0)
     # the drive, an integral in its loop: e'' + K e' + K^2 / (4 zeta^2) e = v_ref''
     gain, integral = 20.0, 20.0**2 / 4.84
     error, summed, measured = 0.0, 0.0, []
@@ -337,9 +337,9 @@ def test_a_reference_acts_in_the_scan_that_ends_with_the_row_that_first_shows_it
     """From a row to the middle of the next it is half a row; shown it is half a scan later."""
     ramp = 0.8 + 0.05 * TIME_S
     for scan_rows in (1.0, 0.4, 0.0):
-        led_rows = (acting(ramp, scan_rows) - ramp)[:-1] / (0.05 * STEP_S)
+        led_rows = (mean_over_row(ramp, scan_rows) - ramp)[:-1] / (0.05 * STEP_S)
         assert led_rows == pytest.approx(np.full(ROWS - 1, 0.5 + 0.5 * scan_rows)), scan_rows
-    assert acting(np.full(7, 3.0), 0.4) == pytest.approx(np.full(7, 3.0))
+    assert mean_over_row(np.full(7, 3.0), 0.4) == pytest.approx(np.full(7, 3.0))
 
 
 def test_the_twin_turns_as_the_plant_does_through_a_ramp():
@@ -354,7 +354,7 @@ def test_the_twin_turns_as_the_plant_does_through_a_ramp():
         plant.set_reference("line_speed_ref_m_s", float(wanted_m_s))
         plant.step()
     read = {name: np.array([row[name] for row in rows]) for name in rows[0]}
-    given = {n: acting(read[n], 1.0) for n in ("line_speed_ref_m_s", "tension_ref_N")}
+    given = {n: mean_over_row(read[n], 1.0) for n in ("line_speed_ref_m_s", "tension_ref_N")}
     names = ("swrap_follower_angle_rad", "unwind_angle_rad", "line_speed_m_s")
     held = deepcopy(twin).simulate(*given.values(), speed_holds=True)
     for name in names:

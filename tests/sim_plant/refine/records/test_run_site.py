@@ -22,15 +22,15 @@ def test_the_shipped_site_file_says_what_its_columns_are():
         1e-5,
         "unwind",
     )
-    assert site.steps["unwind_radius_m"] == pytest.approx(2e-5)  # written as 0.02 mm
-    assert site.steps["line_speed_m_s"] == 0.001
+    assert site.count_sizes["unwind_radius_m"] == pytest.approx(2e-5)  # written as 0.02 mm
+    assert site.count_sizes["line_speed_m_s"] == 0.001
 
 
 def test_what_no_correction_waits_for_is_the_same_for_the_service_and_for_refine():
     for name in ("euclid.yaml", "euclid_blocks.yaml", "euclid_can.yaml", "film.yaml"):
         path = ROOT / "config" / name
         site = run_site(path.read_text(), "site.yaml")
-        channels = frozenset(site.steps)
+        channels = frozenset(site.count_sizes)
         assert channels - site.needed == load_site(path).recorded_only
     assert "swrap_follower_speed_m_s" in load_site(ROOT / "config/euclid.yaml").recorded_only
 
@@ -41,8 +41,8 @@ def test_the_set_point_that_setup_maps_is_the_speed_reference_of_its_runs(shown)
     draft = DRAFT.with_word("line_speed_ref_m_s", word) if shown else DRAFT
     site = run_site(site_text(draft, file="line2"), "site.yaml")
     assert site.speed_reference == ("line_speed_ref_m_s" if shown else "")
-    assert ("line_speed_ref_m_s" in site.steps) is shown
-    assert site.steps.get("line_speed_ref_m_s", 0.001) == pytest.approx(0.001)
+    assert ("line_speed_ref_m_s" in site.count_sizes) is shown
+    assert site.count_sizes.get("line_speed_ref_m_s", 0.001) == pytest.approx(0.001)
 
 
 def test_units_and_uses_that_a_site_may_have():
@@ -64,8 +64,8 @@ def test_units_and_uses_that_a_site_may_have():
     site = run_site(text, "site.yaml")
     assert site.actuators["unwind"].transport_s == pytest.approx(0.012)
     assert site.speed_reference == "line_speed_m_s"
-    assert site.steps["line_speed_m_s"] == pytest.approx(0.001)
-    assert site.steps["unwind_angle_rad"] == pytest.approx(0.5 * 3.14159265 / 180)
+    assert site.count_sizes["line_speed_m_s"] == pytest.approx(0.001)
+    assert site.count_sizes["unwind_angle_rad"] == pytest.approx(0.5 * 3.14159265 / 180)
 
 
 def test_what_a_register_of_an_angle_holds_is_told_by_its_type_and_scale():

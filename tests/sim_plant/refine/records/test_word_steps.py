@@ -52,7 +52,7 @@ def test_on_can_by_dbc_counts_are_those_of_the_database_not_the_site_files_facto
     run = RecordedRun(files, tmp_path / "runs", can_map=made.plc)
     run.bench.run(25.0)
     record = read_record(run.end())
-    steps = record.run.site.steps
+    steps = record.run.site.count_sizes
     assert steps["line_speed_m_s"] == pytest.approx(0.001)
     assert steps["unwind_tension_N"] == pytest.approx(0.05)  # the cell's own, 0.001 on the bus
     assert steps["unwind_radius_m"] == pytest.approx(2e-5)
