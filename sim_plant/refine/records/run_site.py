@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from aff_runtime.base.channel_units import unit_of_name
+from aff_runtime.base.counted_angle import WORD_COUNTS
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import yaml_values
@@ -16,8 +17,6 @@ DEFAULT_SPEED = "line_speed_m_s"
 FLOAT = "f32"
 UNITS = {"velocity_reference": ("m/s", "m_s"), "torque_reference": ("N m", "N_m")}
 """What an actuator's output is counted in: symbol, and end of its columns' names."""
-COUNTS = {"u16": 1 << 16, "i16": 1 << 16, "u32": 1 << 32, "i32": 1 << 32}
-"""Of a register, before it starts over."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,9 +98,9 @@ def run_site(text: str, where: str) -> RunSite:
                 for name, row in channels.items()
             },
             registers_rad={
-                str(name): COUNTS[row["type"]] * abs(_number(row.get("scale"), "rad", 0.0))
+                str(name): WORD_COUNTS[row["type"]] * abs(_number(row.get("scale"), "rad", 0.0))
                 for name, row in channels.items()
-                if row.get("wraps") is True and row.get("type") in COUNTS
+                if row.get("wraps") is True and row.get("type") in WORD_COUNTS
             },
         )
     except (KeyError, TypeError, AttributeError, ValueError) as error:
