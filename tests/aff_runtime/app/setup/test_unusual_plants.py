@@ -127,7 +127,7 @@ def test_the_set_point_of_the_speed_and_further_words_are_found_and_mapped(tmp_p
     assert site.recorded_only >= {"line_speed_ref_m_s", *FURTHER}
     read_by_refine = run_site((tmp_path / "site.yaml").read_text(), "site.yaml")
     assert read_by_refine.speed_reference == "line_speed_ref_m_s"
-    assert read_by_refine.steps["rewind_speed_rad_s"] == pytest.approx(0.01)
+    assert read_by_refine.count_sizes["rewind_speed_rad_s"] == pytest.approx(0.01)
 
 
 def test_of_three_words_with_one_speed_the_set_point_is_the_one_that_stands_still(
