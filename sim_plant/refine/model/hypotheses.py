@@ -17,6 +17,9 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.twin import Added
 
+StartValues = tuple[float, ...]
+"""Of a hypothesis: its numbers in the order of ``names``."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Hypothesis:
@@ -281,6 +284,12 @@ def _possible(
     return not any(
         effect.refuses(arrays, place, {**effect.parameters, **values}) for place in places
     )
+
+
+def with_number(h: Hypothesis, start: StartValues, name: str, value: float) -> StartValues:
+    """Return numbers to start from with another value of one of them."""
+    at = h.names.index(name)
+    return (*start[:at], value, *start[at + 1 :])
 
 
 def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[str, Value]:

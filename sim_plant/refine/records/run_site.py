@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 from aff_runtime.base.channel_units import unit_of_name
-from aff_runtime.base.counted_angle import WORD_COUNTS
+from aff_runtime.base.counted_angle import modulus_rad
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import yaml_values
 from aff_runtime.base.units import UnitError, read_scale
+from aff_runtime.base.yaml_section import Section
 
 DEFAULT_SPEED = "line_speed_m_s"
 FLOAT = "f32"
@@ -98,9 +100,9 @@ def run_site(text: str, where: str) -> RunSite:
                 for name, row in channels.items()
             },
             registers_rad={
-                str(name): WORD_COUNTS[row["type"]] * abs(_number(row.get("scale"), "rad", 0.0))
+                str(name): register_rad
                 for name, row in channels.items()
-                if row.get("wraps") is True and row.get("type") in WORD_COUNTS
+                if math.isfinite(register_rad := modulus_rad(Section.of(row)))
             },
         )
     except (KeyError, TypeError, AttributeError, ValueError) as error:

@@ -18,10 +18,10 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import Inner
-from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.hypotheses import Hypothesis, StartValues
 from sim_plant.refine.search.candidate import Candidate
 from sim_plant.refine.search.distinct_events import moment_of
-from sim_plant.refine.search.shifted_responses import StartValues, lasting_response
+from sim_plant.refine.search.shifted_responses import lasting_response
 from sim_plant.refine.spectra.onset_filter import Axis, later
 
 EVENTS = CRITERIA.search.events

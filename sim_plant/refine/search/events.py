@@ -18,7 +18,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import AT_ONCE
-from sim_plant.refine.model.hypotheses import Hypothesis, onset_library
+from sim_plant.refine.model.hypotheses import Hypothesis, onset_library, with_number
 from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
 from sim_plant.refine.search.distinct_events import distinct, moment_of
 from sim_plant.refine.search.episodes import best_episodes, ended_again
@@ -28,11 +28,7 @@ from sim_plant.refine.search.screening import (
     sensitivities,
     sure_look,
 )
-from sim_plant.refine.search.shifted_responses import (
-    hypothesis_beginning_at,
-    response_begun_at,
-    with_number,
-)
+from sim_plant.refine.search.shifted_responses import hypothesis_beginning_at, response_begun_at
 from sim_plant.refine.spectra.onset_filter import (
     Axis,
     best_moments,

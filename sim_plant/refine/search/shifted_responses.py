@@ -7,11 +7,9 @@ from dataclasses import replace
 from sim_plant.base.arrays import Array
 from sim_plant.effects.onset import HOLD_S
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.hypotheses import Hypothesis, with_number
 from sim_plant.refine.search.screening import responses_of
 from sim_plant.refine.spectra.onset_filter import Axis, later, parts_of
-
-StartValues = tuple[float, ...]
 
 
 def response_begun_at(
@@ -49,9 +47,3 @@ def lasting_response(
 def hypothesis_beginning_at(h: Hypothesis, moment: float) -> Hypothesis:
     """Return the hypothesis with the moment to begin at."""
     return replace(h, start=with_number(h, h.start, h.moment, float(moment)))
-
-
-def with_number(h: Hypothesis, start: StartValues, name: str, value: float) -> StartValues:
-    """Return numbers to start from with another value of one of them."""
-    at = h.names.index(name)
-    return (*start[:at], value, *start[at + 1 :])

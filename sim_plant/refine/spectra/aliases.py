@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.hypotheses import Hypothesis, with_number
 from sim_plant.refine.spectra.coordinates import Travel, line_at_body, radius_at
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
@@ -31,7 +31,7 @@ def with_aliases(
     return [
         *rest,
         *(
-            replace(h, start=_with(h, shows.parameter, at))
+            replace(h, start=with_number(h, h.start, shows.parameter, at))
             for h in library
             if (shows := _named(h))
             for at in origins_Hz(h, shows, travels, spectra)
@@ -116,9 +116,9 @@ def with_radii(
     radii is that dense.
     """
     more = [
-        replace(h, start=_with(h, h.effect.shows.rolls_on, at))
+        replace(h, start=with_number(h, h.start, shows.rolls_on, at))
         for h in {h.key: h for h in library}.values()
-        if isinstance(h.effect.shows, Orders) and h.effect.shows.rolls_on
+        if isinstance(shows := h.effect.shows, Orders) and shows.rolls_on
         for at in radii_m(h, travels, spectra)
     ]
     return [*library, *more]
@@ -138,13 +138,6 @@ def radii_m(
             if bounds.low <= radius_m <= bounds.high:
                 found.append(radius_m)
     return found
-
-
-def _with(h: Hypothesis, parameter: str, at: float) -> tuple[float, ...]:
-    """Return the numbers that a hypothesis starts from, one of them at another value."""
-    return tuple(
-        at if name == parameter else value for name, value in zip(h.names, h.start, strict=True)
-    )
 
 
 def _near(frequency_Hz: float, shows: Frequency) -> bool:
