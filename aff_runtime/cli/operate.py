@@ -17,7 +17,6 @@ from aff_runtime.cli.service import connect, status_of
 from aff_runtime.cli.terminal import say as say_line
 
 STOP_PATIENCE_S = 15.0
-WORDS = {"forget": "forgotten; rollers are kept"}
 BYPASS_PATIENCE_NS = 5_000_000_000
 LOOK_NS = 50_000_000
 
@@ -27,7 +26,6 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     for word, text in (
         ("arm", "let the correction in; refused while a permissive is missing"),
         ("bypass", "take the correction back now; works in every state"),
-        ("forget", "another roll was put in: drop what was learned of rolls that are exchanged"),
         ("stop", "fade to zero and end the service"),
     ):
         parser = commands.add_parser(word, parents=[service], help=text)
@@ -37,6 +35,16 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("switch", choices=("on", "off"), nargs="?", default="on")
     parser.set_defaults(command=partial(say, "shadow"))
+    parser = commands.add_parser(
+        "forget", parents=[service], help="another roll was put in: drop what was learned of it"
+    )
+    parser.add_argument(
+        "rolls",
+        nargs="*",
+        metavar="ROLL",
+        help="of the site file, a roller too (default: every roll with resets_on: splice)",
+    )
+    parser.set_defaults(command=partial(say, "forget"))
 
 
 def say(word: str, options: argparse.Namespace) -> int:
@@ -49,12 +57,15 @@ def say(word: str, options: argparse.Namespace) -> int:
         elif word == "stop":
             client.ask("stop", timeout_s=STOP_PATIENCE_S)
             say_line("stopped")
+        elif word == "forget":
+            named = {"rolls": options.rolls} if options.rolls else {}
+            say_line(Done.from_json(client.ask("forget", **named)).message)
         elif word == "bypass":
             client.ask("bypass")
             say_line(after_bypass(lambda: status_of(client), MonotonicClock()))
         else:
             done = Done.from_json(client.ask(word))
-            say_line(done.state or WORDS.get(word, "ok"))
+            say_line(done.state or "ok")
     finally:
         client.close()
     return 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
@@ -96,9 +96,7 @@ class Controller:
     ) -> tuple[ActuatorStep, ...]:
         """Advance by ``dt_s`` and return one step per actuator; see ``base.ports.Law``."""
         if self._phases.step(snapshot, dt_s):
-            for law in self._laws:
-                for roll in self._phases.spliced:
-                    law.reset_roll(roll)
+            self.forget_rolls(self._phases.spliced)
         values = snapshot.values
         inputs = self._inputs
         inputs.dt_s = dt_s
@@ -135,6 +133,18 @@ class Controller:
         """Drop what one actuator's law has learned, and its ripple before and now."""
         for roll in self._phases.by_name:
             self._laws[actuator].reset_roll(roll)
+
+    def forget_rolls(self, rolls: Collection[str]) -> None:
+        """Drop what every law has learned of some rolls: they were exchanged."""
+        for law in self._laws:
+            for roll in rolls:
+                law.reset_roll(roll)
+
+    def learned_rolls(self) -> frozenset[str]:
+        """Return the rolls of which some law has learned something."""
+        return frozenset(
+            roll for law in self._laws for (roll, _), weight in law.weights().items() if weight
+        )
 
     @property
     def line_speed_m_s(self) -> float:

@@ -57,7 +57,7 @@ def test_a_shape_is_kept_at_bypass_and_starts_the_next_service(tmp_path):
         # a trial without the follower's own correction may refuse its shape: the ripple is another
         roller = _shape_blocks(line)["swrap_follower_1x"]["amplitude"]
         text = runtime_command(line.bench, "forget")
-        assert "rollers are kept" in text
+        assert "forgotten: unwind; kept: swrap_follower" in text
         until("a forgotten roll", lambda: _shape_blocks(line)["unwind_2x"]["amplitude"] == 0.0)
         assert _shape_blocks(line)["swrap_follower_1x"]["amplitude"] == roller
         left = {row["roll"] for row in json.loads(path.read_text())["orders"]}

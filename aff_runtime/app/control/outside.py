@@ -216,12 +216,16 @@ class ControlOutside:
         return [Shadow(on=said.on)]
 
     def _forget(self, said: messages.Forget) -> None:
-        """Drop what was learned of rolls that are exchanged."""
-        if not self._guard.quiet:
+        """Drop what was learned of rolls that are exchanged, or of those that are named."""
+        unknown = [roll for roll in said.rolls if roll not in self._site.rolls]
+        if unknown:
+            there = ", ".join(self._site.rolls)
+            self._reply(said, ok=False, message=f"no roll {unknown[0][:40]!a}; there are: {there}")
+        elif not self._guard.quiet:
             self._reply(said, ok=False, message="a correction goes out; bypass first")
         else:
-            self._shapes.forget(self._law.controller)
-            self._reply(said, ok=True)
+            forgotten = self._shapes.forget(self._law.controller, said.rolls)
+            self._link.send(Reply(id=said.id, ok=True, rolls=tuple(sorted(forgotten))))
 
     def _answer_arm(self) -> None:
         """Reply to the operator once the guard has decided about the edge."""

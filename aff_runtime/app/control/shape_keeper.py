@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 from aff_runtime.app.control.known_shape import (
@@ -332,22 +332,38 @@ class ShapeKeeper:
             except ValueError:
                 self._tell(name, "the learned shape is not finite and is not saved")
 
-    def forget(self, controller: Controller) -> None:
-        """Drop the shapes of every roll that a splice exchanges (``resets_on: splice``)."""
-        exchanged = set(controller.phases.spliced)
+    def forget(self, controller: Controller, rolls: Collection[str] = ()) -> frozenset[str]:
+        """Drop what every law has learned of some rolls, and the shapes that it could start from.
+
+        Without ``rolls`` : of every roll that a splice exchanges (``resets_on: splice``).
+
+        Returns
+        -------
+        frozenset[str] : those of which a law had learned something, or a shape waited.
+        """
+        exchanged = frozenset(rolls or controller.phases.spliced)
+        known = exchanged & (controller.learned_rolls() | self._waiting_rolls())
+        self._forget_shapes(exchanged)
+        controller.forget_rolls(exchanged)
+        return known
+
+    def _waiting_rolls(self) -> frozenset[str]:
+        """Return the rolls of which a shape waits for its trial."""
+        waiting = (shape for trial in self._trials.values() for shape in trial.known)
+        return frozenset(roll for shape in waiting for roll, _ in shape.weight_m)
+
+    def _forget_shapes(self, exchanged: Collection[str]) -> None:
         for name, text in self._shapes.items():
             self._shapes[name] = ShapeFile.from_json(text).without(exchanged).to_json()
         for name in self._site.actuators:
             given = start_values(self._site, name)
-            self._forgotten[name] = {k: w for k, w in given.items() if k[0] in exchanged}
+            dropped = {k: w for k, w in given.items() if k[0] in exchanged}
+            self._forgotten[name] = {**self._forgotten.get(name, {}), **dropped}
         for name, waiting in list(self._trials.items()):
             for known in waiting.known:
                 known.forget(exchanged)
             if not any(known.weight_m for known in waiting.known):
                 del self._trials[name]
-        for law in controller.shape_laws().values():
-            for roll in exchanged:
-                law.reset_roll(roll)
 
 
 def _readings(params: SiteParams, name: str, values: Sequence[float]) -> tuple[float, float]:

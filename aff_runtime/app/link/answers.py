@@ -24,7 +24,8 @@ class Done:
 
     Attributes
     ----------
-    message : why not. ``exit_code`` : what a command ends with; None leaves it to the command.
+    message : why not, or what became of it.
+    exit_code : what a command ends with; None leaves it to the command.
     more : further reasons, such as the findings of a site file after the first.
     state : of the guard. ``duration_s`` : how long what was asked will take.
     """

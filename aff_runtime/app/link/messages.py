@@ -75,7 +75,9 @@ class Parameters(Numbered):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Forget(Numbered):
-    """Drop what was learned of rolls that are exchanged."""
+    """Drop what was learned of ``rolls``; none named: of those that are exchanged."""
+
+    rolls: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -10,13 +10,17 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reply:
-    """Answer to the message of this ``id``; ``state`` and ``duration_s`` where they say more."""
+    """Answer to the message of this ``id``; ``state`` and ``duration_s`` where they say more.
+
+    ``rolls`` : of which something was forgotten, where that was asked.
+    """
 
     id: int
     ok: bool
     message: str = ""
     state: str = ""
     duration_s: float | None = None
+    rolls: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,7 +16,7 @@ MAX_ID_NUMBER = 2**53
 MAX_BY_CHARACTERS = 64
 VERBS = ("arm", "bypass", "forget", "shadow", "status", "probe", "settings", "stop")
 QUESTIONS = frozenset({"arm", "forget", "shadow", "probe"})  # answered by the control process
-_KEYS = {"do", "id", "by", "on", "actuators", "louder", *settings_request.KEYS}
+_KEYS = {"do", "id", "by", "on", "actuators", "rolls", "louder", *settings_request.KEYS}
 Ident: TypeAlias = str | int | None
 
 
@@ -43,6 +43,7 @@ class Request:
     by : on whose behalf, as the caller claims; empty when it claims nothing.
     on : of ``shadow``.
     actuators : of ``probe``; empty for all. ``louder`` : than the last one, within its bound.
+    rolls : of ``forget``; empty for those that a splice exchanges.
     settings : of ``settings``.
     """
 
@@ -51,6 +52,7 @@ class Request:
     by: str = ""
     on: bool = True
     actuators: tuple[str, ...] = ()
+    rolls: tuple[str, ...] = ()
     louder: bool = False
     settings: SettingsRequest | None = None
 
@@ -95,22 +97,30 @@ def _checked(said: dict[str, Any], ident: Ident) -> Request:
     if not isinstance(do, str) or do not in VERBS:
         words = f"{', '.join(VERBS[:-1])} or {VERBS[-1]}"
         raise RefusedError(f"unknown request {_short(do)}; use {words}")
-    by, actuators = said.get("by", ""), said.get("actuators", [])
+    by = said.get("by", "")
     if not isinstance(by, str) or len(by) > MAX_BY_CHARACTERS:
         raise RefusedError(f"by: a text of {MAX_BY_CHARACTERS} characters at most is needed")
     on, louder = _flag("on", said.get("on", True)), _flag("louder", said.get("louder", False))
-    if not isinstance(actuators, list) or not all(isinstance(name, str) for name in actuators):
-        raise RefusedError("actuators: a list of names is needed")
+    actuators = _names("actuators", said.get("actuators", []))
+    rolls = _names("rolls", said.get("rolls", []))
     settings = settings_request.settings_request(said) if do == "settings" else None
     return Request(
         do=do,
         ident=ident,
         by=by,
         on=on,
-        actuators=tuple(actuators),
+        actuators=actuators,
+        rolls=rolls,
         louder=louder,
         settings=settings,
     )
+
+
+def _names(key: str, given: object) -> tuple[str, ...]:
+    """Return the names of a request, refused when it is anything else."""
+    if not isinstance(given, list) or not all(isinstance(name, str) for name in given):
+        raise RefusedError(f"{key}: a list of names is needed")
+    return tuple(given)
 
 
 def _flag(name: str, given: object) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 
 from aff_runtime.app.link.messages import Message, ShapeLearned, ShapeNews
 from aff_runtime.app.link.parameter_record import ParameterRecord
@@ -56,17 +56,31 @@ class ShapeShelf:
             return
         self._say(f"{actuator}: what was learned is kept in {path}")
 
-    def forget(self, parameters: ParameterRecord) -> None:
-        """Take the shapes of rolls that are exchanged out of the files; rollers stay.
+    def forget(
+        self, parameters: ParameterRecord, rolls: Collection[str] = (), known: Collection[str] = ()
+    ) -> str:
+        """Take the shapes of some rolls out of the files; return what is forgotten, in words.
+
+        Parameters
+        ----------
+        rolls : forgotten; none: those that are exchanged (``resets_on: splice``).
+        known : those of which the control process has forgotten something.
 
         Raises
         ------
         ConfigError
             When a file cannot be written.
         """
-        exchanged = {
-            name for name, roll in parameters.site.rolls.items() if roll.resets_on == "splice"
-        }
+        site = parameters.site
+        spliced = [name for name, roll in site.rolls.items() if roll.resets_on == "splice"]
+        exchanged = frozenset(rolls or spliced)
+        in_files = self._forget_in_files(parameters, exchanged)
+        return _forgotten_words(tuple(site.rolls), exchanged, {*known, *in_files})
+
+    def _forget_in_files(
+        self, parameters: ParameterRecord, exchanged: frozenset[str]
+    ) -> frozenset[str]:
+        found: set[str] = set()
         for actuator, text in self.load(parameters).items():
             file = ShapeFile.from_json(text)
             forgotten = {roll for roll, _ in file.profile.weight_m if roll in exchanged}
@@ -80,6 +94,8 @@ class ShapeShelf:
                     f"{path}: {error.strerror}; the shape in this file is not forgotten"
                 ) from None
             self._say(f"{actuator}: the shape of {', '.join(sorted(forgotten))} is forgotten")
+            found |= forgotten
+        return frozenset(found)
 
     def _drop_waiting(self, actuator: str) -> None:
         """Drop the sentence that a shape of this actuator waits: something became of it."""
@@ -90,3 +106,23 @@ class ShapeShelf:
     def _say(self, text: str) -> None:
         self.sentences = [*self.sentences[-KEPT_SENTENCES + 1 :], text]
         self._note("SHAPE", text)
+
+
+def _forgotten_words(
+    all_rolls: tuple[str, ...], exchanged: Collection[str], known: Collection[str]
+) -> str:
+    """Return what a wish to forget came to.
+
+    Parameters
+    ----------
+    all_rolls : of the site file, in its order.
+    exchanged : those that were to be forgotten. ``known`` : those of which something was.
+    """
+    if not exchanged:
+        return "nothing is forgotten: no roll has resets_on: splice; name it: forget ROLL"
+    said = {
+        "forgotten": [roll for roll in all_rolls if roll in exchanged and roll in known],
+        "nothing was known of": [r for r in all_rolls if r in exchanged and r not in known],
+        "kept": [roll for roll in all_rolls if roll not in exchanged],
+    }
+    return "; ".join(f"{word}: {', '.join(rolls)}" for word, rolls in said.items() if rolls)

@@ -246,8 +246,9 @@ class Supervisor:
                 self._note_command(asked)
                 asked.answer(Done())
             case "forget":
-                self._note_command(asked)
-                self._ask_control(Forget(), asked, self._forget_files)
+                self._note_command(asked, *request.rolls)
+                forget = partial(self._forget_files, request.rolls)
+                self._ask_control(Forget(rolls=request.rolls), asked, forget)
             case "probe":
                 self._start_probe(asked)
             case "settings":
@@ -267,13 +268,15 @@ class Supervisor:
         said = " ".join((asked.request.do, *details))
         self._processes.note_operator(said, asked.who)
 
-    def _forget_files(self, reply: Reply) -> Done:
+    def _forget_files(self, rolls: tuple[str, ...], reply: Reply) -> Done:
         """Forget in the files too once the control process has; a refusal leaves them alone."""
         if reply.ok:
+            processes = self._processes
             try:
-                self._processes.shapes.forget(self._processes.parameters)
+                said = processes.shapes.forget(processes.parameters, rolls, reply.rolls)
             except ConfigError as error:
                 return refusal(error)
+            return Done(message=said)
         return as_answer(reply)
 
     def _ask_control(self, question: Question, asked: Asked, answer: AnswerOf = as_answer) -> None:

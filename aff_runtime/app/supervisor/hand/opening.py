@@ -72,9 +72,11 @@ class ServiceEnd:
 
         def said(reply: Reply) -> None:
             try:
+                text = reply.message
                 if reply.ok:
-                    self._processes.shapes.forget(self._processes.parameters)
-                answer(reply)
+                    shelf, parameters = self._processes.shapes, self._processes.parameters
+                    text = shelf.forget(parameters, (), reply.rolls)
+                answer(replace(reply, message=text))
             except ConfigError as error:
                 answer(replace(reply, ok=False, message=str(error)))
 

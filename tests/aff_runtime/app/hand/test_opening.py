@@ -110,16 +110,22 @@ def test_without_a_control_process_arming_is_answered_at_once_and_bypass_is_no_e
 def test_forgetting_reaches_the_files_once_the_control_process_has_forgotten() -> None:
     sent: list[object] = []
     forgotten: list[object] = []
+
+    def forget(*given: object) -> str:
+        forgotten.append(given)
+        return "forgotten: unwind"
+
     pending, replies = Pending(VirtualClock(1)), list[Reply]()
     control = SimpleNamespace(link=SimpleNamespace(send=lambda one: sent.append(one) or True))
     processes = SimpleNamespace(
-        control=control, parameters="r", shapes=SimpleNamespace(forget=forgotten.append)
+        control=control, parameters="r", shapes=SimpleNamespace(forget=forget)
     )
     end = ServiceEnd(processes, pending, NO_PROBE)  # type: ignore[arg-type]
-    for ok, files in ((False, []), (True, ["r"])):
+    for ok, files in ((False, []), (True, [("r", (), ("unwind",))])):
         end.forget(replies.append)
-        pending.resolve(Reply(id=sent[-1].id, ok=ok))  # type: ignore[attr-defined]
+        pending.resolve(Reply(id=sent[-1].id, ok=ok, rolls=("unwind",)))  # type: ignore[attr-defined]
         assert (replies[-1].ok, forgotten) == (ok, files)
+    assert replies[-1].message == "forgotten: unwind"
     end.shadow(True, replies.append)
     last = sent[-1]
     assert isinstance(last, Shadow)

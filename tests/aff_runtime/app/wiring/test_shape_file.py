@@ -146,6 +146,49 @@ def test_forgetting_takes_the_exchanged_roll_and_keeps_the_roller(tmp_path: Path
     assert "the shape of unwind is forgotten" in said[-1]
 
 
+@pytest.mark.parametrize(
+    ("rolls", "known", "words"),
+    [
+        ((), (), "nothing was known of: unwind; kept: swrap_follower"),
+        ((), ("unwind",), "forgotten: unwind; kept: swrap_follower"),
+        (("swrap_follower",), ("swrap_follower",), "forgotten: swrap_follower; kept: unwind"),
+        (
+            ("swrap_follower", "unwind"),
+            ("unwind",),
+            "forgotten: unwind; nothing was known of: swrap_follower",
+        ),
+    ],
+)
+def test_it_is_said_what_is_forgotten_and_what_is_kept(
+    tmp_path: Path, rolls: tuple[str, ...], known: tuple[str, ...], words: str
+) -> None:
+    shelf = ShapeShelf(lambda *_: None)
+    assert shelf.forget(parameters(tmp_path), rolls, known) == words
+
+
+def test_where_no_roll_is_exchanged_it_says_that_nothing_is_forgotten(tmp_path: Path) -> None:
+    about = parameters(tmp_path)
+    kept = {
+        name: roll.model_copy(update={"resets_on": "never"})
+        for name, roll in about.site.rolls.items()
+    }
+    site = about.site.model_copy(update={"rolls": kept})
+    about = about.model_copy(update={"site": site})
+    words = ShapeShelf(lambda *_: None).forget(about)
+    assert words == "nothing is forgotten: no roll has resets_on: splice; name it: forget ROLL"
+
+
+def test_a_roller_that_is_named_is_forgotten_in_the_file_and_the_roll_is_kept(
+    tmp_path: Path,
+) -> None:
+    shelf, about = ShapeShelf(lambda *_: None), parameters(tmp_path)
+    shelf.hear(about, ShapeLearned(actuator="unwind", file=file().to_json()))
+    words = shelf.forget(about, ("swrap_follower",))
+    assert words == "forgotten: swrap_follower; kept: unwind"
+    left = ShapeFile.from_json(shelf.load(about)["unwind"]).profile.weight_m
+    assert {roll for roll, _ in left} == {"unwind"}
+
+
 def test_the_shelf_hears_of_shapes_only(tmp_path: Path) -> None:
     shelf = ShapeShelf(lambda *_: None)
     shelf.hear(parameters(tmp_path), LogLine(text="x"))
@@ -250,7 +293,8 @@ def test_a_refused_forget_leaves_the_files_alone(tmp_path: Path, quiet: bool) ->
     path = about.shape_files["unwind"]
     before = path.read_text()
     made._pending.resolve(Reply(id=sent[0].id, ok=quiet))
-    assert caller.said == [{"ok": quiet}]
+    kept = "forgotten: unwind; kept: swrap_follower"
+    assert caller.said == [{"ok": True, "message": kept} if quiet else {"ok": False}]
     result = "done" if quiet else "refused"
     assert made._counts.rows() == (
         CommandCount(action="forget", via="cli", result=result, count=1),
@@ -269,6 +313,6 @@ def test_a_file_that_cannot_be_forgotten_is_said_to_the_operator(
     monkeypatch.setattr(os, "fsync", full)  # for root too
     made = Supervisor.__new__(Supervisor)
     made._processes = SimpleNamespace(parameters=about, shapes=shelf)  # type: ignore[assignment]
-    said = made._forget_files(Reply(id=1, ok=True))
+    said = made._forget_files((), Reply(id=1, ok=True))
     assert (said.ok, said.exit_code) == (False, 2)
     assert "is not forgotten" in said.message
