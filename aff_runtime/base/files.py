@@ -9,6 +9,18 @@ import stat
 from pathlib import Path
 
 NEW_FILE_MODE = 0o666  # less what the process's umask takes
+CLOSED = "you may not look there; with `sudo` before the command you may"
+
+
+def is_closed(path: Path) -> bool:
+    """Return whether we may not look at a path, so that nothing is known of what is there."""
+    try:
+        path.stat()
+    except PermissionError:
+        return True
+    except (OSError, ValueError):
+        return False
+    return not os.access(path, os.R_OK)
 
 
 def replace_text(path: Path, text: str, *, keep_owner: bool = False) -> None:

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aff_runtime.base.errors import AffError
+from aff_runtime.base.files import CLOSED, is_closed
 from aff_runtime.base.printable import printable, word
 from aff_runtime.base.run_files import text_of, yaml_values
 from aff_runtime.base.run_segment import (
@@ -264,7 +265,12 @@ def _about(folder: Path) -> Section:
 
 
 def no_run(folder: Path) -> str:
-    """Return what to say of a path that names no run: why not, and what was meant perhaps."""
+    """Return what to say of a path that names no run: why not, and what was meant perhaps.
+
+    Of one that we may not look at nobody can say that it is none.
+    """
+    if is_closed(folder / MARK):
+        return f"{printable(str(folder))}: {CLOSED}"
     return _not_a_run(folder, _why_none(folder))
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.check.validate import refused_at_start
 from aff_runtime.base.arguments import speed_m_s
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import ConfigError
@@ -42,6 +44,9 @@ def check(options: argparse.Namespace) -> int:
         return 2
     with bounded_effort(str(options.site), ConfigError):
         report = check_site(options.site, tuple(options.speed), options.state_dir)
+    if report.ok:
+        with bounded_effort(str(options.site), ConfigError):
+            report = replace(report, refused=refused_at_start(options.site, options.state_dir))
     if report.ok and not options.brief:
         say(f"law by {arithmetic_name()}")
     for line in report.lines(brief=options.brief):

@@ -11,6 +11,7 @@ __all__ = [
     "facts",
     "findings",
     "identified_drive",
+    "learned_responses",
     "leaves",
     "loader",
     "models",

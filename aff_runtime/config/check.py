@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import contextlib
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from aff_runtime.base.errors import AffError
 from aff_runtime.config.facts import Facts, facts_of
-from aff_runtime.config.findings import Finding, SiteFileError, dotted
+from aff_runtime.config.findings import Finding, SiteFileError, dotted, in_file_order
 from aff_runtime.config.identified_drive import with_identified
-from aff_runtime.config.loader import read_site
+from aff_runtime.config.learned_responses import LearnedResponses, learned_responses
+from aff_runtime.config.loader import Reading, read_site
 from aff_runtime.config.models import Site
-from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 from aff_runtime.config.wire_table import budget_lines
-from aff_runtime.core.response import Response
-
-MAX_RESPONSE_BYTES = 2_000_000
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -27,6 +22,7 @@ class Report:
     """What is wrong, what deserves a look, what follows; site and facts only without errors.
 
     ``bus`` : what one cycle costs on the wire, as lines; ``drives`` : whose numbers are in use.
+    ``refused`` : what else the service does not start with, a sentence each.
     """
 
     file: str
@@ -36,11 +32,12 @@ class Report:
     facts: Facts | None = None
     bus: tuple[str, ...] = ()
     drives: tuple[str, ...] = ()
+    refused: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
         """Return whether the file may be used."""
-        return not self.errors
+        return not self.errors and not self.refused
 
     @property
     def exit_code(self) -> int:
@@ -56,7 +53,7 @@ class Report:
         if lines:
             lines += [*(f"drive  {text}" for text in self.drives), ""]
         lines += [f"warning  {finding}" for finding in self.warnings]
-        lines += [f"error    {finding}" for finding in self.errors]
+        lines += [f"error    {finding}" for finding in (*self.errors, *self.refused)]
         lines.append(f"{self.file}: {self._result()}")
         return lines
 
@@ -64,7 +61,7 @@ class Report:
         warnings = _counted(len(self.warnings), "warning")
         if self.ok:
             return f"ok, {warnings}"
-        errors = _counted(len(self.errors), "error")
+        errors = _counted(len(self.errors) + len(self.refused), "error")
         return f"refused, {errors}, {warnings}; the service does not start with this file"
 
 
@@ -75,7 +72,7 @@ def check_site(
 
     Parameters
     ----------
-    path : the site file; of the response files only the drives in them count.
+    path : the site file. The response files that it names are read too.
     speeds_m_s : line speeds at which frequencies are shown, above 0; none: the highest speed.
     state : folder beside the site file's own that what it names may lie in.
 
@@ -89,25 +86,38 @@ def check_site(
         reading = read_site(path, state)
     except SiteFileError as error:
         return Report(file=str(path), errors=error.findings)
+    folder = Path(path).absolute().parent
+    learned = learned_responses(reading, folder)
+    warnings = in_file_order((*reading.warnings, *learned.outdated, *_closed(learned, path)))
+    if learned.errors:
+        return Report(file=str(path), errors=in_file_order(learned.errors), warnings=warnings)
     return Report(
         file=str(path),
         errors=(),
-        warnings=reading.warnings,
+        warnings=warnings,
         site=reading.site,
         facts=facts_of(reading.site, tuple(speeds_m_s)),
-        bus=tuple(budget_lines(reading.site, Path(path).absolute().parent)),
-        drives=tuple(_drives(reading.site, Path(path).absolute().parent)),
+        bus=tuple(budget_lines(reading.site, folder)),
+        drives=tuple(_drives(reading, learned)),
     )
 
 
-def _drives(site: Site, folder: Path) -> Iterator[str]:
-    """Yield whose numbers each drive has; a response that cannot be read has none."""
-    responses = {}
-    for name, actuator in site.actuators.items():
-        with contextlib.suppress(OSError, ValueError, AffError):
-            text = read_plain(folder / actuator.response, MAX_RESPONSE_BYTES).decode("utf-8")
-            responses[name] = Response.from_json(text)
-    yield from (str(drive) for drive in with_identified(site, responses)[1])
+def _closed(learned: LearnedResponses, path: Path | str) -> Iterator[Finding]:
+    """Yield a warning per response that only another user may read, such as the service's."""
+    how = f"sudo -u aff-runtime aff-runtime check {Path(path).absolute()}"
+    for one in learned.closed.values():
+        text = f"{one.text}: what it says is not checked; the service's user has to read it: {how}"
+        yield replace(one, text=text)
+
+
+def _drives(reading: Reading, learned: LearnedResponses) -> Iterator[str]:
+    """Yield whose numbers each drive has; of a response that is closed to us it is not known."""
+    for drive in with_identified(reading.site, learned.measured)[1]:
+        is_known = (
+            drive.actuator not in learned.closed
+            or reading.site.actuators[drive.actuator].uses_shape
+        )
+        yield str(drive) if is_known else f"{drive.actuator}: not known, its response is not read"
 
 
 def _counted(count: int, noun: str) -> str:

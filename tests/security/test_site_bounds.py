@@ -16,6 +16,7 @@ from aff_runtime.app.check.validate import check_result, parameter_record
 from aff_runtime.app.wiring.shape_file import MAX_FILE_BYTES, read_shapes
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.check import check_site
+from aff_runtime.config.learned_responses import learned_responses
 from aff_runtime.config.loader import read_site
 from aff_runtime.config.plain_file import MAX_BYTES, read_plain
 from aff_runtime.config.yaml_marks import parse_marked
@@ -174,7 +175,7 @@ def test_the_record_holds_the_very_bytes_that_were_checked(tmp_path: Path) -> No
     path.write_bytes(text.encode())
     reading = read_site(path)
     path.write_text("another: text\n")  # between the check and the record
-    assert parameter_record(path, reading).site_text == text
+    assert parameter_record(path, reading, learned_responses(reading, tmp_path)).site_text == text
 
 
 # --- files that the site names ----------------------------------------------------------------

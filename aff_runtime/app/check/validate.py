@@ -12,6 +12,7 @@ import contextlib
 import json
 import platform
 import sys
+from dataclasses import replace
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -29,20 +30,20 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.base.release import commit
 from aff_runtime.config.can_wire import wire_files
+from aff_runtime.config.findings import SiteFileError
 from aff_runtime.config.identified_drive import with_identified
+from aff_runtime.config.learned_responses import (
+    LearnedResponses,
+    learned_responses,
+    response_files,
+)
 from aff_runtime.config.loader import Reading, read_site
-from aff_runtime.config.plain_file import TooLargeError, read_plain
 from aff_runtime.config.revision import file_digest, learned_digests, revision_hash, revision_with
 from aff_runtime.config.site_paths import STATE_DIRECTORY, shape_path
 from aff_runtime.config.yaml_marks import MAX_BYTES
 from aff_runtime.core.compiled.binary import arithmetic_name
-from aff_runtime.core.response import Provenance, Response
 
 MAX_RECORD_BYTES = MAX_PACKET_BYTES - 4096  # the rest of its packet is for what goes with it
-# A longer file is not read at all; a shorter one that fits no packet is refused by `_check_size`,
-# which says how much passes.
-MAX_RESPONSE_BYTES = 16 * MAX_RECORD_BYTES
-SAME_CYCLE_S = 1e-6
 
 
 def check_result(
@@ -57,17 +58,34 @@ def check_result(
     """
     try:
         reading = read_site(path, state, text)
-        parameters = parameter_record(path, reading)
+        learned = learned_responses(reading, path.absolute().parent)
+        parameters = parameter_record(path, reading, learned)
     except AffError as error:
         return CheckResult(parameters=None, findings=tuple(str(error).splitlines()))
-    findings = [str(warning) for warning in reading.warnings]
-    return CheckResult(
-        parameters=parameters, findings=(*findings, *_outdated(reading, parameters))
-    )
+    findings = tuple(str(warning) for warning in (*reading.warnings, *learned.outdated))
+    return CheckResult(parameters=parameters, findings=findings)
 
 
-def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
+def refused_at_start(path: Path, state: Path = STATE_DIRECTORY) -> tuple[str, ...]:
+    """Return why a service does not start with a file, whoever of its responses may be read.
+
+    Touches no network: whether the PLC's name can be resolved is not asked. Empty: it starts.
+    """
+    try:
+        reading = read_site(path, state)
+        learned = replace(learned_responses(reading, path.absolute().parent), closed={})
+        parameter_record(path, reading, learned, look_up=False)
+    except AffError as error:
+        return tuple(str(error).splitlines())
+    return ()
+
+
+def parameter_record(
+    path: Path, reading: Reading, learned_by: LearnedResponses, *, look_up: bool = True
+) -> ParameterRecord:
     """Return everything that the control process needs.
+
+    ``look_up`` : ask the network for the PLC's name.
 
     Raises
     ------
@@ -77,15 +95,15 @@ def parameter_record(path: Path, reading: Reading) -> ParameterRecord:
     site = reading.site
     site_hash = revision_hash(site)
     folder = path.absolute().parent
-    files = {name: folder / actuator.response for name, actuator in site.actuators.items()}
-    texts = {name: _response_text(reading, name, file) for name, file in files.items()}
-    responses = {name: text for name, text in texts.items() if text is not None}
-    measured = {name: Response.from_json(text) for name, text in responses.items()}
-    site, drives = with_identified(site, measured)
+    files = response_files(reading, folder)
+    if wrong := (*learned_by.errors, *learned_by.closed.values()):
+        raise SiteFileError(wrong)
+    responses = learned_by.texts
+    site, drives = with_identified(site, learned_by.measured)
     described = wire_files(site, folder)
     if site.gateway.modbus is not None:
         register_map(site)
-        if "host" in type(site.gateway.modbus).model_fields:
+        if look_up and "host" in type(site.gateway.modbus).model_fields:
             _look_up(reading, folder)
     loops = loop_rows(site, responses)
     controller_of(site, responses, loops)
@@ -133,55 +151,6 @@ def _look_up(reading: Reading, folder: Path) -> None:
     except WireError as error:
         path = ("gateway", reading.site.gateway.wire, "host")
         raise ConfigError(str(reading.tree.finding(path, str(error)))) from None
-
-
-def _response_text(reading: Reading, actuator: str, file: Path) -> str | None:
-    """Return the text of a learned response, None while it was never measured."""
-    try:
-        text = read_plain(file, MAX_RESPONSE_BYTES).decode("utf-8")
-        provenance = Response.from_json(text).provenance
-        _check_ends(provenance, reading, actuator)
-        if abs(provenance.cycle_s - reading.site.cycle_s) > SAME_CYCLE_S:
-            return None  # its delays were others; one that names no cycle (NaN) passes
-    except FileNotFoundError:
-        return None
-    except OSError as error:
-        said = f"{error.strerror}"
-    except UnicodeDecodeError:
-        said = "not a response file: not text; run the probe again"
-    except TooLargeError:
-        said = "is too long for a response; remove it and run the probe again"
-    except ValueError as error:
-        said = f"{error}; remove it and run the probe again"
-    except ConfigError as error:
-        said = str(error)
-    else:
-        return text
-    raise ConfigError(_finding(reading, actuator, f"{file}: {said}"))
-
-
-def _outdated(reading: Reading, parameters: ParameterRecord) -> list[str]:
-    """Return a finding per response that was measured at another cycle, and does not count."""
-    return [
-        _finding(reading, name, f"{file}: measured at another cycle_ms; run the probe again")
-        for name, file in parameters.response_files.items()
-        if name not in parameters.responses and file.exists()
-    ]
-
-
-def _check_ends(provenance: Provenance, reading: Reading, actuator: str) -> None:
-    """Refuse a response that was measured with another actuator or on another signal."""
-    signal = reading.site.actuators[actuator].error.signal
-    if (provenance.actuator, provenance.signal) != (actuator, signal):
-        raise ConfigError(
-            f"measured from {provenance.actuator} to {provenance.signal}, not from {actuator} "
-            f"to {signal}; remove it and run the probe"
-        )
-
-
-def _finding(reading: Reading, actuator: str, text: str) -> str:
-    """Return a finding at the actuator's ``response`` key."""
-    return str(reading.tree.finding(("actuators", actuator, "response"), text))
 
 
 def _versions() -> dict[str, str]:

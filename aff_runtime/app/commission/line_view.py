@@ -22,8 +22,9 @@ from aff_runtime.app.commission.views import (
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
-from aff_runtime.config.check import MAX_RESPONSE_BYTES, check_site
+from aff_runtime.config.check import check_site
 from aff_runtime.config.identified_drive import with_identified
+from aff_runtime.config.learned_responses import MAX_RESPONSE_BYTES
 from aff_runtime.config.models import Site
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.probe_bound import TIMES_LOUDER, first_ripple, probe_bound

@@ -31,6 +31,7 @@ from aff_runtime.app.report.watching.tables import (
     OrderRow,
 )
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.files import CLOSED, is_closed
 
 VERSION = "1"
 MOST_HOURS, MOST_ORDERS = 10_000, 300_000
@@ -245,9 +246,11 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
     Raises
     ------
     ConfigError
-        It is not there, or one of its files cannot be read.
+        It is not there, is not ours to look at, or one of its files cannot be read.
     """
     paths = [folder / name for name in FILES]
+    if is_closed(paths[0]):
+        raise ConfigError(f"{folder}: {CLOSED}")
     if not paths[0].exists():
         if begin:
             return _begun(paths[2])

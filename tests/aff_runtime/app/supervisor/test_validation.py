@@ -10,12 +10,13 @@ from typing import Any
 
 import pytest
 
-from aff_runtime.app.check.validate import MAX_RESPONSE_BYTES, check_result
+from aff_runtime.app.check.validate import MAX_RECORD_BYTES, check_result
 from aff_runtime.app.link.messages import Parameters, encode
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES
 from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.config.learned_responses import MAX_RESPONSE_BYTES
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.revision import revision_hash
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
@@ -102,6 +103,7 @@ def test_a_response_file_that_would_fill_the_memory_is_not_read(tmp_path: Path) 
     path, learned = _learned(tmp_path)
     with learned.open("wb") as stream:
         stream.truncate(MAX_RESPONSE_BYTES + 1)
+    assert MAX_RESPONSE_BYTES > MAX_RECORD_BYTES  # one that fits no packet is read, and says so
     with pytest.raises(ConfigError, match=r"euclid_unwind.json: is too long for a response"):
         checked(path)
 
