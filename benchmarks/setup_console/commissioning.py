@@ -12,6 +12,7 @@ import subprocess
 from dataclasses import asdict
 from pathlib import Path
 
+from aff_runtime.base.clock import wall_time_iso
 from benchmarks.setup_console.running import Note, PlayError, Running
 
 SHORT = (0, 2, 3, 4, 8, 10, 12)
@@ -58,7 +59,8 @@ class Commissioning(Running):
         finally:
             self.stop()
         took_s = round(self.now_s() - began_s)
-        kept = {"seconds": took_s, "notes": [asdict(one) for one in self.notes]}
+        notes = [asdict(one) for one in self.notes]
+        kept = {"measured": wall_time_iso(), "seconds": took_s, "notes": notes}
         (self.folder / "card.json").write_text(json.dumps(kept, indent=1), encoding="utf-8")
         self.say(f"the card took {took_s} s")
         return is_signed

@@ -26,15 +26,16 @@ CARD = """
 With `--card short` or `--card whole` the service then runs on that site file: probe, arm, and the
 steps of the [card](../technician/card.md), each signed at once; the card is verified with its
 records and printed to PDF. Seconds are of the machine, waiting for the line included.
+*Measured* is the day: limits are those of that day's product.
 
-| plant | steps | pass | fail | open | not applicable | signed | verified | min |
-|---|---|---|---|---|---|---|---|---|
+| plant | steps | pass | fail | open | not applicable | signed | verified | min | measured |
+|---|---|---|---|---|---|---|---|---|---|
 """
 
 
 FAILED = """
-What failed, each with its limit; a machine with other work misses ticks and sees a heartbeat
-late:
+What failed, each with the limit that it had then; a machine with other work misses ticks and
+sees a heartbeat late:
 
 """
 
@@ -86,7 +87,7 @@ def _card_row(name: str, card: dict[str, Any]) -> str:
     told = " | ".join(map(str, counts))
     return (
         f"| {name} | {len(stands)} | {told} | {signed} | {'yes' if verified else 'no'} | "
-        f"{card['seconds'] / 60.0:.0f} |"
+        f"{card['seconds'] / 60.0:.0f} | {card.get('measured', '')[:10] or 'not recorded'} |"
     )
 
 

@@ -71,8 +71,12 @@ def test_a_question_that_nothing_answers_is_not_asked_for_ever() -> None:
         who.answer("Colour of the web: ")
 
 
+@pytest.mark.parametrize(
+    ("when", "day"),
+    [({"measured": "2026-11-27T16:40:00+00:00"}, "2026-11-27"), ({}, "not recorded")],
+)
 def test_the_page_counts_a_step_by_its_last_measurement_and_tells_what_failed(
-    tmp_path: Path,
+    tmp_path: Path, when: dict[str, str], day: str
 ) -> None:
     folder = tmp_path / "shipped"
     folder.mkdir()
@@ -98,10 +102,10 @@ def test_the_page_counts_a_step_by_its_last_measurement_and_tells_what_failed(
         note("sign 12", "step 12 signed"),
         note("verify", "whole"),
     ]
-    (folder / "card.json").write_text(json.dumps({"seconds": 600, "notes": notes}))
+    (folder / "card.json").write_text(json.dumps({"seconds": 600, "notes": notes} | when))
     text = page(tmp_path, ["shipped", "not played"])
     assert "| shipped | 70 | 80 | 3 of 4 | 1 | 1 | 2 | 0 |" in text
-    assert "| shipped | 2 | 1 | 1 | 0 | 0 | 2 | yes | 10 |" in text
+    assert f"| shipped | 2 | 1 | 1 | 0 | 0 | 2 | yes | 10 | {day} |" in text
     assert "- shipped, step 12: unwind: 1 dB; above 3 dB" in text
     assert [line for line in text.splitlines() if "remark" in line] == [
         *(f"- shipped, step 12: remark: said {k}" for k in range(3)),

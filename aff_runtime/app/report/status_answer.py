@@ -1,4 +1,9 @@
-"""The answer to ``status`` as a frozen record: the one place that knows its JSON."""
+"""The answer to ``status`` as a frozen record: the one place of the service that knows its JSON.
+
+The demo reads a few of its keys on its own (``sim_plant/demo/runtime_status.py``): the plant takes
+the service's ``base`` words alone. ``tests/sim_plant/demo/test_runtime_status.py`` holds both
+together.
+"""
 
 from __future__ import annotations
 

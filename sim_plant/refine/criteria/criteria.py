@@ -14,8 +14,10 @@ from sim_plant.refine.criteria.search import SearchCriteria
 class Criteria:
     """Every threshold that decides something, by section.
 
-    Not here but in the file that uses them: iteration counts, steps and grids of a solver, limits
-    of size, and numbers that only serve to read a run of the service.
+    Steps, grids and passes are here where another one finds other effects or other ranges
+    (``EventCriteria``, ``RangeCriteria``). Not here but in the file that uses them: those that
+    change only how fast the same answer is reached, limits of size, and numbers that only serve
+    to read a run of the service.
     """
 
     records: RecordCriteria = field(default_factory=RecordCriteria)

@@ -76,9 +76,11 @@ def test_a_binary_of_other_source_is_not_used(monkeypatch: pytest.MonkeyPatch) -
 def test_none_are_used_where_the_environment_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv(library.VARIABLE, "none")
     library.available.cache_clear()
-    assert library.fitting(1) is None
-    assert library.widest() == 1
-    library.available.cache_clear()
+    try:
+        assert library.fitting(1) is None
+        assert library.widest() == 1
+    finally:  # what was found under this environment is not true of the next test's
+        library.available.cache_clear()
 
 
 def test_a_group_takes_the_narrowest_binary_that_holds_it(monkeypatch: pytest.MonkeyPatch) -> None:

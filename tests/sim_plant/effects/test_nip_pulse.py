@@ -20,6 +20,7 @@ def test_the_drive_is_braked_by_lever_times_one_plus_ratio_times_force() -> None
     torque = {"cos_N_m": -2e-3 * (1.0 + ratio) * 60.0, "sin_N_m": 2e-3 * (1.0 + ratio) * 25.0}
     same = run(effect("torque_ripple", "pull_roll", order=ratio, **torque))
     assert pulse["pull_roll_speed_m_s"] == pytest.approx(same["pull_roll_speed_m_s"], abs=1e-12)
+    assert np.std(pulse["pull_roll_speed_m_s"] - run()["pull_roll_speed_m_s"]) > 1e-6
 
 
 def test_force_and_angle_are_the_two_components_and_a_larger_force_pulses_more() -> None:
@@ -29,6 +30,7 @@ def test_force_and_angle_are_the_two_components_and_a_larger_force_pulses_more()
     twice = run(effect("nip_pulse", "pull_roll", amplitude_N=130.0, angle_rad=0.5, **NIP))
     speeds = [made["pull_roll_speed_m_s"] for made in (polar, parts, twice)]
     assert speeds[1] == pytest.approx(speeds[0], abs=1e-12)
+    assert np.ptp(speeds[0]) > 1e-6  # without an effect all of them are 0
     assert np.ptp(speeds[2]) == pytest.approx(2.0 * np.ptp(speeds[0]), rel=0.01)
 
 

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from aff_runtime.app.report.comparison.turns import (
     Estimate,
@@ -169,3 +170,10 @@ def test_a_turn_with_two_samples_far_apart_is_left_out():
     turns, _ = order_per_turn(ANGLE[keep], signal()[keep], GOOD[keep], [1])
     assert abs(turns[:, 0].mean()) == pytest.approx(1.0, abs=0.02)
     assert len(turns) == pytest.approx(0.8 * ANGLE[-1] / (2.0 * np.pi), abs=2)
+
+
+@pytest.mark.parametrize("freedom", [6, 8, 12, 40])
+@pytest.mark.parametrize(("normal", "within"), [(1.959963985, 0.002), (4.0, 0.045)])
+def test_the_points_of_students_distribution_are_near_those_of_scipy(freedom, normal, within):
+    exact = stats.t.isf(stats.norm.sf(normal), freedom)
+    assert student_t(freedom, normal) == pytest.approx(exact, rel=within)
