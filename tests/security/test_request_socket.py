@@ -86,6 +86,8 @@ REFUSED = {
     "numbers for names": ({"do": "probe", "actuators": [1, 2]}, "a list of names"),
     "lists for names": ({"do": "probe", "actuators": [[["unwind"]]]}, "a list of names"),
     "null for a list": ({"do": "probe", "actuators": None}, "a list of names"),
+    "a text for rolls": ({"do": "forget", "rolls": "r4"}, "rolls: a list of names"),
+    "numbers for rolls": ({"do": "forget", "rolls": [4]}, "rolls: a list of names"),
     "a long claim": ({"do": "arm", "by": "x" * 65}, "by: a text of 64 characters"),
     "a claim that is no text": ({"do": "arm", "by": ["x"]}, "by: a text of 64 characters"),
     "a long id": ({"do": "arm", "id": "x" * (MAX_ID_CHARACTERS + 1)}, "id: a whole number"),
