@@ -18,6 +18,7 @@ from aff_runtime.app.hand.may import Place, Reason, Role
 
 BODY_PATIENCE_S = 10.0
 DONE = N_("done")
+SECURE_COOKIE = "__Host-"  # a browser takes a cookie of such a name by https alone
 Said: TypeAlias = dict[str, str | int | bool]
 
 
@@ -37,6 +38,11 @@ class Asked:
     place: Place
     address: str
     say: Say
+
+    @property
+    def is_secure(self) -> bool:
+        """Whether this came by https, and its cookie goes no other way."""
+        return self.cookie.startswith(SECURE_COOKIE)
 
 
 Answering: TypeAlias = Callable[[Asked], Awaitable[Response]]

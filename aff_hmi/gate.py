@@ -61,7 +61,6 @@ class Gate:
     Parameters
     ----------
     hosts : ``name:port`` that a browser may have in its address line, lower case.
-    is_tls : whether browsers come by https.
     is_logged_in : whether a request comes from a session, whose presses no flood of others holds
         up; None where nothing can be pressed.
     """
@@ -72,17 +71,14 @@ class Gate:
         hosts: Iterable[str],
         rates: Rates,
         *,
-        is_tls: bool,
         is_logged_in: Callable[[Scope], bool] | None = None,
     ) -> None:
         self._app = app
         self._hosts = frozenset(host.lower() for host in hosts)
         self._rates = rates
-        self._scheme = "https" if is_tls else "http"
         self._is_logged_in = is_logged_in
         self._headers = [(k.encode(), v.encode()) for k, v in HEADERS.items()]
-        if is_tls:
-            self._headers.append((b"strict-transport-security", HSTS.encode()))
+        self._over_tls = [*self._headers, (b"strict-transport-security", HSTS.encode())]
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Refuse, or pass on with the headers that every answer has."""
@@ -93,7 +89,8 @@ class Gate:
         async def with_headers(message: Message) -> None:
             if message["type"] == "http.response.start":
                 own = [one for one in message["headers"] if one[0].lower() != b"cache-control"]
-                message = {**message, "headers": [*own, *self._headers]}
+                always = self._over_tls if is_by_tls(scope) else self._headers
+                message = {**message, "headers": [*own, *always]}
             await send(message)
 
         refusal = self._refusal(scope)
@@ -119,8 +116,7 @@ class Gate:
                 "this screen is not known by that name; start aff-hmi with --host NAME:PORT",
             )
         if scope["type"] == "websocket":
-            own = _one(scope, b"origin").lower() == f"{self._scheme}://{host}"
-            return None if own else (403, "a page of somebody else")
+            return None if _is_own(scope, host) else (403, "a page of somebody else")
         if is_press and self._is_logged_in is not None:
             return self._not_pressed_here(scope, host)
         if scope["method"] not in METHODS:
@@ -130,8 +126,7 @@ class Gate:
     def _not_pressed_here(self, scope: Scope, host: str) -> tuple[int, str] | None:
         """Return why a press is not one of our own page; None when it is."""
         site = _one(scope, b"sec-fetch-site")
-        is_own = _one(scope, b"origin").lower() == f"{self._scheme}://{host}"
-        if not is_own or (_has(scope, b"sec-fetch-site") and site != "same-origin"):
+        if not _is_own(scope, host) or (_has(scope, b"sec-fetch-site") and site != "same-origin"):
             return 403, "a page of somebody else"
         if _one(scope, b"content-type").lower() != "application/json":
             return 415, "JSON is needed"
@@ -140,6 +135,17 @@ class Gate:
         if not is_length or _has(scope, b"transfer-encoding"):
             return 411, "the length of what is said is needed"
         return None if int(length) <= MAX_BODY_BYTES else (413, "that is too much")
+
+
+def is_by_tls(scope: Scope) -> bool:
+    """Return whether a request came by https; at loopback beside a network it did not."""
+    return scope["scheme"] in ("https", "wss")
+
+
+def _is_own(scope: Scope, host: str) -> bool:
+    """Return whether a request is of a page that we have served by this name and scheme."""
+    scheme = "https" if is_by_tls(scope) else "http"
+    return _one(scope, b"origin").lower() == f"{scheme}://{host}"
 
 
 def _has(scope: Scope, name: bytes) -> bool:

@@ -13,13 +13,27 @@ from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import Scope
 
-from aff_hmi.asked import DONE, TABLE, Answering, Asked, Entry, Said, because, body, done, refusal
+from aff_hmi.asked import (
+    DONE,
+    SECURE_COOKIE,
+    TABLE,
+    Answering,
+    Asked,
+    Entry,
+    Said,
+    because,
+    body,
+    done,
+    refusal,
+)
 from aff_hmi.commission.link import Commission
 from aff_hmi.commission.presses import CommissionPresses
 from aff_hmi.counts import Counts
 from aff_hmi.doorkeeper import Doorkeeper
+from aff_hmi.gate import is_by_tls
 from aff_hmi.hand import Hand
 from aff_hmi.lesser_presses import LesserPresses
+from aff_hmi.listening import HTTP_PORT, HTTPS_PORT, LOOPBACK, host_and_port
 from aff_hmi.see.alarm_desk import AlarmDesk
 from aff_hmi.session_presses import SessionPresses
 from aff_hmi.sessions import Session
@@ -38,8 +52,7 @@ from aff_runtime.base.errors import WireError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
 
-LOOPBACK = ("127.0.0.1", "::1")
-PANEL_NAMES = ("127.0.0.1", "localhost", "[::1]")
+LOOPBACK_ADDRESSES = ("127.0.0.1", "::1")
 PASSED_ON = ("forwarded", "via", "x-real-ip", "x-client-ip")
 WRONG = N_("name or password is wrong")
 WAIT = N_("too many tries: wait a minute")
@@ -55,7 +68,6 @@ class HandRoutes:
 
     Parameters
     ----------
-    is_tls : whether browsers come by https.
     say_of : the language of a request. ``alarms``, ``windows`` : None where none are kept.
     commission : None on a screen that commissions nothing.
     """
@@ -66,7 +78,6 @@ class HandRoutes:
         clock: Clock,
         counts: Counts,
         *,
-        is_tls: bool,
         say_of: Callable[[HTTPConnection], Say],
         alarms: AlarmDesk | None = None,
         windows: WindowDesk | None = None,
@@ -75,7 +86,6 @@ class HandRoutes:
         self._hand = hand
         self._counts = counts
         self._clock = clock
-        self._is_tls = is_tls
         self._say_of = say_of
         self._doorkeeper = Doorkeeper(hand.accounts, clock)
         self._answers: dict[str, Answering] = {
@@ -97,8 +107,9 @@ class HandRoutes:
 
         A cookie holds for all ports of a name, so the port is in its name.
         """
-        port = asked.headers.get("host", "").rpartition(":")[2]
-        return f"__Host-aff-{port}" if self._is_tls else f"aff-{port}"
+        port, is_tls = host_and_port(asked.headers.get("host", ""))[1], is_by_tls(asked.scope)
+        port = port or (HTTPS_PORT if is_tls else HTTP_PORT)
+        return f"{SECURE_COOKIE}aff-{port}" if is_tls else f"aff-{port}"
 
     def token_of(self, asked: HTTPConnection) -> str:
         """Return what a browser shows of its session, empty for nothing."""
@@ -197,7 +208,7 @@ class HandRoutes:
         self._note("login", account.name, asked.place)
         answer = done(asked.say(DONE))
         answer.set_cookie(
-            asked.cookie, token, path="/", secure=self._is_tls, httponly=True, samesite="strict"
+            asked.cookie, token, path="/", secure=asked.is_secure, httponly=True, samesite="strict"
         )
         return answer
 
@@ -207,7 +218,7 @@ class HandRoutes:
         self._note("logout", asked.session.account.name, asked.place)
         answer = done(asked.say(DONE))
         answer.delete_cookie(
-            asked.cookie, path="/", secure=self._is_tls, httponly=True, samesite="strict"
+            asked.cookie, path="/", secure=asked.is_secure, httponly=True, samesite="strict"
         )
         return answer
 
@@ -289,6 +300,6 @@ def place_of(asked: HTTPConnection) -> Place:
     """
     heads = asked.headers
     is_passed_on = any(name in PASSED_ON or name.startswith("x-forwarded") for name in heads)
-    is_loopback = asked.client is not None and asked.client.host in LOOPBACK
-    is_called_so = heads.get("host", "").lower().rpartition(":")[0] in PANEL_NAMES
+    is_loopback = asked.client is not None and asked.client.host in LOOPBACK_ADDRESSES
+    is_called_so = host_and_port(heads.get("host", "").lower())[0] in LOOPBACK
     return Place.PANEL if is_loopback and is_called_so and not is_passed_on else Place.NETWORK

@@ -5,20 +5,20 @@ from __future__ import annotations
 import argparse
 import asyncio
 import os
-import socket
 import sys
 from collections.abc import Sequence
 from pathlib import Path
 
 from aff_hmi import account_command
 from aff_hmi.account_command import INSTALLED_ACCOUNTS
+from aff_hmi.entrance import bound
 from aff_hmi.listening import PORT, Listening, listening
 from aff_hmi.words import LANGUAGES
 from aff_runtime.app.hand.accounts import read_accounts
 from aff_runtime.app.hand.may import Place
 from aff_runtime.app.link.runtime_directory import default_directory, runtime_paths
 from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.errors import AffError, ConfigError, WireError
+from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.release import release_text
 from aff_runtime.loop.watchdog import ServiceNotifier
@@ -62,7 +62,8 @@ def _add_address(parser: argparse.ArgumentParser) -> None:
         "--listen",
         default=f"127.0.0.1:{PORT}",
         metavar="ADDRESS:PORT",
-        help="one of this machine; without TLS it must be loopback (default %(default)s)",
+        help="one of this machine; without TLS it must be loopback, which stays open beside any "
+        "other (default %(default)s)",
     )
     parser.add_argument(
         "--host",
@@ -132,7 +133,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             options.private_key,
             options.client_ca,
         )
-        _check_free(place)
+        for one in place.bound_to:  # what cannot be had is told before anything is started
+            bound(*one).close()
         if options.hand_socket is not None:
             read_accounts(options.accounts)
         elif options.commission_socket is not None:
@@ -166,7 +168,7 @@ def _run(options: argparse.Namespace, place: Listening) -> int:
     notifier = ServiceNotifier(os.environ, every_ticks=FRAMES_PER_NOTE)
 
     def ready() -> None:
-        _say(f"look: {place.url}", sys.stdout.fileno())
+        _say(f"look: {' or '.join(place.urls)}", sys.stdout.fileno())
         notifier.tick_done(True)
 
     def alive() -> None:
@@ -181,19 +183,6 @@ def _run(options: argparse.Namespace, place: Listening) -> int:
             hand.desk.close()
         notifier.close()
     return 0
-
-
-def _check_free(place: Listening) -> None:
-    """Refuse an address that cannot be had, before anything is started."""
-    family = socket.AF_INET6 if ":" in place.address else socket.AF_INET
-    with socket.socket(family) as probe:
-        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            probe.bind((place.address, place.port))
-        except OSError as error:
-            raise WireError(
-                f"--listen {place.address}:{place.port}: {error.strerror}; name another one"
-            ) from None
 
 
 def _say(line: str, descriptor: int) -> None:

@@ -38,10 +38,9 @@ class Pages:
     Parameters
     ----------
     language : of a reader whose browser asks for none that there is.
-    is_tls : whether browsers come by https.
     """
 
-    def __init__(self, hub: Hub, language: str, clock: Clock, *, is_tls: bool = False) -> None:
+    def __init__(self, hub: Hub, language: str, clock: Clock) -> None:
         self._hub = hub
         self._language = language
         self.presses: HandRoutes | None = None
@@ -50,7 +49,6 @@ class Pages:
                 hub.hand,
                 clock,
                 hub.counts,
-                is_tls=is_tls,
                 say_of=self._say_of,
                 alarms=AlarmDesk(hub.kept) if hub.kept is not None else None,
                 windows=hub.sources.windows if hub.sources is not None else None,

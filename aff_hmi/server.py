@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 import ssl
 from collections.abc import Callable
 
-import h11
 import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
-from aff_hmi.admission import admits
 from aff_hmi.commission.link import Commission
 from aff_hmi.counted import Counted
+from aff_hmi.entrance import MAX_CONNECTIONS, Entrance, bound
 from aff_hmi.gate import Gate, Rates
 from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
@@ -25,7 +25,6 @@ from aff_hmi.watch import Watch
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError
 
-MAX_CONNECTIONS = 64
 HEADER_PATIENCE_S = 5.0
 READY_LOOK_S = 0.02
 END_LOOK_S = 0.5
@@ -35,27 +34,39 @@ MAX_UNHEARD = 4
 
 
 class PatientOnce(H11Protocol):
-    """HTTP/1.1 that waits for the head of a first request for a while, and not for ever."""
+    """HTTP/1.1 that waits for the head of a request for a while, and not for ever."""
+
+    _late: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
-        """Begin to wait; who has no room goes, but who finds every place taken is told.
-
-        Who has a place is heard: uvicorn's own bound counts requests whose browsers are gone, too.
-        """
-        there = [_address(one) for one in self.connections]
+        """Begin to wait."""
         super().connection_made(transport)
-        if len(there) < MAX_CONNECTIONS and not admits(_address(self), there, MAX_CONNECTIONS):
-            transport.close()
-            return
-        if len(there) < MAX_CONNECTIONS:
-            self.limit_concurrency = None
-        self.loop.call_later(HEADER_PATIENCE_S, self._is_late, transport)
+        self._wait()
 
-    def _is_late(self, transport: asyncio.Transport) -> None:
-        is_idle = self.conn.their_state is h11.IDLE and self.cycle is None
-        has_spoken = not is_idle or transport.get_protocol() is not self
-        if not has_spoken and not transport.is_closing():
-            transport.close()
+    def data_received(self, data: bytes) -> None:
+        """Take what came. What makes no request does not make us wait for longer.
+
+        uvicorn lets its own timer go with the first byte after an answer.
+        """
+        super().data_received(data)
+        is_asked = not getattr(self.cycle, "response_complete", True)  # no cycle: nothing yet
+        if is_asked or self.transport.get_protocol() is not self:
+            self._stop_waiting()
+        elif self._late is None:
+            self._wait()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Forget it."""
+        self._stop_waiting()
+        super().connection_lost(exc)
+
+    def _wait(self) -> None:
+        self._late = self.loop.call_later(HEADER_PATIENCE_S, self.transport.close)
+
+    def _stop_waiting(self) -> None:
+        if self._late is not None:
+            self._late.cancel()
+            self._late = None
 
 
 class Receipts(WebSocketsSansIOProtocol):
@@ -76,17 +87,46 @@ class Receipts(WebSocketsSansIOProtocol):
 
 
 class Unhurried(uvicorn.Server):
-    """A server that looks twice a second whether it is to end, where uvicorn does ten times."""
+    """A server that counts who comes before TLS is spoken, at all addresses together.
+
+    It looks twice a second whether it is to end, where uvicorn does ten times.
+    """
+
+    def __init__(self, config: uvicorn.Config, listening: Listening) -> None:
+        super().__init__(config)
+        self._listening = listening
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Listen at every address.
+
+        Raises
+        ------
+        WireError
+            When one cannot be had.
+        """
+        await self.lifespan.startup()
+        own = sockets or [bound(*one) for one in self._listening.bound_to]
+        inside = self.server_state.connections
+        self.servers = [Entrance(own, inside, self._protocol, self._tls_at)]  # type: ignore[list-item]
+        self.started = True
+
+    def _protocol(self, has_place: bool) -> PatientOnce:
+        """Return what hears who has come.
+
+        Who has a place is heard: uvicorn's own bound counts requests whose browsers are gone, too.
+        """
+        made = PatientOnce(self.config, self.server_state, self.lifespan.state)
+        if has_place:
+            made.limit_concurrency = None
+        return made
+
+    def _tls_at(self, address: str) -> ssl.SSLContext | None:
+        return self.config.ssl if self._listening.is_tls_at(address) else None
 
     async def main_loop(self) -> None:
         """Run until a signal."""
         while not await self.on_tick(0):
             await asyncio.sleep(END_LOOK_S)
-
-
-def _address(protocol: object) -> str:
-    client: tuple[str, int] | None = getattr(protocol, "client", None)
-    return client[0] if client else ""
 
 
 def config_of(listening: Listening, hub: Hub, language: str) -> uvicorn.Config:
@@ -98,18 +138,15 @@ def config_of(listening: Listening, hub: Hub, language: str) -> uvicorn.Config:
         When certificate or key cannot be used.
     """
     clock, authority = MonotonicClock(), listening.client_ca
-    pages = Pages(hub, language, clock, is_tls=listening.is_tls)
+    pages = Pages(hub, language, clock)
     app = Gate(
         pages.app(),
         listening.hosts,
         Rates(clock),
-        is_tls=listening.is_tls,
         is_logged_in=pages.presses.is_logged_in if pages.presses is not None else None,
     )
     config = uvicorn.Config(
         Counted(app, hub.counts, clock),
-        host=listening.address,
-        port=listening.port,
         http=PatientOnce,
         ws=Receipts,
         loop="asyncio",
@@ -156,7 +193,7 @@ async def serve(
     files = tuple(one for one in (listening.certificate, listening.client_ca) if one is not None)
     machine = Machine(clock, kept.wall, files)
     hub = Hub(watch, clock, hand, kept, commission, machine)
-    server = Unhurried(config_of(listening, hub, language))
+    server = Unhurried(config_of(listening, hub, language), listening)
     polling = asyncio.create_task(hub.run(alive))
     serving = asyncio.create_task(server.serve())
     while not (server.started or serving.done()):
@@ -166,6 +203,6 @@ async def serve(
     done, _ = await asyncio.wait({polling, serving}, return_when=asyncio.FIRST_COMPLETED)
     if polling in done:  # it never ends by itself: whatever ended it is the error
         server.should_exit = True
-        await serving
     polling.cancel()
+    await serving
     await asyncio.gather(polling, return_exceptions=serving in done)

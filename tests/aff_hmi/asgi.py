@@ -24,20 +24,23 @@ class Answer:
     body: str
 
 
-def screen(tmp_path, clock: VirtualClock, *, is_tls: bool = False) -> tuple[Gate, Hub]:
+def screen(tmp_path, clock: VirtualClock) -> tuple[Gate, Hub]:
     """Return the whole app behind its gate, and the hub in it."""
     hub = Hub(Watch(tmp_path / "door.sock", clock), clock)
-    return Gate(Pages(hub, "en", clock).app(), [HOST], Rates(clock), is_tls=is_tls), hub
+    return Gate(Pages(hub, "en", clock).app(), [HOST], Rates(clock)), hub
 
 
-def scope(path: str, headers: list[tuple[str, str]], kind: str, method: str) -> dict[str, object]:
+def scope(
+    path: str, headers: list[tuple[str, str]], kind: str, method: str, *, is_tls: bool = False
+) -> dict[str, object]:
+    """Return a request as uvicorn says it."""
     raw, _, query = path.partition("?")
     return {
         "type": kind,
         "asgi": {"version": "3.0"},
         "http_version": "1.1",
         "method": method,
-        "scheme": "http",
+        "scheme": ("ws" if kind == "websocket" else "http") + "s" * is_tls,
         "path": raw,
         "raw_path": raw.encode(),
         "root_path": "",
@@ -54,6 +57,8 @@ def get(
     path: str = "/",
     method: str = "GET",
     headers: list[tuple[str, str]] | None = None,
+    *,
+    is_tls: bool = False,
 ) -> Answer:
     """Return the answer to one request."""
     said: list[Message] = []
@@ -65,14 +70,16 @@ def get(
         said.append(message)
 
     given = [("host", HOST)] if headers is None else headers
-    asyncio.run(app(scope(path, given, "http", method), receive, send))
+    asyncio.run(app(scope(path, given, "http", method, is_tls=is_tls), receive, send))
     start, *rest = said
     found = {k.decode(): v.decode() for k, v in start["headers"]}
     body = b"".join(one.get("body", b"") for one in rest)
     return Answer(start["status"], found, body.decode())
 
 
-def shake(app: ASGIApp, headers: list[tuple[str, str]], path: str = "/live") -> list[Message]:
+def shake(
+    app: ASGIApp, headers: list[tuple[str, str]], path: str = "/live", *, is_tls: bool = False
+) -> list[Message]:
     """Return what a socket is told that leaves as soon as it is in."""
     said: list[Message] = []
     heard = iter([{"type": "websocket.connect"}, {"type": "websocket.disconnect", "code": 1000}])
@@ -83,5 +90,5 @@ def shake(app: ASGIApp, headers: list[tuple[str, str]], path: str = "/live") -> 
     async def send(message: Message) -> None:
         said.append(message)
 
-    asyncio.run(app(scope(path, headers, "websocket", "GET"), receive, send))
+    asyncio.run(app(scope(path, headers, "websocket", "GET", is_tls=is_tls), receive, send))
     return said

@@ -110,13 +110,12 @@ class Pressed:
         watch = Watch(folder / "door.sock", self.clock)
         self.hub = Hub(watch, self.clock, self.hand, self.kept, commission)
         self.is_tls = is_tls
-        self.pages = Pages(self.hub, "en", self.clock, is_tls=is_tls)
+        self.pages = Pages(self.hub, "en", self.clock)
         assert self.pages.presses is not None
         self.gate = Gate(
             self.pages.app(),
             [HOST],
             Rates(self.clock),
-            is_tls=is_tls,
             is_logged_in=self.pages.presses.is_logged_in,
         )
         self._ids = 0
@@ -179,7 +178,8 @@ class Browser:
         async def send(message: Message) -> None:
             told.append(message)
 
-        made = scope(path, headers, "http", method) | {"client": (self.client, 5000)}
+        made = scope(path, headers, "http", method, is_tls=self.at.is_tls)
+        made |= {"client": (self.client, 5000)}
         asyncio.run(self.at.gate(made, receive, send))
         start, *rest = told
         found = {k.decode(): v.decode() for k, v in start["headers"]}

@@ -132,11 +132,16 @@ def test_addresses_are_not_remembered_without_end() -> None:
     assert len(rates._buckets) == MAX_ADDRESSES
 
 
-def test_with_tls_the_browser_is_told_to_stay_there(tmp_path: Path) -> None:
-    app, _ = screen(tmp_path, VirtualClock(1), is_tls=True)
-    assert get(app).headers["strict-transport-security"].startswith("max-age=")
+def test_with_tls_the_browser_is_told_to_stay_there_and_at_loopback_beside_it_is_not(
+    tmp_path: Path,
+) -> None:
+    app, _ = screen(tmp_path, VirtualClock(1))
+    assert get(app, is_tls=True).headers["strict-transport-security"].startswith("max-age=")
+    assert "strict-transport-security" not in get(app).headers
     tls = [("host", HOST), ("origin", f"https://{HOST}")]
-    assert shake(app, tls)[0]["type"] == "websocket.accept"
+    assert shake(app, tls, is_tls=True)[0]["type"] == "websocket.accept"
+    assert shake(app, tls)[0]["type"] == "websocket.close"
+    assert shake(app, OWN, is_tls=True)[0]["type"] == "websocket.close"
 
 
 HOSTILE = "<img src=x onerror=alert(1)>\"'&\u202e{{7*7}}"

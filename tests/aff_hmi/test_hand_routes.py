@@ -322,6 +322,8 @@ PLACES: dict[str, tuple[dict[str, str], Place]] = {
     "the gateway itself": ({"host": HOST}, Place.PANEL),
     "its name": ({"host": "LocalHost:8480"}, Place.PANEL),
     "IPv6": ({"host": "[::1]:8480"}, Place.PANEL),
+    "port 80, which no browser says": ({"host": "127.0.0.1"}, Place.PANEL),
+    "IPv6 at port 80": ({"host": "[::1]"}, Place.PANEL),
     "a tunnel to another port": ({"host": "127.0.0.1:9000"}, Place.PANEL),
     "a proxy that keeps the name": ({"host": "aff-line1:8480"}, Place.NETWORK),
     "a name that begins alike": ({"host": "127.0.0.1.evil.example:8480"}, Place.NETWORK),

@@ -11,11 +11,13 @@ import pytest
 
 pytest.importorskip("starlette")
 
+from starlette.requests import HTTPConnection
 
 from aff_hmi.bundles import served
 from aff_hmi.sessions import HAND_NS, IDLE_NS, LASTS_NS
 from aff_runtime.app.hand.may import Code, Place
 from aff_runtime.base.signals import State
+from tests.aff_hmi.asgi import scope
 from tests.aff_hmi.pressed import LOGIN, NAMES, PASSWORD, Browser, Pressed, armed, later, quick
 
 # --- two technicians ---------------------------------------------------------------------------
@@ -186,6 +188,24 @@ def test_the_cookie_is_for_this_screen_alone(
     assert name.startswith("__Host-aff-8480=" if is_tls else "aff-8480=")
     assert not any(part.startswith(("domain", "max-age", "expires")) for part in said)
     assert len(name.partition("=")[2]) >= 43  # 256 bits
+
+
+@pytest.mark.parametrize(
+    ("host", "is_tls", "name"),
+    [
+        ("127.0.0.1:8480", False, "aff-8480"),
+        ("aff-line1:8480", True, "__Host-aff-8480"),
+        ("aff-line1", True, "__Host-aff-443"),
+        ("[::1]", False, "aff-80"),
+        ("[::1]:8480", False, "aff-8480"),
+    ],
+)
+def test_a_cookie_is_named_after_the_port_said_or_not(
+    at: Pressed, host: str, is_tls: bool, name: str
+) -> None:
+    assert at.pages.presses is not None
+    asked = HTTPConnection(scope("/", [("host", host)], "http", "GET", is_tls=is_tls))
+    assert at.pages.presses.cookie_name(asked) == name
 
 
 def test_no_secret_is_shown_in_page_or_frame(at: Pressed) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from aff_hmi.listening import PORT, listening
+from aff_hmi.listening import LOOPBACK, PORT, host_and_port, listening
 from aff_hmi.main import main
 from aff_runtime.base.errors import ConfigError
 
@@ -25,15 +25,64 @@ def pem(tmp_path: Path) -> Path:
 def test_loopback_is_known_by_its_names_and_no_other() -> None:
     place = at(f"127.0.0.1:{PORT}")
     assert set(place.hosts) == {f"127.0.0.1:{PORT}", f"localhost:{PORT}", f"[::1]:{PORT}"}
-    assert place.url == f"http://127.0.0.1:{PORT}/"
+    assert place.urls == (f"http://127.0.0.1:{PORT}/",)
+    assert place.bound_to == (("127.0.0.1", PORT),)
 
 
 @pytest.mark.parametrize("address", ["0.0.0.0:8480", "192.168.7.31:8480", "[::]:8480"])
-def test_an_address_of_a_network_needs_tls(address: str, pem: Path) -> None:
+def test_an_address_of_a_network_needs_tls_and_leaves_loopback_open_beside_it(
+    address: str, pem: Path
+) -> None:
     with pytest.raises(ConfigError, match="needs TLS"):
         at(address)
-    assert at(address, ("aff-line1",), pem).is_tls
-    assert at(address, ("aff-line1",), pem).url == "https://aff-line1:8480/"
+    place = at(address, ("aff-line1",), pem)
+    assert place.urls == ("https://aff-line1:8480/", "http://127.0.0.1:8480/")
+    assert {"127.0.0.1:8480", "localhost:8480", "[::1]:8480", "aff-line1:8480"} <= set(place.hosts)
+    assert (place.is_tls_at("192.168.7.31"), place.is_tls_at("127.0.0.1")) == (True, False)
+    assert place.is_tls_at("fe80::1")
+    assert not place.is_tls_at("::1")
+
+
+@pytest.mark.parametrize(
+    ("listen", "bound_to"),
+    [
+        ("0.0.0.0:8480", [("0.0.0.0", 8480)]),
+        ("192.168.7.31:81", [("192.168.7.31", 81), ("127.0.0.1", 81)]),
+        ("[::]:8480", [("::", 8480), ("127.0.0.1", 8480)]),
+    ],
+)
+def test_no_address_is_listened_at_twice(
+    listen: str, bound_to: list[tuple[str, int]], pem: Path
+) -> None:
+    assert list(at(listen, (), pem).bound_to) == bound_to
+
+
+def test_what_is_printed_can_be_opened(pem: Path) -> None:
+    assert at("0.0.0.0:8480", (), pem).urls == ("http://127.0.0.1:8480/",)
+    assert not [name for name in at("[::]:8480", (), pem).hosts if name.startswith("[::]")]
+    own = at("192.168.7.31:8480", (), pem)
+    assert own.urls == ("https://192.168.7.31:8480/", "http://127.0.0.1:8480/")
+    by_tls = at("127.0.0.1:8480", ("aff-line1",), pem)  # loopback itself, as it was asked for
+    assert by_tls.urls == ("https://127.0.0.1:8480/",)
+    assert by_tls.is_tls_at("127.0.0.1")
+
+
+@pytest.mark.parametrize(
+    ("listen", "host", "has_tls", "bare"),
+    [
+        ("192.168.7.31:443", "aff-line1", True, {"aff-line1", "192.168.7.31", *LOOPBACK}),
+        ("192.168.7.31:8480", "aff-line1:443", True, {"aff-line1"}),
+        ("[fe80::1]:443", "aff-line1", True, {"aff-line1", "[fe80::1]", *LOOPBACK}),
+        ("127.0.0.1:80", "aff-line1", False, {"aff-line1", *LOOPBACK}),
+        ("127.0.0.1:443", "aff-line1", False, set()),
+        ("192.168.7.31:8480", "aff-line1", True, set()),
+    ],
+)
+def test_a_browser_leaves_out_the_port_of_its_scheme(
+    listen: str, host: str, has_tls: bool, bare: set[str], pem: Path
+) -> None:
+    place = at(listen, (host,), pem if has_tls else None)
+    assert {name for name in place.hosts if not host_and_port(name)[1]} == bare
 
 
 @pytest.mark.parametrize(

@@ -118,7 +118,7 @@ def test_hostile_names_stay_inside_their_labels() -> None:
 def test_every_answer_is_counted_by_route_and_status_and_no_path_is_a_label() -> None:
     clock = VirtualClock(1)
     hub = Hub(Watch(Path("/nowhere"), clock), clock)
-    gate = Gate(Pages(hub, "en", clock).app(), [HOST], Rates(clock), is_tls=False)
+    gate = Gate(Pages(hub, "en", clock).app(), [HOST], Rates(clock))
     app = Counted(gate, hub.counts, clock)
     for path in ("/", "/", "/static/icon.svg", "/static/x", "/<script>", "/admin"):
         get(app, path)

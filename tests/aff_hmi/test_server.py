@@ -13,9 +13,9 @@ import pytest
 pytest.importorskip("starlette")
 
 from aff_hmi import admission, server
+from aff_hmi.entrance import MAX_CONNECTIONS
 from aff_hmi.hub import Hub
 from aff_hmi.see.events import newest
-from aff_hmi.server import MAX_CONNECTIONS
 from aff_hmi.watch import Watch
 from aff_runtime.base.clock import MonotonicClock
 from tests.aff_hmi.pressed import Pressed
@@ -77,6 +77,28 @@ def test_a_line_that_has_asked_once_is_not_taken_for_one_that_says_nothing(
                 length = int(head.lower().partition(b"content-length: ")[2].split(b"\r\n")[0])
                 await reader.readexactly(length)
                 await asyncio.sleep(0.5)  # longer than a first request may take
+            writer.close()
+
+    asyncio.run(play())
+
+
+@pytest.mark.parametrize("first", ["HEAD / HTTP/1.1", "GET /static/nothing HTTP/1.1"])
+@pytest.mark.parametrize("more", [b"G", b"GET /metrics HTTP/1.1\r\nHost: x\r\n"])
+def test_who_begins_another_request_and_never_ends_it_loses_his_place(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, first: str, more: bytes
+) -> None:
+    monkeypatch.setattr(server, "HEADER_PATIENCE_S", 0.3)
+
+    async def play() -> None:
+        watch = Watch(tmp_path / "door.sock", MonotonicClock())
+        async with served(watch) as (port, _):
+            reader, writer = await asyncio.open_connection("127.0.0.1", port)
+            length = "Content-Length: 9\r\n" if first.startswith("GET") else ""
+            writer.write(f"{first}\r\nHost: 127.0.0.1:{port}\r\n{length}\r\n".encode())
+            await reader.readuntil(b"\r\n\r\n")
+            writer.write(more)
+            async with asyncio.timeout(10.0):  # a place held for ever fails here
+                await reader.read()
             writer.close()
 
     asyncio.run(play())

@@ -15,16 +15,14 @@ from aff_hmi.listening import listening
 from aff_hmi.server import config_of
 from aff_hmi.watch import Watch
 from aff_runtime.base.errors import ConfigError
+from tests.aff_hmi.served import certificate
 from tests.doubles.virtual_clock import VirtualClock
 
 
 @pytest.fixture
 def served(tmp_path: Path) -> ssl.SSLContext:
-    """Return what the server speaks with, of a certificate made as docs/screen.md says."""
-    made = "req -x509 -newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes -days 1 -subj /CN=aff"
-    files = ["-keyout", str(tmp_path / "key.pem"), "-out", str(tmp_path / "cert.pem")]
-    names = ["-addext", "subjectAltName=DNS:aff-line1"]
-    subprocess.run(["openssl", *made.split(), *names, *files], check=True, capture_output=True)
+    """Return what the server speaks with."""
+    certificate(tmp_path)
     place = listening(
         "127.0.0.1:8480", ("aff-line1",), tmp_path / "cert.pem", tmp_path / "key.pem", None
     )

@@ -8,14 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import uvicorn
-
 from aff_hmi.commission.link import Commission
 from aff_hmi.hand import Hand
 from aff_hmi.hub import Hub
 from aff_hmi.listening import listening
 from aff_hmi.see.kept import Kept
-from aff_hmi.server import config_of
+from aff_hmi.server import Unhurried, config_of
 from aff_hmi.watch import News, Seen
 from aff_runtime.app.hand.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.hand.may import Place, Role
@@ -104,8 +102,8 @@ class Stage:
         kept = Kept(None, MonotonicClock(), can_be_seen=hand is not None) if keeps else None
         self._hub = Hub(self.watch, MonotonicClock(), hand, kept, commission)  # type: ignore[arg-type]
         place = listening(f"127.0.0.1:{free_port()}", (), None, None, None)
-        self.url = place.url
-        self._server = uvicorn.Server(config_of(place, self._hub, "en"))
+        (self.url,) = place.urls
+        self._server = Unhurried(config_of(place, self._hub, "en"), place)
         self._thread = threading.Thread(target=lambda: asyncio.run(self._serve()), daemon=True)
         self._thread.start()
 
