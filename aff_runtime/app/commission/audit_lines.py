@@ -6,7 +6,7 @@ import logging
 from dataclasses import replace
 
 from aff_runtime.app.hand.audit import Audit, Entry
-from aff_runtime.app.supervisor.hand.desk import Limits
+from aff_runtime.app.supervisor.hand.quotas import Quota
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 
@@ -18,7 +18,7 @@ class AuditLines:
 
     def __init__(self, audit: Audit, clock: Clock) -> None:
         self._audit = audit
-        self._lines = Limits(clock).lines
+        self._lines = Quota(clock, per_s=0.1, burst=60.0)
         self._unwritten = 0
         self._fault = ""
 

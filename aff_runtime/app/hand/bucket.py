@@ -30,6 +30,12 @@ class Bucket:
         self._left -= 1.0
         return True
 
+    @property
+    def is_full(self) -> bool:
+        """Whether it holds as many as it can."""
+        since_s = (self._clock.now_ns() - self._since_ns) * 1e-9
+        return self._left + self._per_s * since_s >= self._burst
+
     def put_back(self) -> None:
         """Return a token that was taken for what does not count after all."""
         self._left = min(self._burst, self._left + 1.0)

@@ -14,17 +14,18 @@ from typing import Any, TypeAlias
 from aff_runtime.app.hand.may import BY_HAND, ROLES, Action, Code, Place, Reason, Role
 from aff_runtime.base.signals import State
 
-PROTOCOL = 1
+PROTOCOL = 2
 MAX_PACKET_BYTES = 2048
 LONGEST_NAME = 200  # characters of what a reason names
 NOBODY = "nobody"  # account of a bypass for which nobody has logged in
 VALID_NS = 2_000_000_000  # a press may be done until so long after what the person saw
 LOGIN_REFUSED = "login refused"
+PRESS_REFUSED = "press refused"
+LOGINS = ("login", "logout", "session ended", "session ended by")
 NOTICES = (
-    "login",
+    *LOGINS,
     LOGIN_REFUSED,
-    "logout",
-    "session ended",
+    PRESS_REFUSED,
     "hand taken",
     "hand taken over",
     "hand released",
@@ -32,7 +33,6 @@ NOTICES = (
     "alarm seen",
     "alarm put aside",
     "alarm taken back",
-    "session ended by",
     "window kept",
     "window let go",
 )
@@ -76,11 +76,23 @@ class Command:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Notice:
-    """Something of a session, for the audit alone; ``what`` is one of ``NOTICES``."""
+    """Something of a session, for the audit alone; ``what`` is one of ``NOTICES``.
+
+    Attributes
+    ----------
+    action, code : of a press that the screen itself refused, and why.
+    other : whose hand was taken over.
+    more : so many before it were not said. ``ago_s`` : it happened so long ago, s.
+    """
 
     what: str
     account: str
     place: Place
+    action: str = ""
+    code: str = ""
+    other: str = ""
+    more: int = 0
+    ago_s: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,14 +133,18 @@ def read_said(packet: bytes) -> Said:
     if kind == "notice":
         _check_keys(said, Notice)
         return Notice(
-            what=_one_of(said, "what", NOTICES), account=_account(said), place=_place(said)
+            what=_one_of(said, "what", NOTICES),
+            account=_account(said),
+            place=_place(said),
+            action=_one_of(said, "action", ("", *BY_HAND)),
+            code=_one_of(said, "code", ("", *Code)),
+            other=_matching(said, "other", _ACCOUNT) if said["other"] != "" else "",
+            more=_number(said, "more", "a count is needed"),
+            ago_s=_number(said, "ago_s", "a time in s is needed"),
         )
     if kind != "command":
         raise HandMessageError("say: command or notice is needed")
     _check_keys(said, Command)
-    until_ns = said["valid_until_ns"]
-    if not isinstance(until_ns, int) or isinstance(until_ns, bool) or not 0 <= until_ns < 2**63:
-        raise HandMessageError("valid_until_ns: a time of the monotonic clock is needed")
     return Command(
         id=_matching(said, "id", _ID),
         action=Action(_one_of(said, "action", BY_HAND)),
@@ -136,7 +152,7 @@ def read_said(packet: bytes) -> Said:
         role=ROLES[_one_of(said, "role", tuple(ROLES))],
         place=_place(said),
         seen=_one_of(said, "seen", ("", *State.__members__)),
-        valid_until_ns=until_ns,
+        valid_until_ns=_number(said, "valid_until_ns", "a time of the monotonic clock is needed"),
     )
 
 
@@ -194,6 +210,13 @@ def _matching(said: Any, key: str, pattern: re.Pattern[str]) -> str:
     if not isinstance(said[key], str) or not pattern.fullmatch(said[key]):
         raise HandMessageError(f"{key}: must match {pattern.pattern}")
     return str(said[key])
+
+
+def _number(said: Any, key: str, wanted: str) -> int:
+    value = said[key]
+    if not isinstance(value, int) or isinstance(value, bool) or not 0 <= value < 2**63:
+        raise HandMessageError(f"{key}: {wanted}")
+    return value
 
 
 def _account(said: Any) -> str:

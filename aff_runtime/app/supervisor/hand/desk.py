@@ -12,10 +12,11 @@ from typing import Protocol
 
 from aff_runtime import __version__
 from aff_runtime.app.hand.audit import Audit, Entry
-from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.app.hand.may import Action, Circumstances, Code, Person, Place, Reason, Role, may
 from aff_runtime.app.hand.messages import (
     LOGIN_REFUSED,
+    LOGINS,
+    PRESS_REFUSED,
     VALID_NS,
     Answer,
     Command,
@@ -27,12 +28,14 @@ from aff_runtime.app.hand.messages import (
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.command_counts import CommandTally, Result, Via
 from aff_runtime.app.supervisor.hand.entries import ServiceState, entry_of
+from aff_runtime.app.supervisor.hand.quotas import Limits, Quota
 from aff_runtime.app.supervisor.hand.visits import Caller, Visits
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
 
 REMEMBERED_NS = 5 * VALID_NS
+RETRY_NS = 1_000_000_000
 SHOWN_HASH = 12
 LOG = logging.getLogger("aff_runtime")
 
@@ -72,54 +75,6 @@ class Commanded(Protocol):
         """Put a sentence into the log and the record."""
 
 
-class Quota:
-    """How many lines of one kind are written; what is left out is counted, and told in a line.
-
-    Parameters
-    ----------
-    per_s, burst : as of the `Bucket`. ``kind`` : what is counted, in that line.
-    """
-
-    def __init__(self, clock: Clock, *, per_s: float, burst: float, kind: str = "") -> None:
-        self._bucket = Bucket(clock, per_s=per_s, burst=burst)
-        self._left_out = 0
-        self._kind = kind
-
-    def take(self) -> bool:
-        """Return whether one more line may be written; it is counted when not."""
-        if self._bucket.take():
-            return True
-        self.leave_out()
-        return False
-
-    def leave_out(self) -> None:
-        """Count what is not written."""
-        self._left_out += 1
-
-    def told(self, uid: int) -> str:
-        """Return the sentence of what was left out, once there is room for it; else nothing."""
-        if not self._left_out or not self._bucket.take():
-            return ""
-        count, self._left_out = self._left_out, 0
-        return f"{count} more{self._kind} of uid {uid}, not written one by one"
-
-
-class Limits:
-    """How much of one user is heard, and how much of that is written line by line.
-
-    What is written for long, 0.12 lines/s and three for each of 0.2 arms/s, is 28 MB a day: the
-    audit reaches back for two days at the worst. Refused logins are of strangers, whoever's screen
-    they come through: they take no place of those who have one.
-    """
-
-    def __init__(self, clock: Clock) -> None:
-        self.packets = Bucket(clock, per_s=50.0, burst=100.0)
-        self.commands = Bucket(clock, per_s=0.2, burst=10.0)
-        self.bypasses = Bucket(clock, per_s=10.0, burst=10.0)
-        self.lines = Quota(clock, per_s=0.1, burst=60.0)
-        self.logins = Quota(clock, per_s=0.02, burst=20.0, kind=" refused logins")
-
-
 class HandDesk:
     """Hears the screens.
 
@@ -149,6 +104,8 @@ class HandDesk:
         self._ids: OrderedDict[str, int] = OrderedDict()
         self._bypass_due = False
         self._audit_fault = ""
+        self._lost = 0  # lines that could not be written, and whose number is not yet either
+        self._retry_ns = 0
         self._visits = Visits(folder, selector, self._welcome, self._hear, is_private=is_private)
 
     @property
@@ -158,8 +115,8 @@ class HandDesk:
 
     @property
     def is_kept(self) -> bool:
-        """Whether the audit's chain held when it was opened, and every line since was written."""
-        return not self._audit_fault
+        """Whether every line since the audit was opened is in it, or in a number that it tells."""
+        return not self._lost
 
     def serve(self, key: selectors.SelectorKey) -> bool:
         """Do what a selector's event asks for; False when it is none of the hand's."""
@@ -170,14 +127,18 @@ class HandDesk:
         if self._bypass_due and any(one.bypasses.take() for one in self._limits.values()):
             self._bypass_due = False
             self._service.bypass()
+        now_ns = self._clock.now_ns()
+        if self._lost and now_ns >= self._retry_ns:
+            self._retry_ns = now_ns + RETRY_NS
+            self._tells_lost()
         for uid, limits in self._limits.items():
-            for quota in (limits.lines, limits.logins):
-                if why := quota.told(uid):
-                    self._write(Entry(what="more", result="noted", why=why))
+            for why in limits.told(uid):
+                self._write(Entry(what="more", result="noted", why=why))
 
     def close(self) -> None:
         """Send the screens away; the audit ends."""
         self._visits.close()
+        self._tells_lost()
         self._audit.close()
 
     # --- one visitor ------------------------------------------------------------------------
@@ -196,7 +157,7 @@ class HandDesk:
             self._refuse_unreadable(visitor, str(error), limits)
             return False
         if isinstance(said, Notice) and said.what == LOGIN_REFUSED:
-            self._keep(limits.logins, entry_of(said, visitor))
+            self._keep(limits.strangers, entry_of(said, visitor))
             return True  # what strangers try sends no screen away
         is_heard = limits.packets.take()
         if isinstance(said, Command) and said.action is Action.BYPASS:
@@ -204,14 +165,16 @@ class HandDesk:
         elif is_heard and isinstance(said, Command):
             self._press(visitor, said, limits)
         elif is_heard and isinstance(said, Notice):
-            self._keep(limits.lines, entry_of(said, visitor))
+            kinds = {PRESS_REFUSED: limits.presses, **dict.fromkeys(LOGINS, limits.logins)}
+            shares = kinds.get(said.what, limits.lines)
+            self._keep(shares.of(said.account), entry_of(said, visitor))
         else:
-            limits.lines.leave_out()
+            limits.lines.of(said.account).leave_out()
         return is_heard
 
     def _refuse_unreadable(self, visitor: Caller, why: str, limits: Limits) -> None:
         entry = Entry(what="no command", result="refused", why=why, peer=str(visitor.peer))
-        self._keep(limits.lines, entry)
+        self._keep(limits.lines.of(""), entry)
 
     # --- commands ---------------------------------------------------------------------------
 
@@ -227,7 +190,7 @@ class HandDesk:
         if is_at_once and before not in (None, State.BYPASS):
             number = self._write(entry)
         else:
-            number = self._keep(limits.lines, entry)
+            number = self._keep(limits.lines.of(command.account), entry)
         self._counts.add(command.action, Via.HMI, Result.DONE)
         visitor.tell(Answer(id=command.id, ok=True, audit=number))
 
@@ -239,7 +202,7 @@ class HandDesk:
             became = BECAME.get(against.code, Result.REFUSED)
             self._counts.add(command.action, Via.HMI, became)
             refused = replace(entry, result="refused", why=against.text)
-            number = self._keep(limits.lines, refused)
+            number = self._keep(limits.lines.of(command.account), refused)
             visitor.tell(Answer(id=command.id, ok=False, reason=against, audit=number))
         elif not self._write(replace(entry, result="asked")):
             reason = Reason(code=Code.UNRECORDED)
@@ -312,7 +275,33 @@ class HandDesk:
         return self._write(entry) if quota.take() else 0
 
     def _write(self, entry: Entry) -> int:
-        """Write one line, here and into the service's log; its number, 0 when it cannot be."""
+        """Write one line, here and into the service's log; its number, 0 when it cannot be.
+
+        What could not be written is in the log alone; how many stands in the audit, first of all,
+        once there is room again.
+        """
+        number = self._add(entry) if self._tells_lost() else 0
+        if not number:
+            self._lost += 1
+        kept = f"audit {number} {self._audit.newest[:SHOWN_HASH]}"
+        who = f' by "{entry.account}" of a screen as it says' if entry.account else ""
+        why = f" ({entry.why})" if entry.why else ""
+        where = kept if number else "not in the audit"
+        self._service.note(f"{entry.what} {entry.result}{who}{why}; {entry.peer}; {where}")
+        return number
+
+    def _tells_lost(self) -> bool:
+        """Put on record how many lines could not be written; False when that cannot be either."""
+        if not self._lost:
+            return True
+        said = f"{self._lost} lines could not be written"
+        number = self._add(Entry(what="lost", result="noted", why=said))
+        if number:
+            self._lost = 0
+            LOG.info("the audit is kept again: %s, says its line %d", said, number)
+        return number > 0
+
+    def _add(self, entry: Entry) -> int:
         try:
             number = self._audit.add(entry)
         except RefusedError as error:
@@ -321,8 +310,4 @@ class HandDesk:
                 LOG.error("the audit is not kept, no screen arms: %s", error)
             return 0
         self._audit_fault = ""
-        who = f' by "{entry.account}" of a screen as it says' if entry.account else ""
-        why = f" ({entry.why})" if entry.why else ""
-        kept = f"audit {number} {self._audit.newest[:SHOWN_HASH]}"
-        self._service.note(f"{entry.what} {entry.result}{who}{why}; {entry.peer}; {kept}")
         return number

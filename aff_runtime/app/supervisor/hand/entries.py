@@ -42,6 +42,7 @@ def entry_of(message: Command | Notice, caller: Caller, now: ServiceState | None
         return Entry(
             what=message.what,
             result="noted",
+            why=_why(message),
             account=message.account,
             place=message.place,
             peer=peer,
@@ -60,3 +61,14 @@ def entry_of(message: Command | Notice, caller: Caller, now: ServiceState | None
         config=now.config if now is not None else "",
         id=message.id,
     )
+
+
+def _why(notice: Notice) -> str:
+    """Return what is said of a notice beside what it is."""
+    parts = {
+        f"{notice.action}: {notice.code}": notice.code,
+        f"from {notice.other}": notice.other,
+        f"{notice.more} before it were not said": notice.more,
+        f"{notice.ago_s} s before this line": notice.ago_s,
+    }
+    return "; ".join(text for text, is_said in parts.items() if is_said)

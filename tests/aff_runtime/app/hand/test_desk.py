@@ -19,7 +19,7 @@ from aff_runtime.app.supervisor.hand import visits
 from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules
 from aff_runtime.app.supervisor.hand.entries import ServiceState
 from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS
-from aff_runtime.base.errors import RefusedError, WireError
+from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import State
 from tests.aff_runtime.app.hand.stand import Stand
 
@@ -238,10 +238,10 @@ def test_a_flood_of_arms_is_bounded_counted_and_does_not_hold_up_a_bypass(stand:
     stand.round()
     assert stand.service.bypassed == 1
     assert len(stand.rows()) == 61
-    stand.clock.advance_ns(10 * S)
+    stand.clock.advance_ns(34 * S)  # 0.03 lines/s of an account: room for one
     stand.round()
     assert stand.rows()[-1]["what"] == "more"
-    assert stand.rows()[-1]["why"].startswith("30 more")
+    assert stand.rows()[-1]["why"].startswith("30 more of anna, of uid ")
 
 
 def test_a_flood_of_bypasses_costs_ten_a_second_and_the_last_is_done(stand: Stand) -> None:
@@ -272,9 +272,9 @@ def test_a_bypass_that_changes_nothing_is_counted_when_it_comes_too_often(
         client.close()
         stand.round()
     assert len(stand.rows()) == 60
-    stand.clock.advance_ns(10 * S)
+    stand.clock.advance_ns(34 * S)
     stand.round()
-    assert stand.rows()[-1]["why"].startswith("40 more")
+    assert stand.rows()[-1]["why"].startswith("40 more of anna, of uid ")
 
 
 def test_who_says_too_much_is_sent_away_but_his_bypass_is_done(stand: Stand) -> None:
@@ -288,26 +288,6 @@ def test_who_says_too_much_is_sent_away_but_his_bypass_is_done(stand: Stand) -> 
     late.say(stand.command(Action.BYPASS))
     stand.round()
     assert stand.service.bypassed == 1
-
-
-def test_without_a_record_nothing_arms_and_a_bypass_is_still_done(
-    stand: Stand, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    client = stand.client()
-
-    def full(entry: object) -> int:
-        raise RefusedError("No space left on device")
-
-    monkeypatch.setattr(stand.audit, "add", full)
-    assert code(stand.say(client, stand.command())) is Code.UNRECORDED
-    assert not stand.service.asked
-    answer = stand.say(client, stand.command(Action.BYPASS))
-    assert answer is not None
-    assert (answer.ok, answer.audit, stand.service.bypassed) == (True, 0, 1)
-    assert not stand.desk.is_kept
-    monkeypatch.undo()
-    stand.say(stand.client(), stand.command(Action.BYPASS))
-    assert stand.desk.is_kept
 
 
 @pytest.mark.parametrize("packet", [b"{}", b"\xff", b"x" * 3000, b'{"say":"command"}', b"null"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -32,7 +33,11 @@ COMMAND = Command(
 NOTICE = Notice(what="login", account="anna", place=Place.NETWORK)
 
 
-@pytest.mark.parametrize("said", [COMMAND, NOTICE])
+REFUSED = replace(NOTICE, what="press refused", action="arm", code="no hand", more=2, ago_s=9)
+OVER = replace(NOTICE, what="hand taken over", other="bert")
+
+
+@pytest.mark.parametrize("said", [COMMAND, NOTICE, REFUSED, OVER])
 def test_what_is_said_comes_through(said: Command | Notice) -> None:
     assert read_said(encode(said)) == said
 
@@ -82,6 +87,30 @@ def test_an_answer_fits_its_packet_however_long_the_reason() -> None:
 )
 def test_a_command_with_one_wrong_part_is_none(key: str, value: Any) -> None:
     said = json.loads(encode(COMMAND))
+    said[key] = value
+    with pytest.raises(HandMessageError):
+        read_said(json.dumps(said).encode())
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("what", "stop"),
+        ("action", "stop"),
+        ("action", None),
+        ("code", "because"),
+        ("code", 1),
+        ("other", "anna bert"),
+        ("other", None),
+        ("more", -1),
+        ("more", True),
+        ("ago_s", 1.5),
+        ("ago_s", 2**63),
+        ("why", "free text"),
+    ],
+)
+def test_a_notice_with_one_wrong_part_is_none(key: str, value: Any) -> None:
+    said = json.loads(encode(REFUSED))
     said[key] = value
     with pytest.raises(HandMessageError):
         read_said(json.dumps(said).encode())
