@@ -69,7 +69,7 @@ TABLE = {
     "/logout": Entry(role=Role.VIEW, keys={}),
     "/sessions": Entry(role=Role.VIEW, keys={}),
     "/sessions/end": Entry(role=Role.VIEW, keys={"number": int}),
-    "/hand": Entry(role=Role.OPERATE, keys={"do": str}),
+    "/hand": Entry(role=Role.OPERATE, keys={"do": str, "of": str}),
     "/act": Entry(
         role=Role.VIEW,
         keys={"action": str, "id": str, "seen": str, "frame": int},
@@ -146,6 +146,6 @@ def because(status: int, reason: Reason, say: Say) -> Response:
     return refusal(status, said_in(reason, say), reason.code)
 
 
-def refusal(status: int, text: str, code: str = "") -> Response:
-    """Return why something was not done."""
-    return JSONResponse({"ok": False, "text": text, "code": code}, status)
+def refusal(status: int, text: str, code: str = "", name: str = "") -> Response:
+    """Return why something was not done; ``name`` : the account that it is of."""
+    return JSONResponse({"ok": False, "text": text, "code": code, "name": name}, status)

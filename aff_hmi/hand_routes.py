@@ -34,6 +34,7 @@ from aff_hmi.gate import is_by_tls
 from aff_hmi.hand import Hand
 from aff_hmi.lesser_presses import LesserPresses
 from aff_hmi.listening import HTTP_PORT, HTTPS_PORT, LOOPBACK, host_and_port
+from aff_hmi.refused import RefusedPresses
 from aff_hmi.see.alarm_desk import AlarmDesk
 from aff_hmi.session_presses import SessionPresses
 from aff_hmi.sessions import Session
@@ -56,7 +57,6 @@ LOOPBACK_ADDRESSES = ("127.0.0.1", "::1")
 PASSED_ON = ("forwarded", "via", "x-real-ip", "x-client-ip")
 WRONG = N_("name or password is wrong")
 WAIT = N_("too many tries: wait a minute")
-NO_TOKEN = N_("this page is older than your login: load it again")
 NO_SENSE = N_("that is no request of this screen")
 NOT_HEARD = N_("the service does not hear this screen: use the switch at the line")
 TAKEN = N_("{name} has the hand; take it over?")
@@ -88,6 +88,7 @@ class HandRoutes:
         self._clock = clock
         self._say_of = say_of
         self._doorkeeper = Doorkeeper(hand.accounts, clock)
+        self._refused = RefusedPresses(hand.desk.notice, clock)
         self._answers: dict[str, Answering] = {
             "/login": self._login,
             "/logout": self._logout,
@@ -142,29 +143,34 @@ class HandRoutes:
             token = self.token_of(request)
             place = place_of(request)
             session = self._hand.sessions.find(token, place)
-            is_free = self._is_free(path, said, place)
-            if entry.role is not None and session is None and not is_free:
-                return because(401, Reason(code=Code.LOGGED_OUT), say)
+            asked = Asked(
+                said=said,
+                session=session,
+                token=token,
+                cookie=self.cookie_name(request),
+                place=place,
+                address=request.client.host if request.client else "",
+                say=say,
+            )
+            needs_login = entry.role is not None and not self._is_free(path, said, place)
+            if session is None and needs_login:
+                return self._refuse(401, Reason(code=Code.LOGGED_OUT), asked)
             if session is not None and not self._has_token(request, session, entry, said):
-                return refusal(403, say(NO_TOKEN))
+                return self._refuse(403, Reason(code=Code.TOKEN), asked)
             if session is not None and entry.role is not None:
                 if session.account.role < entry.role:
-                    return because(403, Reason(code=Code.ROLE), say)
+                    return self._refuse(403, Reason(code=Code.ROLE), asked)
                 if said.get("action") != Action.BYPASS and not session.presses.take():
-                    return because(429, Reason(code=Code.FAST), say)
-            return await answer(
-                Asked(
-                    said=said,
-                    session=session,
-                    token=token,
-                    cookie=self.cookie_name(request),
-                    place=place,
-                    address=request.client.host if request.client else "",
-                    say=say,
-                )
-            )
+                    return self._refuse(429, Reason(code=Code.FAST), asked)
+            return await answer(asked)
 
         return endpoint
+
+    def _refuse(self, status: int, reason: Reason, asked: Asked) -> Response:
+        """Refuse a request; where it is a press of the hand, that is put on record."""
+        account = asked.session.account.name if asked.session is not None else NOBODY
+        self._refused.note(str(asked.said.get("action", "")), reason.code, account, asked.place)
+        return because(status, reason, asked.say)
 
     def _is_free(self, path: str, said: Said, place: Place) -> bool:
         """Return whether this is a bypass that needs no login at this place."""
@@ -238,11 +244,16 @@ class HandRoutes:
                     self._note("hand released", name, asked.place)
             case "take" | "take over" as do:
                 held = sessions.holder()
-                if held is not None and held.session is not session and do == "take":
-                    words = asked.say(TAKEN).replace("{name}", held.session.account.name)
-                    return refusal(409, words, "other hand")
-                before = sessions.take(session)
-                self._note("hand taken over" if before else "hand taken", name, asked.place)
+                is_own = held is not None and held.session is session
+                other = held.session.account.name if held is not None and not is_own else ""
+                if other and (do, asked.said["of"]) != ("take over", other):
+                    # whoever has it by now is named, and is who is asked about
+                    words = asked.say(TAKEN).replace("{name}", other)
+                    return refusal(409, words, Code.OTHER_HAND, other)
+                sessions.take(session)
+                what = "hand taken over" if other else "hand taken"
+                if not is_own:
+                    self._note(what, name, asked.place, other)
             case _:
                 return refusal(400, asked.say(NO_SENSE))
         return done(asked.say(DONE))
@@ -268,10 +279,10 @@ class HandRoutes:
         if action != Action.BYPASS:
             reasons = self._hand.reasons(Action(action), session, asked.place)
             if reasons:
-                return because(409, reasons[0], asked.say)
+                return self._refuse(409, reasons[0], asked)
             until_ns = self._hand.valid_until_ns(int(said["frame"]), seen)
             if self._clock.now_ns() > until_ns:
-                return because(409, Reason(code=Code.LATE), asked.say)
+                return self._refuse(409, Reason(code=Code.LATE), asked)
         command = Command(
             id=ident,
             action=Action(action),
@@ -284,13 +295,14 @@ class HandRoutes:
         try:
             answer = await self._hand.desk.press(command)
         except WireError:
+            self._refuse(503, Reason(code=Code.SILENT), asked)
             return refusal(503, asked.say(NOT_HEARD))
         if answer.reason is not None:
             return because(409, answer.reason, asked.say)
         return done(asked.say(DONE))
 
-    def _note(self, what: str, account: str, place: Place) -> None:
-        self._hand.desk.notice(Notice(what=what, account=account, place=place))
+    def _note(self, what: str, account: str, place: Place, other: str = "") -> None:
+        self._hand.desk.notice(Notice(what=what, account=account, place=place, other=other))
 
 
 def place_of(asked: HTTPConnection) -> Place:

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from collections import deque
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.app.hand.client import HandClient
-from aff_runtime.app.hand.messages import PROTOCOL, Answer, Command, Notice, Welcome
+from aff_runtime.app.hand.messages import PRESS_REFUSED, PROTOCOL, Answer, Command, Notice, Welcome
 from aff_runtime.base.errors import AffError, WireError
 from aff_runtime.base.ports import Clock
 
 RETRY_NS = 500_000_000
 PATIENCE_S = 3.0
+MOST_HELD = 64  # notices that wait until the service hears us
+NOTICES_PER_S, AT_ONCE = 20.0, 40.0  # who says more than 50 packets a second is sent away
 
 
 class PressDesk:
@@ -33,6 +38,9 @@ class PressDesk:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._retry_ns = 0
         self._waiting: dict[str, asyncio.Future[Answer]] = {}
+        self._held: deque[tuple[int, Notice]] = deque()
+        self._unsaid = 0  # notices that found no room, since the last one that was said
+        self._pace = Bucket(clock, per_s=NOTICES_PER_S, burst=AT_ONCE)
         self.rules: Welcome | None = None
         self.trouble = ""
         self.told: Callable[[str, str], None] = lambda what, account: None
@@ -44,6 +52,7 @@ class PressDesk:
             self._retry_ns = now_ns + RETRY_NS
             self._connect()
         self._hear_all()
+        self._say_held()
 
     async def press(self, command: Command) -> Answer:
         """Say a command and wait for its answer.
@@ -69,12 +78,17 @@ class PressDesk:
             self._waiting.pop(command.id, None)
 
     def notice(self, notice: Notice) -> None:
-        """Have something of a session put into the audit, if anybody hears it."""
-        self.told(notice.what, notice.account)
-        try:
-            self._say(notice)
-        except WireError:
-            return
+        """Have something of a session put into the audit, now or when the service hears us.
+
+        While it does not the newest wait.
+        """
+        is_press = notice.what == PRESS_REFUSED
+        self.told(f"{notice.action}: refused" if is_press else notice.what, notice.account)
+        if len(self._held) >= MOST_HELD:
+            self._held.popleft()
+            self._unsaid += 1
+        self._held.append((self._clock.now_ns(), notice))
+        self._say_held()
 
     def close(self) -> None:
         """Leave."""
@@ -98,6 +112,16 @@ class PressDesk:
         except WireError as error:
             self._leave(str(error))
             raise
+
+    def _say_held(self) -> None:
+        """Say what waits to a service that has let us in, the oldest first."""
+        with contextlib.suppress(WireError):
+            while self._held and self.rules is not None and self._pace.take():
+                since_ns, notice = self._held[0]
+                ago_s = (self._clock.now_ns() - since_ns) // 1_000_000_000
+                self._say(replace(notice, more=notice.more + self._unsaid, ago_s=ago_s))
+                self._held.popleft()
+                self._unsaid = 0
 
     def _hear_all(self) -> None:
         """Hear what was said; an answer waits for no poll."""

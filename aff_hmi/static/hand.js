@@ -25,6 +25,7 @@ const heldOnes = [arm, ...["probe", "probe-louder", "shadow", "end-shadow", "for
 let frame = null;
 let hold = null;
 let awaited = null;
+let heldBy = null; // whose hand it was in the newest frame
 let swallowed = ""; // a button whose press came in a moment without fresh data
 
 function put(element, text) {
@@ -94,6 +95,8 @@ function show() {
   put(byId("hand-of"), lost || held(own));
   byId("hand-of")?.classList.toggle("lost", lost !== "");
   if (byId("take")) {
+    if (own.hand_of !== heldBy && byId("take").dataset.whose !== own.hand_of) offerHand("");
+    heldBy = own.hand_of;
     byId("take").hidden = own.has_hand;
     byId("release").hidden = !own.has_hand;
   }
@@ -254,19 +257,25 @@ async function ask(path, said) {
   }
 }
 
+/** Have the button take the hand, or take it over from the one who is named. */
+function offerHand(whose) {
+  const button = byId("take");
+  button.dataset.whose = whose;
+  button.dataset.do = whose ? "take over" : "take";
+  put(button, whose ? words.over : words.take);
+}
+
 // no dialog asks: it would stand before the bypass
 async function take() {
-  const button = byId("take");
-  const answer = await ask("/hand", { do: button.dataset.do });
-  const isTaken = answer.code === "other hand";
-  button.dataset.do = isTaken ? "take over" : "take";
-  put(button, isTaken ? words.over : words.take);
+  const whose = byId("take").dataset.whose ?? "";
+  const answer = await ask("/hand", { do: whose ? "take over" : "take", of: whose });
+  offerHand(answer.code === "other hand" ? answer.name : "");
   tell(answer.ok ? "" : answer.text); // who has the hand stands above
 }
 
 byId("take")?.addEventListener("click", take);
 byId("release")?.addEventListener("click", async () => {
-  const answer = await ask("/hand", { do: "release" });
+  const answer = await ask("/hand", { do: "release", of: "" });
   tell(answer.ok ? "" : answer.text);
 });
 byId("logout")?.addEventListener("click", async () => {

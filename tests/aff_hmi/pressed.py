@@ -225,8 +225,8 @@ class Browser:
         headers = {k: more.pop(k) for k in ("origin", "x_aff_token", "cookie") if k in more}
         return self.post("/act", said | more, **headers)
 
-    def take(self, do: str = "take") -> Reply:
-        return self.post("/hand", {"do": do})
+    def take(self, do: str = "take", of: str = "") -> Reply:
+        return self.post("/hand", {"do": do, "of": of})
 
 
 def quick(monkeypatch: Any) -> None:

@@ -41,7 +41,7 @@ PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
     "/logout": ({}, (LOGGED_OUT, 200, 200, 200)),
     "/sessions": ({}, (LOGGED_OUT, 200, 200, 200)),
     "/sessions/end": ({"number": 10**6}, (LOGGED_OUT, 409, 409, 409)),
-    "/hand": ({"do": "take"}, (LOGGED_OUT, MAY_NOT, 200, 200)),
+    "/hand": ({"do": "take", "of": ""}, (LOGGED_OUT, MAY_NOT, 200, 200)),
     "/acknowledge": ({"key": "none stands"}, (LOGGED_OUT, MAY_NOT, 409, 409)),
     "/shelve": (
         {"key": "none stands", "minutes": 30, "reason": "known"},
@@ -142,7 +142,7 @@ def test_a_press_gets_what_role_place_and_remote_say(
         browser = browser_of(keeping, role, place, remote)
         assert browser.post(path, said).status == statuses[ROLES.index(role)], path
         keeping.clock.advance_ns(120 * 10**9)  # logins are slowed down
-        browser.post("/hand", {"do": "release"})
+        browser.take("release")
 
 
 @pytest.mark.parametrize(("role", "place", "remote"), WHERE, ids=str)

@@ -30,7 +30,7 @@ GOOD: dict[str, dict[str, Any]] = {
     "/logout": {},
     "/sessions": {},
     "/sessions/end": {"number": 10**6},
-    "/hand": {"do": "take"},
+    "/hand": {"do": "take", "of": ""},
     "/act": {"action": "bypass", "id": "a" * 32, "seen": "READY", "frame": 1},
     "/acknowledge": {"key": "PLC_STALE"},
     "/shelve": {"key": "PLC_STALE", "minutes": 30, "reason": "known"},

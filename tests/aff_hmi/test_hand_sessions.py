@@ -16,6 +16,7 @@ from starlette.requests import HTTPConnection
 from aff_hmi.bundles import served
 from aff_hmi.sessions import HAND_NS, IDLE_NS, LASTS_NS
 from aff_runtime.app.hand.may import Code, Place
+from aff_runtime.app.hand.messages import Notice
 from aff_runtime.base.signals import State
 from tests.aff_hmi.asgi import scope
 from tests.aff_hmi.pressed import LOGIN, NAMES, PASSWORD, Browser, Pressed, armed, later, quick
@@ -40,15 +41,51 @@ def test_one_has_the_hand_the_other_is_told_and_takes_it_over_knowingly(at: Pres
     assert own(at, bert, "de")["why"]["arm"] == ["anna hat die Hand"]
     assert bert.act().code == Code.OTHER_HAND
     reply = bert.take()
-    assert (reply.status, reply.code) == (409, "other hand")
+    assert (reply.status, reply.code, reply.said["name"]) == (409, "other hand", "anna")
     assert own(at, anna)["has_hand"]
-    assert bert.take("take over").status == 200
+    assert bert.take("take over", of="anna").status == 200
     assert own(at, anna)["lost_to"] == "bert"
     assert not own(at, anna)["has_hand"]
     assert anna.act().code == Code.OTHER_HAND
     assert bert.act().status == 200
     assert anna.act("bypass").status == 200
-    assert at.service.notices[-1] == "hand taken over bert"
+    assert said_of_hand(at) == ["hand taken anna ", "hand taken over bert anna"]
+
+
+def said_of_hand(at: Pressed) -> list[str]:
+    """Return what the audit is told of the hand: what, who, from whom."""
+    notices = [one for one in at.service.said if isinstance(one, Notice)]
+    return [f"{n.what} {n.account} {n.other}" for n in notices if n.what.startswith("hand")]
+
+
+def test_the_hand_is_taken_over_from_the_one_who_was_asked_about_and_nobody_else(
+    at: Pressed,
+) -> None:
+    anna, bert, carl = armed(at), at.browser("bert"), at.browser("carl")
+    assert bert.take().said["name"] == "anna"
+    assert carl.take("take over", of="anna").status == 200  # meanwhile
+    reply = bert.take("take over", of="anna")
+    assert (reply.status, reply.code, reply.said["name"]) == (409, "other hand", "carl")
+    assert "carl" in reply.said["text"]
+    assert own(at, carl)["has_hand"]
+    assert bert.take("take over", of="").status == 409
+    carl.take("release")
+    assert bert.take("take over", of="carl").status == 200  # it was free by then
+    assert anna.take("take over", of="bert").status == 200
+    assert said_of_hand(at) == [
+        "hand taken anna ",
+        "hand taken over carl anna",
+        "hand released carl ",
+        "hand taken bert ",
+        "hand taken over anna bert",
+    ]
+
+
+def test_who_has_the_hand_and_takes_it_again_is_not_put_on_record_again(at: Pressed) -> None:
+    anna = armed(at)
+    for do, of in (("take", ""), ("take over", "anna"), ("take", "")):
+        assert anna.take(do, of).status == 200
+    assert said_of_hand(at) == ["hand taken anna "]
 
 
 def test_everybody_sees_who_has_the_hand_since_when_and_from_where(at: Pressed) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from aff_hmi import press_desk
-from aff_hmi.press_desk import RETRY_NS, PressDesk
+from aff_hmi.press_desk import MOST_HELD, RETRY_NS, PressDesk
 from aff_runtime.app.hand.may import Action, Place, Role
 from aff_runtime.app.hand.messages import Answer, Notice
 from aff_runtime.base.errors import WireError
@@ -127,4 +127,67 @@ def test_who_waits_is_told_when_the_service_hangs_up(tmp_path: Path) -> None:
 
     with pytest.raises(WireError, match=r"hung up|reset"):
         asyncio.run(cut())
+    desk.close()
+
+
+def heard(stand: Stand) -> list[tuple[str, str]]:
+    return [(row["account"], row["why"]) for row in stand.rows()]
+
+
+def test_what_is_noted_while_nobody_hears_waits_and_says_how_long(tmp_path: Path) -> None:
+    clock = VirtualClock(1)
+    desk = PressDesk(tmp_path / "run" / "hand.sock", clock)
+    desk.poll()
+    for name in ("anna", "bert"):
+        desk.notice(Notice(what="hand taken", account=name, place=Place.PANEL))
+        clock.advance_ns(300 * 10**9)
+    with contextlib.closing(Stand(tmp_path)) as stand:
+        desk.poll()
+        stand.round()
+        assert stand.rows() == []  # the service has not let us in yet
+        desk.poll()
+        stand.round()
+        assert heard(stand) == [
+            ("anna", "600 s before this line"),
+            ("bert", "300 s before this line"),
+        ]
+        desk.notice(Notice(what="hand released", account="bert", place=Place.PANEL))
+        stand.round()
+        assert heard(stand)[2:] == [("bert", "")]
+    desk.close()
+
+
+def test_of_more_than_can_wait_the_newest_are_said_and_how_many_are_not(tmp_path: Path) -> None:
+    clock = VirtualClock(1)
+    desk = PressDesk(tmp_path / "run" / "hand.sock", clock)
+    for n in range(MOST_HELD + 9):
+        desk.notice(Notice(what="hand taken", account=f"n{n}", place=Place.PANEL))
+    with contextlib.closing(Stand(tmp_path)) as stand:
+        for _ in range(8):
+            clock.advance_ns(RETRY_NS)
+            stand.clock.advance_ns(RETRY_NS)
+            desk.poll()
+            stand.round()
+        rows = heard(stand)
+        assert [name for name, _ in rows] == [f"n{n}" for n in range(9, MOST_HELD + 9)]
+        assert [why.partition(";")[0] for _, why in rows[:2]] == [
+            "9 before it were not said",
+            "1 s before this line",
+        ]
+    desk.close()
+
+
+def test_a_flood_of_notices_does_not_have_the_screen_sent_away(stand: Stand) -> None:
+    clock = VirtualClock(1)
+    desk = PressDesk(stand.path, clock)
+    for _ in range(2):
+        desk.poll()
+        stand.round()
+    for _ in range(500):
+        desk.notice(Notice(what="hand taken", account="anna", place=Place.PANEL))
+        stand.round()
+    desk.poll()
+    assert desk.rules is not None
+    answer = play(desk, stand, lambda: desk.press(stand.command(Action.BYPASS)))
+    assert answer.ok  # type: ignore[attr-defined]
     desk.close()

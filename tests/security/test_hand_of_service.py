@@ -21,7 +21,7 @@ from aff_runtime.app.hand.accounts import Account, secret_of
 from aff_runtime.app.hand.audit import verify
 from aff_runtime.app.hand.client import HandClient
 from aff_runtime.app.hand.may import Action, Code, Place, Role
-from aff_runtime.app.hand.messages import VALID_NS, Answer, Command, Welcome
+from aff_runtime.app.hand.messages import PRESS_REFUSED, VALID_NS, Answer, Command, Welcome
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError
 from sim_plant.demo.wires import free_port
@@ -190,12 +190,15 @@ def test_a_press_in_a_browser_reaches_the_line_and_the_audit(service: ServiceRun
         until("bypassed", lambda: service.status()["state"] == "BYPASS")
         status, text = browser.press("arm", "BYPASS")
         assert (status, json.loads(text)["code"]) == (409, Code.NO_HAND)
-        assert browser.ask("POST", "/hand", {"do": "take"})[0] == 200
+        assert browser.ask("POST", "/hand", {"do": "take", "of": ""})[0] == 200
         status, text = browser.press("arm", "BYPASS")
         assert (status, json.loads(text)["code"]) == (409, Code.GUARD)  # no response measured
     rows = [json.loads(line) for line in audit_of(service).read_text().splitlines()]
     assert "bypass" in [row["what"] for row in rows if row["account"] == "nobody"]
-    assert [row["what"] for row in rows if row["account"] == "anna"][-3:] == [
-        *("login", "bypass", "hand taken")
+    assert [row["what"] for row in rows if row["account"] == "anna"][-5:] == [
+        *("login", "bypass", PRESS_REFUSED, "hand taken", PRESS_REFUSED)
+    ]
+    assert [row["why"] for row in rows if row["what"] == PRESS_REFUSED][-2:] == [
+        *("arm: no hand", "arm: guard")
     ]
     assert verify(audit_of(service)).wrong == ""

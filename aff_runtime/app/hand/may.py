@@ -73,6 +73,7 @@ class Code(StrEnum):
     """Why not."""
 
     LOGGED_OUT = "logged out"
+    TOKEN = "token"
     SILENT = "silent"
     CEILING = "ceiling"
     NO_PROBE = "no probe"
@@ -104,6 +105,7 @@ class Code(StrEnum):
 
 WORDS = {
     Code.LOGGED_OUT: "log in first",
+    Code.TOKEN: "this page is older than your login: load it again",
     Code.SILENT: "no fresh data from the control process",
     Code.CEILING: "the service lets no screen do this; on the gateway: aff-runtime {name}",
     Code.NO_PROBE: "the service lets no screen probe: run it with --hand commission",
