@@ -243,6 +243,11 @@ def test_the_reason_stands_on_the_button_and_the_hand_changes_hands(
     )
     bert.page.click("#take")
     bert.page.wait_for_selector("#take[data-do='take over']")
+    anna.page.click("#release")  # whoever is asked about has it no more
+    bert.page.wait_for_selector("#take[data-do='take']")
+    take_the_hand(anna)
+    bert.page.click("#take")
+    bert.page.wait_for_selector("#take[data-do='take over'][data-whose='anna']")
     bert.page.click("#take")
     anna.page.wait_for_selector("#hand-of.lost")
     assert anna.page.is_disabled("#arm")
