@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import socket
 from pathlib import Path
 
 import pytest
@@ -105,3 +106,19 @@ def test_half_of_tls_is_refused(pem: Path) -> None:
 def test_the_program_ends_with_2_and_says_what_to_do(capfd: pytest.CaptureFixture[str]) -> None:
     assert main(["--listen", "0.0.0.0:8480"]) == 2
     assert "listen on 127.0.0.1 and look through ssh -L" in capfd.readouterr().err
+
+
+@pytest.mark.wire
+def test_loopback_that_another_program_has_is_told_and_nothing_is_started(
+    capfd: pytest.CaptureFixture[str], pem: Path
+) -> None:
+    with socket.socket() as other:
+        other.bind(("127.0.0.1", 0))
+        other.listen()
+        port = other.getsockname()[1]
+        files = ["--certificate", str(pem), "--private-key", str(pem)]
+        assert main(["--listen", f"127.0.0.1:{port}"]) == 3
+        assert main(["--listen", f"0.0.0.0:{port}", *files]) == 3
+    said = capfd.readouterr().err
+    for address in ("127.0.0.1", "0.0.0.0"):
+        assert f"--listen: {address}:{port}: Address already in use" in said

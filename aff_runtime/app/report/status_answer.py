@@ -107,7 +107,7 @@ class StatusAnswer:
     control_restarts : how often a control process that had died was started anew; `NOT_SAID` in
         an answer of an older service.
     audit_records : number of the newest line of the audit; `NOT_SAID` where none is kept.
-    audit_ok : 1 while its chain holds and every line was written, else 0; `NOT_SAID` where no
+    audit_ok : 1 while its chain holds and has or counts every line, else 0; `NOT_SAID` where no
         screen may do anything. ``commands`` : what was commanded since the service began.
     operators : the last commands of the console with their time, the newest last.
     probes : how good and how old the responses in force are.

@@ -85,7 +85,7 @@ OF_SERVICE: tuple[Metric, ...] = (
         "aff_audit_chain_ok",
         GAUGE,
         (),
-        "1 while the chain of the audit holds and every line was written",
+        "1 while the chain of the audit holds and every line was written or is counted in it",
     ),
     Metric(
         "aff_commands_total",
