@@ -62,12 +62,19 @@ class Curve:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrendPart:
-    """Answer to one question; times are wall time, s. ``active``, ``fault`` : shares of bins."""
+    """Answer to one question; times are wall time, s.
+
+    Attributes
+    ----------
+    t_s, wide_s : where each bin begins, and how much time it is of.
+    active, fault : shares of bins.
+    """
 
     from_s: float
     to_s: float
     bin_s: int
     t_s: list[int]
+    wide_s: list[int]
     curves: list[Curve]
     active: list[float | None]
     fault: list[float | None]
@@ -94,6 +101,7 @@ def trend_part(curves: Curves, flags: Sequence[Flag], say: Say) -> TrendPart:
         to_s=round(curves.to_s, 1),
         bin_s=curves.stretch.bin_s,
         t_s=[int(t) for t in curves.stretch.t_s],
+        wide_s=[int(wide) for wide in curves.wide_s],
         curves=[
             Curve(
                 label=label(one, say),

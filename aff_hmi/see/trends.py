@@ -44,10 +44,17 @@ BIN_S = {"1min": 1, "10min": 2, "1h": 12, "8h": 120, "7d": 2400, "1y": 108_000}
 
 @dataclass(frozen=True, slots=True)
 class Curves:
-    """Bins of a group over a window; ``to_s`` : wall time at which it ends, now."""
+    """Bins of a group over a window.
+
+    Attributes
+    ----------
+    wide_s : how much time each bin is of; a stored minute in a finer window is of its own.
+    to_s : wall time at which it ends, now.
+    """
 
     series: tuple[Series, ...]
     stretch: Stretch
+    wide_s: NDArray[np.int64]
     from_s: float
     to_s: float
 
@@ -121,14 +128,19 @@ class Trends:
         bin_s = BIN_S[window]
 
         def read(connection: sqlite3.Connection) -> Curves:
-            behind = get_bins(connection, tier, begins_s - tier, until_s - tier + 1, curves)
-            new = coarser(fine, min(bin_s, tier))  # a minute counts as much, wherever it is kept
-            whole = Stretch(
-                np.concatenate([behind.t_s, new.t_s]),
-                np.concatenate([behind.bins, new.bins]),
-                min(bin_s, tier),
-            )
-            return Curves(curves, coarser(whole, bin_s), begins_s, now_s)
+            begun_s = until_s // tier * tier  # a row from here on is not of what is behind alone
+            behind = get_bins(connection, tier, begins_s - tier, begun_s, curves)
+            new = coarser(fine, min(bin_s, MINUTE_S))
+            if tier > MINUTE_S:  # of the hour in which memory begins the minutes are kept
+                last_s = until_s // MINUTE_S * MINUTE_S
+                minutes = get_bins(connection, MINUTE_S, begun_s, last_s, curves)
+                new = coarser(_one_after_the_other(minutes, new), tier)
+            whole = _one_after_the_other(behind, new)
+            found = coarser(whole, bin_s)
+            wide_s = np.full(len(found.t_s), bin_s, dtype=np.int64)
+            if bin_s < tier:
+                wide_s[: len(behind.t_s)] = tier
+            return Curves(curves, found, wide_s, begins_s, now_s)
 
         return read
 
@@ -201,3 +213,10 @@ class Trends:
         order = order[self._t_s[order] >= from_s]
         places = [self.series.index(one) for one in curves]
         return Stretch(self._t_s[order], self._fine[order][:, :, places], 1)
+
+
+def _one_after_the_other(a: Stretch, b: Stretch) -> Stretch:
+    """Return two stretches as one, as fine as the finer of them."""
+    return Stretch(
+        np.concatenate([a.t_s, b.t_s]), np.concatenate([a.bins, b.bins]), min(a.bin_s, b.bin_s)
+    )

@@ -1,4 +1,5 @@
 // Curves over time from what the screen keeps; drawn by uPlot, with a table behind.
+import { holed, lonely, tabled } from "/static/bins.js";
 import { css, figure, legendLine, look, short } from "/static/curves.js";
 import { ask, at, byId, number, part, put, words } from "/static/see.js";
 import { factorOf, inUnit, unitName } from "/static/units.js";
@@ -30,11 +31,12 @@ function clock(u, splits) {
 function states(u) {
   const { left, top, width } = u.bbox;
   const context = u.ctx;
-  const wide = Math.max(1, (width * answer.bin_s) / (answer.to_s - answer.from_s));
+  const per_s = width / (answer.to_s - answer.from_s);
   context.save();
   answer.t_s.forEach((t, n) => {
     const x = u.valToPos(t, "x", true);
     if (x < left || x > left + width) return;
+    const wide = Math.max(1, per_s * answer.wide_s[n]);
     for (const [shares, tone, low] of [[answer.active, "--now", 0], [answer.fault, "--high", 1]]) {
       const share = shares[n] ?? 0;
       if (share <= 0) continue;
@@ -86,6 +88,9 @@ function listFlags() {
   put(byId("earlier"), earlier ? words.more.replace("{count}", number(earlier, 0)) : "");
 }
 
+/** A value between two holes is a point: no line leads to it. */
+const POINTS = { show: false, size: 5, filter: (u, n) => lonely(u.data[n]) };
+
 function options(curves) {
   const axis = { stroke: () => css("--text"), grid: { stroke: () => css("--line"), width: 0.5 } };
   const series = [{}];
@@ -93,7 +98,7 @@ function options(curves) {
   curves.forEach((curve, n) => {
     const { tone, dash } = look(n, curve.dashed);
     const first = series.length;
-    series.push({ stroke: tone, width: 2, dash, points: { show: false } });
+    series.push({ stroke: tone, width: 2, dash, points: { ...POINTS, fill: tone } });
     series.push({ stroke: "transparent", width: 0, points: { show: false } });
     series.push({ stroke: "transparent", width: 0, points: { show: false } });
     if (!curve.dashed) bands.push({ series: [first + 2, first + 1], fill: `${tone}33` });
@@ -116,8 +121,7 @@ function options(curves) {
 
 function draw() {
   const { curves, t_s } = answer;
-  const data = [t_s.map((t) => t + answer.bin_s / 2)];
-  for (const curve of curves) data.push(curve.mean, curve.least, curve.largest);
+  const data = holed(answer);
   const now = JSON.stringify([curves.map((c) => [c.label, c.unit]), root.dataset.theme]);
   if (now !== kind || chart === null) {
     chart?.destroy();
@@ -148,17 +152,20 @@ function tabulate() {
     head.append(part("th", "", name));
   }
   for (const cell of head.children) cell.scope = "col";
-  const step = Math.max(1, Math.ceil(answer.t_s.length / MOST_ROWS));
-  const rows = [];
-  for (let n = answer.t_s.length - 1; n >= 0; n -= step) {
+  const rows = tabled(answer, MOST_ROWS).reverse().map(({ t_s, curves }) => {
     const row = part("tr");
-    row.append(part("td", "when", at(answer.t_s[n])));
-    for (const { least, mean, largest } of answer.curves) {
-      const text = `${figure(mean[n])} (${figure(least[n])} … ${figure(largest[n])})`;
+    row.append(part("td", "when", at(t_s)));
+    if (curves === null) {
+      const none = part("td", "", words.hole);
+      none.colSpan = answer.curves.length;
+      row.append(none);
+    }
+    for (const { least, mean, largest } of curves ?? []) {
+      const text = `${figure(mean)} (${figure(least)} … ${figure(largest)})`;
       row.append(part("td", "figure", text));
     }
-    rows.push(row);
-  }
+    return row;
+  });
   byId("table").tHead.replaceChildren(head);
   byId("table").tBodies[0].replaceChildren(...rows);
 }

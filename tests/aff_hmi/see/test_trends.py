@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from aff_hmi.layout import layout_of
+from aff_hmi.see import trends
 from aff_hmi.see.series import MOST, Series, SeriesSet
 from aff_hmi.see.store import Store
 from aff_hmi.see.trend_part import GROUPS, WINDOW_WORDS, group_name, trend_part
@@ -110,7 +111,8 @@ def test_one_bad_tick_of_an_hour_shows_in_a_year(line: Line) -> None:
     line.trends._count = 0  # as after a restart: nothing is left in memory
     found = line.tension("1y")
     assert found.bins[:, LARGEST].max() == 250.0
-    assert found.bins[0, MEAN] == pytest.approx((90.0 + 170.0 + 90.0) / 3, rel=1e-4)
+    whole, begun = (90.0 + 170.0 + 90.0) / 3, 90.0  # an hour counts as much, however long
+    assert found.bins[0, MEAN] == pytest.approx((whole + begun) / 2, rel=1e-4)
     assert found.bins[:, LEAST].min() == 90.0
 
 
@@ -241,7 +243,61 @@ def test_a_gap_while_the_screen_was_off_stays_a_gap(tmp_path: Path) -> None:
         line.jump(wait_s)
     found = line.tension("8h")
     assert not np.any((found.t_s > T0_S + 240) & (found.t_s < T0_S + 7200))
+    # what the chart makes of it: test_bins_script.py
+    part = trend_part(line.of("tension", "8h"), [], SAY)
+    far = np.diff(part.t_s) > 1.5 * np.array(part.wide_s[:-1])
+    assert far.sum() == 1
+    assert part.t_s[int(far.argmax())] < T0_S + 240
     line.store.close()
+
+
+def test_a_stored_minute_in_a_finer_window_is_of_a_minute(tmp_path: Path) -> None:
+    """Three minutes that were kept, a restart, and seconds of memory: 12 s each in an hour."""
+    line = Line(Store(tmp_path, SCHEMA))
+    for _ in range(3):
+        line.second(90.0)
+        line.jump(59.0)
+    line.store.close()
+    again = Line(Store(tmp_path, SCHEMA), line.at_s + 30.0)
+    for _ in range(24):
+        again.second(91.0)
+    part = trend_part(again.of("tension", "1h"), [], SAY)
+    again.store.close()
+    assert part.t_s == [T0_S, T0_S + 60, T0_S + 120, T0_S + 204, T0_S + 216, T0_S + 228]
+    assert part.wide_s == [60, 60, 60, 12, 12, 12]
+    assert part.bin_s == 12
+
+
+@pytest.mark.parametrize("passed_s", [0.0, 1800.0, 4200.0])
+def test_the_begun_hour_is_in_the_year_after_a_restart(tmp_path: Path, passed_s: float) -> None:
+    """Spike of 250 N at 10:05, restart at 10:50: it is in the year then, and later."""
+    line = Line(Store(tmp_path, SCHEMA))
+    for minute in range(50):
+        line.second(250.0 if minute == 5 else 90.0)
+        line.jump(59.0)
+    line.trends.flush()
+    line.store.close()
+    again = Line(Store(tmp_path, SCHEMA), line.at_s)
+    for _ in range(1 + round(passed_s / 60)):
+        again.second(90.0)
+        again.jump(59.0)
+    found = again.tension("1y")
+    again.store.close()
+    assert found.bins[:, LARGEST].max() == 250.0
+    assert found.t_s.tolist() == [T0_S // 108_000 * 108_000]
+
+
+def test_the_hour_in_which_memory_begins_is_whole_in_the_year(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Between the full hour and the begin of memory there are minutes alone."""
+    monkeypatch.setattr(trends, "FINE", 90)  # seconds; an hour of them takes long to play
+    line = Line(Store(None, SCHEMA))
+    for second in range(300):
+        line.second(250.0 if second == 10 else 90.0)
+    found = line.tension("1y")
+    line.store.close()
+    assert found.bins[:, LARGEST].max() == 250.0
 
 
 def test_a_wall_clock_that_is_put_back_leaves_curves_in_order(line: Line) -> None:
