@@ -12,14 +12,18 @@ from aff_hmi.view import View
 MAX_SAID_BYTES = 256
 
 
-def encode(view: View, *, number: int, boot: str, is_loud: bool = False) -> str:
+def encode(
+    view: View, *, number: int, boot: str, utc_s: float = 0.0, is_loud: bool = False
+) -> str:
     """Return a frame without the part that is each browser's own; begin it with ``opened``.
 
     Parameters
     ----------
+    utc_s : wall time here, s since 1970: a page has one clock, and a browser's may be wrong.
     is_loud : whether an alarm stands for which a screen that may makes itself heard.
     """
-    return _TEXT.encode({"q": number, "boot": boot, "loud": is_loud, **_plain(view)})[1:]
+    head = {"q": number, "boot": boot, "utc_s": round(utc_s, 1), "loud": is_loud}
+    return _TEXT.encode({**head, **_plain(view)})[1:]
 
 
 def _plain(one: Any) -> Any:

@@ -118,7 +118,8 @@ class Hub:
         machine: Machine | None = None,
     ) -> None:
         self._watch = watch
-        self._machine = machine or Machine(clock, kept.wall if kept is not None else wall_time_s)
+        self._wall = kept.wall if kept is not None else wall_time_s
+        self._machine = machine or Machine(clock, self._wall)
         self.commission = commission
         self.kept = kept
         self.hand = hand
@@ -192,6 +193,7 @@ class Hub:
                 view_of(seen, self.layout, say_in(language), standing),
                 number=self._number,
                 boot=self.boot,
+                utc_s=self._wall(),
                 is_loud=is_loud,
             )
             for language in {viewer.language for viewer in self._viewers}

@@ -2,13 +2,17 @@
 import { ask, byId, number, part, put, words } from "/static/see.js";
 import { short as shortly } from "/static/curves.js";
 import { fill } from "/static/fill.js";
+import { DEAD_MS } from "/static/freshness.js";
+import { cut, secondsOf, take } from "/static/parts.js";
 import { LONG_MS, act, lookAfter, post } from "/static/work.js";
 
 const LINE_MS = 3000;
 const ARMED = ["ARMED", "ACTIVE"];
+const UNKNOWN = "—";
 let state = null;
 let line = null;
 let card = null;
+let isProbing = false; // as was heard last
 
 function say(name, text, isBad = false) {
   const element = document.querySelector(`[data-says="${name}"]`);
@@ -89,22 +93,28 @@ function done(stage, isDone) {
   row.dataset.done = isDone ? "yes" : "no";
 }
 
+/** Without an answer nothing is known, and the question stays with what is typed. */
 function showState() {
   const isOk = state?.ok === true;
-  const site = isOk ? state.site : { there: false };
+  const job = isOk ? state.job : null;
+  document.querySelector("[data-open]").hidden = !(isOk && state.is_open && job === null);
+  if (!isOk) {
+    for (const name of ["file", "contact", "probe"]) say(name, UNKNOWN);
+    for (const name of ["words", "contact"]) done(name, false);
+    return;
+  }
+  const { site, service } = state;
   const file = site.path ? fill(words.file, { path: site.path, hash: site.sha256 }) : words.there;
   say("file", site.there ? file : words.noFile);
   done("words", site.there);
-  const job = isOk ? state.job : null;
-  document.querySelector("[data-open]").hidden = !(isOk && state.is_open && job === null);
-  question(isOk && state.is_open ? (job?.ask ?? null) : null, job?.said ?? []);
-  const service = isOk ? state.service : { answers: false };
+  question(state.is_open ? (job?.ask ?? null) : null, job?.said ?? []);
   const contact = !service.answers ? words.silent : service.heard ? words.heard : words.unheard;
   say("contact", service.trouble || contact, service.answers && !service.heard);
   done("contact", service.answers && service.heard);
   const nothing = service.probed && service.probed !== "measured";
   const probed = nothing ? fill(words.nothing, { why: service.probed }) : service.probed ? words.probed : "";
-  say("probe", service.probing ? words.probing : probed, Boolean(nothing));
+  const probe = service.probing ? words.probing : probed;
+  say("probe", service.answers ? probe : UNKNOWN, Boolean(nothing));
   const root = document.documentElement;
   root.dataset.probed = service.probing ? "now" : nothing ? "nothing" : service.probed ? "yes" : "no";
 }
@@ -181,7 +191,7 @@ function bound(row, seconds) {
   } else if (row.bound_share !== null) {
     parts.push(fill(words.movesShare, { signal: row.signal, bound: short(100 * row.bound_share) }));
   }
-  if (row.sent !== null) parts.push(fill(words.sent, { amplitude: short(row.sent), unit: row.unit }));
+  if (row.sent !== null) parts.push(fill(words.sentAtMost, { amplitude: short(row.sent), unit: row.unit }));
   if (row.louder !== null) {
     parts.push(fill(words.louder, { louder: short(row.louder), unit: row.unit }));
   }
@@ -216,29 +226,38 @@ function showLine() {
 const parts = [];
 document.addEventListener("frame", (event) => {
   const frame = event.detail;
-  if (frame === null || document.documentElement.dataset.broken) return;
-  const isOn = ARMED.includes(frame.state) && !state?.service?.probing; // a probe is no proof
-  const last = parts.at(-1);
-  if (!last || last.isOn !== isOn) parts.push({ isOn, word: frame.word, since: performance.now() });
-  const seconds = (performance.now() - parts.at(-1).since) / 1000;
-  const text = fill(words.state, { state: frame.word, seconds: number(seconds, 0) });
-  say("arm", text);
+  if (frame === null || document.documentElement.dataset.broken) {
+    notFresh();
+    return;
+  }
+  const isOn = ARMED.includes(frame.state) && !isProbing; // a probe is no proof
+  take(parts, { isOn, word: frame.word, now: performance.now() }, DEAD_MS);
+  const seconds = secondsOf(parts.at(-1));
+  say("arm", fill(words.state, { state: frame.word, seconds: number(seconds, 0) }));
   done("arm", frame.state === "ACTIVE");
 });
 
+/** What the line does is not known now: the part has ended, and its state is none of now. */
+function notFresh() {
+  cut(parts);
+  say("arm", UNKNOWN);
+  done("arm", false);
+}
+
 function showProof() {
+  if (document.documentElement.dataset.broken) notFresh();
   const times = line?.proof;
   say("proof", times ? fill(words.off, { off: number(times.off_s, 0), on: number(times.on_s, 0) }) : "");
-  const rows = parts.slice(-4).map((one, n, all) => {
-    const until = all[n + 1]?.since ?? performance.now();
-    const seconds = (until - one.since) / 1000;
+  const rows = parts.slice(-4).map((one) => {
+    const seconds = secondsOf(one);
     const isEnough = times && seconds >= (one.isOn ? times.on_s : times.off_s);
     return `${isEnough ? words.done : words.todo} ${fill(words.state, { state: one.word, seconds: number(seconds, 0) })}`;
   });
   listing(byId("parts"), rows);
   const signed = card?.steps.filter((one) => one.signed).length ?? 0;
   const counts = { count: signed, left: (card?.steps.length ?? 0) - signed };
-  say("sign", card ? fill(words.signed, counts) : words.noCard);
+  const none = state?.ok === true && !state.card ? words.noCard : UNKNOWN;
+  say("sign", card ? fill(words.signed, counts) : none);
   done("sign", signed > 0);
   done("proof", card?.steps.some((one) => one.number === 12 && one.stand === "pass") ?? false);
 }
@@ -258,6 +277,7 @@ async function lookLonger() {
 let wasThere = "";
 const look = lookAfter((found) => {
   state = found;
+  if (found?.ok === true && found.service.answers) isProbing = found.service.probing;
   showState();
   const now = `${found?.site?.there}${found?.site?.sha256}${found?.service?.probing}`;
   if (now !== wasThere) lookLonger();

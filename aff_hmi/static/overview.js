@@ -15,7 +15,7 @@ const byId = (name) => document.getElementById(name);
 const line = document.title;
 
 let frame = null;
-let arrived_ms = 0;
+let arrived_ms = null; // when the newest frame came, though it is not shown any more
 const heard_ms = {}; // when a link was last known not to be dead
 let socket = null;
 let tries = 0;
@@ -141,10 +141,10 @@ function look() {
     if (quality === "good" || quality === "worn") heard_ms[of] = now_ms - age_ms;
   }
   const name = frame === null ? "" : broken(links);
-  const since_ms = now_ms - arrived_ms;
-  const old_ms = name === "" ? null : ageOf(name, links, now_ms);
+  const since_ms = arrived_ms === null ? null : now_ms - arrived_ms;
+  const old_ms = frame === null ? since_ms : name === "" ? null : ageOf(name, links, now_ms);
   for (const part of document.querySelectorAll(".live")) {
-    const dead = frame !== null && isDead(part.dataset.from, links);
+    const dead = frame === null ? arrived_ms !== null : isDead(part.dataset.from, links);
     part.classList.toggle("dead", dead);
     const stale = part.querySelector(":scope > .stale");
     put(stale, dead ? words.old.replace("{age}", age(old_ms)) : "");
@@ -159,8 +159,11 @@ function look() {
   const texts = { hmi: deadHmi, service: deadService, plc: deadPlc, supervisor: deadSupervisor };
   const { todoHmi, todoService, todoPlc, todoSupervisor } = words;
   const steps = { hmi: todoHmi, service: todoService, plc: todoPlc, supervisor: todoSupervisor };
-  const sentence = name ? `${texts[name].replace("{age}", age(old_ms))} ${steps[name]}` : "";
-  put(byId("broken"), frame === null ? words.waiting : sentence);
+  const sentence = name ? `${texts[name]} ${steps[name]}` : "";
+  put(byId("broken-said"), frame === null ? words.waiting : sentence); // said aloud, so without its age
+  byId("broken").hidden = frame !== null && !name;
+  const isAged = name !== "" && old_ms !== null;
+  put(byId("broken-age"), isAged ? words.since.replace("{age}", age(old_ms)) : "");
   root.classList.toggle("waiting", frame === null);
   if (frame !== null && !gone) showEvents(since_ms);
   if (socket && now_ms - Math.max(arrived_ms, opened_ms) > SILENT_MS) socket.close();
@@ -218,6 +221,9 @@ function blank() {
     fill(name, [], item, words.none);
     shownLists.delete(name);
   }
+  for (const note of document.querySelectorAll("[data-note]")) put(note, "");
+  for (const bar of document.querySelectorAll("[data-bar]")) bar.setAttribute("width", "0");
+  put(byId("config"), words.none);
   for (const name of ["why", "to-do", "was"]) put(byId(name), "");
   byId("also-part").hidden = true;
   look();
@@ -308,7 +314,8 @@ byId("keys").onclick = actions["?"];
 byId("close").onclick = () => byId("help").close();
 if (["light", "dark"].includes(kept("theme"))) root.dataset.theme = kept("theme");
 for (const limit of document.querySelectorAll(".limit")) {
-  put(limit, inPlace(limit.dataset, Number(limit.dataset.number)));
+  const value = inUnit(Number(limit.dataset.number), limit.dataset.numberUnit);
+  put(limit, new Intl.NumberFormat(language, { maximumSignificantDigits: 3 }).format(value));
 }
 
 blank();

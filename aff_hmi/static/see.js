@@ -34,10 +34,18 @@ export function number(value, digits) {
 const day = new Intl.DateTimeFormat(root.lang, { dateStyle: "short" });
 const clock = new Intl.DateTimeFormat(root.lang, { timeStyle: "medium", hourCycle: "h23" });
 
-/** Wall time of this browser; the day is said when it is not today's. */
+let ahead_s = 0; // the gateway's clock, against this browser's
+document.addEventListener("frame", ({ detail: frame }) => {
+  if (frame !== null) ahead_s = frame.utc_s - Date.now() / 1000;
+});
+
+/** Time of the gateway, which everything here was stamped with; s since 1970. */
+export const nowS = () => Date.now() / 1000 + ahead_s;
+
+/** A time in the zone of this browser; the day is said when it is not today's. */
 export function at(utc_s) {
   const when = new Date(1000 * utc_s);
-  const isToday = when.toDateString() === new Date().toDateString();
+  const isToday = when.toDateString() === new Date(1000 * nowS()).toDateString();
   return isToday ? clock.format(when) : `${day.format(when)} ${clock.format(when)}`;
 }
 

@@ -32,7 +32,8 @@ function line(one, of) {
   const buttons = part("p", "buttons");
   buttons.append(button(words.open, () => of.open(one)));
   buttons.append(button(of.isLaid(one) ? words.layOff : words.layOver, () => of.lay(one)));
-  if (byId("keep")) buttons.append(button(words.letGo, (pressed) => letGo(one, pressed, of)));
+  const isSure = sure === one.number; // a list that is made anew still asks
+  if (byId("keep")) buttons.append(button(isSure ? words.sure : words.letGo, (pressed) => letGo(one, pressed, of)));
   made.append(buttons);
   return made;
 }

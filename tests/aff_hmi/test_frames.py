@@ -101,6 +101,23 @@ def test_a_frame_answers_the_newest_stamp_of_its_browser(tmp_path: Path) -> None
     played(tmp_path, play)
 
 
+def test_a_frame_has_the_time_of_the_gateway(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What a page says of when has one clock, that of alarms, events and versions."""
+    monkeypatch.setattr("aff_hmi.hub.wall_time_s", lambda: 1.8e9 + 0.04)
+
+    async def play(hub, clock, visit) -> None:
+        browser = await visit()
+        browser.receipt(0, 1.0)
+        await turn()
+        hub.make_frames(seen())
+        await turn()
+        assert browser.frames[-1]["utc_s"] == 1.8e9
+
+    played(tmp_path, play)
+
+
 def test_who_comes_gets_a_frame_at_once_and_a_quiet_screen_polls_less(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -55,7 +55,7 @@ def test_a_plc_that_falls_silent(page: Page, screen, pictures: Path, figures) ->
         assert all(page.dead("plc"))
         assert not any(page.dead("service"))
         assert page.crossed_out(NUMBER)
-        assert "The PLC is silent for" in page.text("#broken")
+        assert "The PLC is silent:" in page.text("#broken")
         assert " old" in page.text(".tension .stale")
         page.picture(pictures / "stale-plc.png")
     finally:
@@ -77,7 +77,7 @@ def test_a_service_that_hangs(page: Page, screen, pictures: Path, figures) -> No
         assert page.text("#state") == "UNKNOWN"
         assert page.text("#was").startswith("was ")
         assert page.crossed_out("#was")
-        assert "The service is silent for" in page.text("#broken")
+        assert "The service is silent:" in page.text("#broken")
         page.picture(pictures / "stale-service.png")
     finally:
         os.kill(control, signal.SIGCONT)
@@ -94,7 +94,7 @@ def test_a_service_that_is_killed_comes_back_idle_and_is_shown_so(
     figures["service killed"] = stale = page.stale_since(start_ms, "service")
     judge(stale)
     # from its last tick, and not from a break before that
-    said = re.search(r"silent for ([\d.]+) (s|min)", page.text("#broken"))
+    said = re.search(r"Silent for ([\d.]+) (s|min)", page.text("#broken"))
     assert said is None or (said[2] == "s" and float(said[1]) < 10.0)
     page.await_live()
     assert page.text("#state") == "FAULT"
@@ -168,7 +168,7 @@ def test_a_supervisor_that_hangs_is_told_and_the_numbers_go_on(
         pause(0.4)
         assert all(page.dead("supervisor"))
         assert page.crossed_out("#config")
-        assert "The supervisor is silent for" in page.text("#broken")
+        assert "The supervisor is silent:" in page.text("#broken")
         assert page.text("#state") != "UNKNOWN"
         page.picture(pictures / "stale-supervisor.png")
         page.await_selector("#alarms li[data-rank]")
