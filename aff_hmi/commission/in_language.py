@@ -17,7 +17,8 @@ from aff_hmi.commission.shown import (
     SiteInShort,
 )
 from aff_hmi.commission.typed_words import wanted
-from aff_hmi.words import N_, Say
+from aff_hmi.words import N_, Say, figures_in
+from aff_runtime.app.card.standing import Stand
 from aff_runtime.app.commission.answers import State
 from aff_runtime.app.commission.messages import WORDS, Refusal, Why
 from aff_runtime.app.commission.views import (
@@ -84,8 +85,34 @@ def card_in(card: CardView, say: Say) -> CardView:
 
     A step's figures, remarks and signatures stay as they are on the card: that is what was signed.
     """
-    remarks = tuple(sentence(text, say) for text in card.remarks)
-    return replace(card, steps=tuple(_step(one, say) for one in card.steps), remarks=remarks)
+    return replace(
+        card,
+        steps=tuple(_step(one, say) for one in card.steps),
+        remarks=tuple(sentence(text, say) for text in card.remarks),
+        undone=tuple(_undone(one, say) for one in card.steps if not _is_done(one)),
+    )
+
+
+def _is_done(one: StepView) -> bool:
+    return one.stand in (Stand.PASS, Stand.NOT_APPLICABLE) and one.signed is not None
+
+
+def _undone(one: StepView, say: Say) -> str:
+    """Return what is left to do of a step, as ``app.card.page.undone`` says it in English.
+
+    It is put together again and not found by a pattern: titles have commas and colons in them.
+    """
+    _, word = STANDS[one.stand]
+    stand = say(word)
+    if one.stand in (Stand.PASS, Stand.NOT_APPLICABLE):
+        stand = say(N_("{stand}, not signed")).replace("{stand}", stand)
+    why = [*one.why]
+    if one.stand == Stand.OPEN and one.entry is not None:
+        why += one.entry.missing
+    said = say(N_("step {number}, {title}: {stand}")).replace("{number}", str(one.number))
+    said = said.replace("{title}", say(one.title)).replace("{stand}", stand)
+    reasons = "; ".join(figures_in(sentence(text, say), say) for text in why)
+    return f"{said} ({reasons})" if why else said
 
 
 def _step(one: StepView, say: Say) -> ShownStep:

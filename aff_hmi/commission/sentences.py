@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from functools import cache
 
 from aff_hmi.commission.bus_sentences import BUS
+from aff_hmi.commission.card_lacks import LACKS
 from aff_hmi.commission.card_sentences import CARD
 from aff_hmi.commission.choices import all_named
 from aff_hmi.commission.run_sentences import RUNS
@@ -87,6 +88,7 @@ PATTERNS = (
     *BUS,
     *RUNS,
     *CARD,
+    *LACKS,
     *VERDICTS,
 )
 _PLACE = re.compile(r"\\\{(\w+)\\\}")

@@ -76,6 +76,35 @@ def test_no_german_text_has_a_number_with_a_point() -> None:
 
 
 @pytest.mark.parametrize(
+    ("german", "english"),
+    [
+        (r"\bRolle\b", r"\broles?\b"),  # of an account; what turns is a Walze or a Wickel
+        (r"\bVerzug\b", r"\bdraws?\b"),  # a delay is a Totzeit
+        (r"\bTotzeit", r"\bdelay"),
+        (r"\bKern\b", r"\bcore\b"),  # a kernel is a Kernel
+        (r"Klebestoß|Klebestöße", r"\bsplices?\b"),
+        (r"Spleiß", r"$^"),
+        (r"\bPanel\b|\bSteller|Kraftmesser|Herzschlag|klingt ab", r"$^"),
+        (r"Display", r"\bdisplay"),
+        (r"\bAnzeige", r"\bscreen|\bpage"),
+        (r"\bAusgaben?\b", r"\breleases?\b"),
+    ],
+)
+def test_a_german_word_has_one_meaning(german: str, english: str) -> None:
+    said = {m.id: m.string for path in sources() for m in catalogue(path) if m.id}
+    found = {text for text, words in said.items() if re.search(german, words)}
+    assert {text for text in found if not re.search(english, text)} == set()
+
+
+def test_what_is_tried_is_kept_and_taken_back_in_words_of_its_own() -> None:
+    """A window is *aufgehoben*: of settings that would say the opposite."""
+    page = Path(aff_hmi.__file__).parent.joinpath("templates", "trying.html").read_text()
+    presses = re.findall(r'data-may="(\w+)">{{ _\(\'(.*?)\'\) }}<', page)
+    german = {press: say_in("de")(text) for press, text in presses}
+    assert german == {"keep": "Behalten", "undo": "Zurücknehmen"}
+
+
+@pytest.mark.parametrize(
     ("wanted", "accepted", "language"),
     [
         ("de", "en", "de"),

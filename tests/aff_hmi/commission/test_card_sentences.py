@@ -30,6 +30,7 @@ FILES = (*sorted((APP / "card").rglob("*.py")), APP / "commission" / "search.py"
 REFUSALS = ("RefusedError", "ConfigError", "NotTypedError")
 VALUES = {
     "what": "name",
+    "at": ", radius 0.2 m",
     "wanted": "a number in N",
     "HAS_COMMA": "has a decimal comma",
     "f' ({why})' if why else ''": " (no sign was typed)",

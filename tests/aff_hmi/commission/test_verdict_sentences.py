@@ -102,7 +102,7 @@ def test_a_verdict_reads_german_from_its_headline_to_what_to_do():
         "Lager: R4, constant 0.17 N m."
     )
     assert found.sure == (
-        "Schlupf: pull_roll erreicht 900, die nächstbeste Erklärung (Verzug im Zugregelkreis: "
+        "Schlupf: pull_roll erreicht 900, die nächstbeste Erklärung (Totzeit im Zugregelkreis: "
         "unwind) 120; schwergängiges Lager: R4 erreicht 80, nichts anderes erklärt die "
         "Aufzeichnung so gut. Ein Unterschied von 10 entscheidet."
     )
