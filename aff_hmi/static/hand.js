@@ -1,5 +1,7 @@
 // Bypass in one press, arming by holding. What the service would refuse cannot be pressed, and says
 // why. A press is done when the line shows it, not when the server has answered.
+import { nowS } from "/static/see.js";
+
 const HOLD_MS = 1000;
 const CONFIRM_MS = { bypass: 1000, arm: 2000, probe: 4000, "probe-louder": 4000, shadow: 2000, "end-shadow": 2000 };
 const PATIENCE_MS = 4000;
@@ -35,7 +37,7 @@ function put(element, text) {
 /** What became of a press, and when: it stays until the next one; `isBad`: nobody saw it done. */
 function tell(text, isBad = false) {
   const told = byId("hand-said");
-  put(told, text && `${new Date().toLocaleTimeString(root.lang)} ${text}`);
+  put(told, text && `${new Date(1000 * nowS()).toLocaleTimeString(root.lang)} ${text}`);
   told.classList.toggle("unconfirmed", isBad);
 }
 
@@ -106,7 +108,7 @@ function show() {
 function held(own) {
   if (!own.hand_of) return words.none;
   const since = new Date(1000 * own.hand_since_s);
-  const day = since.toDateString() === new Date().toDateString() ? {} : { day: "numeric", month: "short" };
+  const day = since.toDateString() === new Date(1000 * nowS()).toDateString() ? {} : { day: "numeric", month: "short" };
   const time = since.toLocaleTimeString(root.lang, { ...day, hour: "2-digit", minute: "2-digit", hourCycle: "h23" });
   const said = (own.has_hand ? words.mine : words.other).replace("{name}", own.hand_of);
   const place = own.hand_from === "panel" ? words.panel : words.network;
