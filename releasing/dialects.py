@@ -105,8 +105,9 @@ def to_logix(block: Block) -> str:
     """Return the block as an add-on instruction of a Rockwell Logix controller (L5X).
 
     Logix has no UINT and no WORD: they are DINT of 0 to 65535, so the caller masks what comes off
-    the wire with 16#FFFF. Its tags keep their values over a restart: a prescan routine sets all
-    that the block writes to what the source begins with.
+    the wire with 16#FFFF. Its tags keep their values over a restart, and while the rung that it
+    stands on is false its logic is not run: a routine for each, prescan and EnableInFalse, sets
+    all that the block writes to what the source begins with.
     """
     written = [item for item in block.variables if item.section != "VAR_INPUT"]
     return _L5X.format(
@@ -115,7 +116,7 @@ def to_logix(block: Block) -> str:
         parameters="\n".join(_tag(item) for item in block.variables if item.section != "VAR"),
         local="\n".join(_tag(item) for item in block.variables if item.section == "VAR"),
         logic=_lines(_logix_body(block.body)),
-        prescan=_lines("".join(f"{item.name} := {_logix_value(item)};\n" for item in written)),
+        begin=_lines("".join(f"{item.name} := {_logix_value(item)};\n" for item in written)),
     )
 
 
@@ -161,7 +162,7 @@ TargetType="AddOnInstructionDefinition" ContainsContext="true">
 <Controller Use="Context" Name="AFF">
 <AddOnInstructionDefinitions Use="Context">
 <AddOnInstructionDefinition Use="Target" Name="{name}" Revision="1.0" \
-ExecutePrescan="true" ExecutePostscan="false" ExecuteEnableInFalse="false">
+ExecutePrescan="true" ExecutePostscan="false" ExecuteEnableInFalse="true">
 <Description>{description}</Description>
 <Parameters>
 <Parameter Name="EnableIn" TagType="Base" DataType="BOOL" Usage="Input" Radix="Decimal" \
@@ -181,7 +182,12 @@ Required="false" Visible="false" ExternalAccess="Read Only"/>
 </Routine>
 <Routine Name="Prescan" Type="ST">
 <STContent>
-{prescan}
+{begin}
+</STContent>
+</Routine>
+<Routine Name="EnableInFalse" Type="ST">
+<STContent>
+{begin}
 </STContent>
 </Routine>
 </Routines>

@@ -9,7 +9,7 @@ from sim_plant.servers.plc import ALL_WELL, Plc, Scan
 from sim_plant.servers.plc_map import PlcMap
 from tests.deploy.st_compilers import CompiledBlock
 
-WORDS = ("", "watchdog", "state", "rearm", "permissive", "complement", "limit")
+WORDS = ("", "watchdog", "state", "rearm", "permissive", "complement", "limit", "scan time")
 
 
 class CompiledPlc(Plc):

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -118,6 +120,34 @@ def test_a_dead_heartbeat_trips_after_the_watchdog_and_is_zero_after_the_fade() 
     assert outs[tripped + 18]["Correction1"] > 0.0
     assert all(out["Correction1"] == 0.0 for out in outs[tripped + 19 :])  # 180 ms in all
     assert both.scan(4, 1234)["Refusal"] == 3
+
+
+NO_TIME = (0.0, -SCAN_S, math.nan)
+
+
+@pytest.mark.parametrize("scan_s", NO_TIME)
+def test_without_a_scan_time_nothing_counts_and_the_refusal_says_so(scan_s: float) -> None:
+    """A watchdog and a fade that count no time would let the last correction stand for ever."""
+    block = Both().accepted().block
+    heard = dict(block.call(AffHeartbeat=4, ScanTime=scan_s))
+    assert (heard["Refusal"], heard["Accepted"], heard["EnableRequest"]) == (7, False, False)
+    assert (heard["Correction1"], heard["Correction2"]) == (0.0, 0.0)
+    silent = dict(block.call(ScanTime=scan_s))
+    assert (silent["Refusal"], silent["Applied1"], silent["Applied2"]) == (7, 0, 0)
+    # with its time back it asks for a state without ACTIVE, as after a trip of the watchdog
+    block.call(AffHeartbeat=5, ScanTime=SCAN_S)
+    assert block.call(AffHeartbeat=6)["Refusal"] == 3
+    block.call(AffHeartbeat=7, AffState=0)
+    again = block.call(AffHeartbeat=8, AffState=ACTIVE)
+    assert (again["Refusal"], again["Correction1"]) == (0, 1234.0)
+
+
+def test_a_block_whose_scan_time_is_not_connected_never_adds_anything() -> None:
+    block = StMachine(BLOCK)
+    words = {"Word1": 1234, "Copy1": ~1234 & 0xFFFF, "Copy2": 0xFFFF, "Permissives": True}
+    for heartbeat, state in enumerate((0, 0, ACTIVE, ACTIVE, ACTIVE), start=1):
+        out = block.call(AffHeartbeat=heartbeat, AffState=state, Wanted=True, **words)
+        assert (out["Refusal"], out["Correction1"]) == (7, 0.0)
 
 
 def test_what_is_shown_as_applied_is_what_is_left_after_limit_and_fade() -> None:
@@ -275,6 +305,10 @@ MUTANTS = (
     ("REAL_TO_INT(Correction2)", "Word2"),
     ("REAL_TO_INT(Correction1)", "REAL_TO_INT(Held1)"),
     ("Silence <= Watchdog", "Silence <= Watchdog + 1.0"),
+    ("Timed := ScanTime > 0.0", "Timed := TRUE"),
+    ("Timed := ScanTime > 0.0", "Timed := ScanTime <> 0.0"),
+    ("Heard AND Timed AND", "Heard AND"),
+    ("IF Timed AND Since", "IF Since"),
     ("NeedsRearm := TRUE;\n    IF Trips", "IF Trips"),
     ("Trips < 65535", "Trips >= 0"),
     ("ELSIF NOT Permissives THEN\n    Refusal := 4;\n", ""),
@@ -307,9 +341,11 @@ def test_every_rule_of_the_block_is_missed_when_it_is_gone(
     spoilt = tmp_path / "mutant.st"
     spoilt.write_text(text.replace(*mutant))
     monkeypatch.setattr("tests.deploy.test_aff_gateway_st.BLOCK", spoilt)
+    without_time = test_without_a_scan_time_nothing_counts_and_the_refusal_says_so
     cases = (
         test_nothing_counts_before_a_heartbeat_moved_and_a_state_without_active_was_seen,
         test_a_dead_heartbeat_trips_after_the_watchdog_and_is_zero_after_the_fade,
+        *(partial(without_time, scan_s) for scan_s in NO_TIME),
         test_an_intact_zero_of_a_live_runtime_ends_the_fade,
         test_a_heartbeat_now_and_then_does_not_hold_a_correction,
         test_a_refusal_takes_the_enable_request_away_until_the_runtime_is_disarmed,

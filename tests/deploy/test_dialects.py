@@ -21,6 +21,7 @@ NEW = "tests.deploy.test_aff_gateway_st.StMachine"
 CASES = (
     cases.test_nothing_counts_before_a_heartbeat_moved_and_a_state_without_active_was_seen,
     cases.test_a_dead_heartbeat_trips_after_the_watchdog_and_is_zero_after_the_fade,
+    lambda: cases.test_without_a_scan_time_nothing_counts_and_the_refusal_says_so(0.0),
     cases.test_what_is_shown_as_applied_is_what_is_left_after_limit_and_fade,
     cases.test_a_refusal_takes_the_enable_request_away_until_the_runtime_is_disarmed,
     cases.test_the_plc_can_acknowledge_a_refusal_by_an_edge_of_reset,
@@ -44,6 +45,12 @@ class LogixMachine(StMachine):
         tags = [tag for tag in tags if tag.get("Name") not in {"EnableIn", "EnableOut"}]
         self._body = self._routine(root, "Logic")
         self._prescan = self._routine(root, "Prescan")
+        (made,) = root.iter("AddOnInstructionDefinition")
+        self._rung_false = (
+            self._routine(root, "EnableInFalse")
+            if made.get("ExecuteEnableInFalse") == "true"
+            else []
+        )
         self.types = {tag.attrib["Name"]: tag.attrib["DataType"] for tag in tags}
         self.inputs = {tag.attrib["Name"] for tag in tags if tag.get("Usage") == "Input"}
         self.v: dict[str, Any] = dict.fromkeys(self.types, 0)
@@ -59,6 +66,11 @@ class LogixMachine(StMachine):
     def start(self) -> None:
         """Run what the controller runs when it begins."""
         self._run(self._prescan)
+
+    def call_on_a_false_rung(self) -> dict[str, Any]:
+        """Scan with EnableIn 0: the logic is not run, tags stay but for EnableInFalse."""
+        self._run(self._rung_false)
+        return self.v
 
     def _store(self, name: str, value: Any) -> None:
         kind = self.types[name]
@@ -118,6 +130,21 @@ def test_a_logix_controller_that_starts_forgets_what_its_tags_retained() -> None
     machine.start()
     assert {name: machine.v[name] for name in fresh} == fresh
     assert machine.v["NeedsRearm"] is True
+
+
+def test_a_logix_rung_that_goes_false_takes_the_correction_away_until_aff_begins_anew(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(NEW, LogixMachine)
+    block = cases.Both().accepted().block
+    out = block.call_on_a_false_rung()
+    added = ("Correction1", "Correction2", "Applied1", "Applied2")
+    assert {name: out[name] for name in added} == dict.fromkeys(added, 0)
+    assert (out["EnableRequest"], out["Accepted"]) == (False, False)
+    # the rung is true again while AFF still says ACTIVE: no scan without it has come
+    block.call(AffHeartbeat=4)
+    refused = block.call(AffHeartbeat=5)
+    assert (refused["Refusal"], refused["Correction1"]) == (3, 0.0)
 
 
 def test_a_text_that_declares_in_another_form_is_refused() -> None:
