@@ -202,12 +202,14 @@ static bool choose_substeps(line *it) {
     return true;
 }
 
-/* the steady state at the present references; then rolls, angles and time are put back */
+/* the steady state at the present references, carriages at rest; then rolls, angles and time are
+   put back */
 static void settle(line *it) {
     line_numbers *n = &it->memory.numbers;
     line_state *s = &it->memory.state;
     WEB web = n->web[0];
     CHANGE changes[CHANGES_];
+    double speeds[sizeof n->carriages / sizeof n->carriages[0]];
     double radii[2], theta[BODIES], frame_s = TICKS_PER_FRAME * n->timing[0].drive_tick_s;
     int64_t frames = (int64_t)floor(n->settle_s / 4.0 / frame_s + 0.5);
     memcpy(changes, n->changes, sizeof changes);
@@ -217,6 +219,10 @@ static void settle(line *it) {
     n->web[0].splice_step_m = 0.0;
     for (int e = 0; e < CHANGES; e++) n->changes[e].from_s = INFINITY;
     n->timing[0].noisy = 0;
+    for (int c = 0; c < CARRIAGES; c++) {
+        speeds[c] = n->carriages[c].speed_m_s;
+        n->carriages[c].speed_m_s = 0.0;
+    }
     for (int part = 0; part < 4; part++) {
         for (int64_t f = 0; f < frames; f++) step_one_frame(it);
         memcpy(&s->y[LAYOUT.radius], radii, sizeof radii);
@@ -227,12 +233,23 @@ static void settle(line *it) {
     s->counters[0] = 0;
     n->web[0] = web;
     memcpy(n->changes, changes, sizeof changes);
+    for (int c = 0; c < CARRIAGES; c++) n->carriages[c].speed_m_s = speeds[c];
 }
 
 static bool finite_state(const line *it) {
     for (int j = 0; j < STATES; j++)
         if (!isfinite(it->memory.state.y[j])) return false;
     return true;
+}
+
+/* a speed of a carriage is an input: it fills or empties from the start on and is no other start */
+static bool other_carriages(const line_numbers *n) {
+    for (int c = 0; c < CARRIAGES; c++) {
+        CARRIAGE now = n->carriages[c];
+        now.speed_m_s = NUMBERS.carriages[c].speed_m_s;
+        if (memcmp(&now, &NUMBERS.carriages[c], sizeof now) != 0) return true;
+    }
+    return false;
 }
 
 static bool differs(const line *it) {
@@ -242,12 +259,12 @@ static bool differs(const line *it) {
                 n->wound_in_tension_N == NUMBERS.wound_in_tension_N;
     for (int l = 0; l < LOOPS; l++) same = same && m->tension_ref_N[l] == START_TENSION_N;
     for (int j = 0; j < 2 * DRIVES; j++) same = same && m->corrections[j] == 0.0;
+    same = same && !other_carriages(n);
     return !(same && memcmp(n->bodies, NUMBERS.bodies, sizeof n->bodies) == 0 &&
              memcmp(n->web, NUMBERS.web, sizeof n->web) == 0 &&
              memcmp(n->drives, NUMBERS.drives, sizeof n->drives) == 0 &&
              memcmp(n->cells, NUMBERS.cells, sizeof n->cells) == 0 &&
              memcmp(n->heats, NUMBERS.heats, sizeof n->heats) == 0 &&
-             memcmp(n->carriages, NUMBERS.carriages, sizeof n->carriages) == 0 &&
              memcmp(n->loops, NUMBERS.loops, sizeof n->loops) == 0);
 }
 

@@ -78,6 +78,38 @@ def test_an_accumulator_is_filled_by_its_input_as_the_lines_own(line: Imported) 
     assert rows[-1][1] > 0.01
 
 
+def _travels(line: Imported, samples: int) -> list[float]:
+    found = []
+    for k in range(samples):
+        line.step(k * LINE.sample_time_s, LINE.sample_time_s)
+        found += line.get([SEEN[1]])
+    return found
+
+
+def test_an_accumulator_that_moves_from_the_start_begins_where_the_line_file_puts_it(
+    line: Imported,
+) -> None:
+    mine, speed = settled_line(LINE), {"travel_accumulator_m_s": 0.01}
+    wanted = [mine.step(speed)["true_accumulator_position_m"] for _ in range(100)]
+    line.set(speed)
+    line.start()
+    assert _travels(line, 100) == wanted
+
+
+def test_an_accumulator_that_moves_stands_while_a_changed_line_settles(line: Imported) -> None:
+    """As one that begins to move behind the start; 40 s at 10 mm/s would be 0.4 m."""
+    load, speed = {"dancers.dancer.along_load_N": 150.0}, {"travel_accumulator_m_s": 0.01}
+    line.set(load)
+    line.start()
+    assert line.get([SEEN[1]]) == [pytest.approx(0.0, abs=1e-6)]
+    line.set(speed)
+    wanted = _travels(line, 200)
+    line.reset()
+    line.set(load | speed)
+    line.start()
+    assert _travels(line, 200) == wanted
+
+
 def test_another_load_of_the_dancer_settles_the_line_at_another_tension(line: Imported) -> None:
     """2 T arm = load + weight arm: 10 N more along the travel are 5 N more of tension."""
     line.set({"dancers.dancer.along_load_N": 70.0 / 0.5 + 10.0})
