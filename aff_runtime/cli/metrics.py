@@ -38,6 +38,12 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         metavar="STORE",
         help="of `aff-runtime watch`, to count what it found (default: %(default)s)",
     )
+    parser.add_argument(
+        "--line",
+        default="",
+        metavar="NAME",
+        help="a label `line` on every number: several lines of one gateway in one collector",
+    )
     parser.set_defaults(command=metrics)
 
 
@@ -54,7 +60,7 @@ def metrics(options: argparse.Namespace) -> int:
         complain(f"aff-runtime: {error}")
         exit_code = error.exit_code
     notes = None if answer is None else notes_of(options.watch, answer.line)
-    text = exposition(readings(answer, MonotonicClock().now_ns(), notes))
+    text = exposition(readings(answer, MonotonicClock().now_ns(), notes), line=options.line)
     if options.out is not None:
         write(options.out, text)
     else:

@@ -1,6 +1,7 @@
 """Samples in the text format of Prometheus, for a file and for a web server alike.
 
-Neither the service nor its control process comes here: they know no package of a web server.
+Written here, as a gateway without the screen has no package of Prometheus. Neither the service nor
+its control process comes here.
 """
 
 from __future__ import annotations
@@ -8,81 +9,80 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING
+from typing import TypeAlias
 
-from aff_runtime.app.report.metrics.catalogue import CATALOGUE, COUNTER, HISTOGRAM, INFO
+from aff_runtime.app.report.metrics.catalogue import BY_NAME, CATALOGUE, INFO, Metric
 from aff_runtime.app.report.metrics.readings import Sample, Spread
 from aff_runtime.base.errors import AffError
 
-if TYPE_CHECKING:
-    from prometheus_client.metrics_core import Metric
-
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 LACKS = "the package prometheus_client is needed: install aff-runtime[hmi]"
+_ESCAPED = str.maketrans({"\\": r"\\", "\n": r"\n", '"': r"\""})
 
 
-def exposition(samples: Sequence[Sample | Spread], *, has_process: bool = False) -> str:
+Labels: TypeAlias = tuple[tuple[str, str], ...]
+
+
+def exposition(
+    samples: Sequence[Sample | Spread], *, line: str = "", has_process: bool = False
+) -> str:
     """Return samples in the Prometheus text format, whose type is ``CONTENT_TYPE``.
 
     Parameters
     ----------
+    line : value of a label ``line`` on every sample; without it there is no such label.
     has_process : with what this process uses, by prometheus_client's own names ``process_...``.
 
     Raises
     ------
     AffError
-        When prometheus_client is not installed.
+        When the process is asked for and prometheus_client is not installed.
     """
+    rows: dict[str, list[str]] = defaultdict(list)
+    whose = (("line", line),) if line else ()
+    for sample in samples:
+        if isinstance(sample, Spread):
+            rows[sample.metric] += _of_spread(sample, whose)
+        else:
+            rows[sample.metric] += _of_sample(sample, whose)
+    said = [metric for metric in CATALOGUE if metric.name in rows]
+    text = "".join(_head(metric) + "".join(rows[metric.name]) for metric in said)
+    return text + (_of_process() if has_process else "")
+
+
+def _head(metric: Metric) -> str:
+    kind = "gauge" if metric.kind == INFO else metric.kind  # the format has no kind for facts
+    return f"# HELP {metric.name} {metric.text}\n# TYPE {metric.name} {kind}\n"
+
+
+def _of_sample(sample: Sample, whose: Labels) -> Iterator[str]:
+    names = BY_NAME[sample.metric].labels
+    yield _row(sample.metric, (*whose, *zip(names, sample.labels, strict=True)), sample.value)
+
+
+def _of_spread(spread: Spread, whose: Labels) -> Iterator[str]:
+    for edge, count in spread.buckets:
+        yield _row(f"{spread.metric}_bucket", (*whose, ("le", _number(edge))), count)
+    yield _row(f"{spread.metric}_count", whose, spread.buckets[-1][1])
+    yield _row(f"{spread.metric}_sum", whose, spread.total)
+
+
+def _row(name: str, labels: Labels, value: float) -> str:
+    inside = ",".join(f'{label}="{text.translate(_ESCAPED)}"' for label, text in labels)
+    return f"{name}{{{inside}}} {_number(value)}\n" if inside else f"{name} {_number(value)}\n"
+
+
+def _number(value: float) -> str:
+    """Return a number as Go reads it, its infinity included."""
+    if math.isinf(value):
+        return "+Inf" if value > 0.0 else "-Inf"
+    return "NaN" if math.isnan(value) else repr(float(value))
+
+
+def _of_process() -> str:
     try:
         from prometheus_client import ProcessCollector  # noqa: PLC0415  not the gateway's own
-        from prometheus_client import exposition as writer  # noqa: PLC0415
+        from prometheus_client.exposition import generate_latest  # noqa: PLC0415
     except ImportError:
         raise AffError(LACKS) from None
-    text = writer.generate_latest(_Collected(samples))
-    if has_process:
-        text += writer.generate_latest(ProcessCollector(registry=None))
-    return text.decode()
-
-
-class _Collected:
-    """Samples as prometheus_client collects them."""
-
-    def __init__(self, samples: Sequence[Sample | Spread]) -> None:
-        self._samples = [one for one in samples if isinstance(one, Sample)]
-        self._spreads = {one.metric: one for one in samples if isinstance(one, Spread)}
-
-    def collect(self) -> Iterator[Metric]:
-        """Yield every family that has a sample."""
-        from prometheus_client.metrics_core import (  # noqa: PLC0415
-            CounterMetricFamily,
-            GaugeMetricFamily,
-            HistogramMetricFamily,
-            InfoMetricFamily,
-        )
-
-        by_name: dict[str, list[Sample]] = defaultdict(list)
-        for sample in self._samples:
-            by_name[sample.metric].append(sample)
-        for metric in CATALOGUE:
-            samples = by_name.get(metric.name, [])
-            if samples and metric.kind == INFO:
-                info = InfoMetricFamily(metric.name.removesuffix("_info"), metric.text)
-                for sample in samples:
-                    info.add_metric([], dict(zip(metric.labels, sample.labels, strict=True)))
-                yield info
-            elif metric.kind == HISTOGRAM and metric.name in self._spreads:
-                spread = HistogramMetricFamily(metric.name, metric.text, labels=metric.labels)
-                one = self._spreads[metric.name]
-                edges = [(_edge(edge), count) for edge, count in one.buckets]
-                spread.add_metric((), edges, one.total)
-                yield spread
-            elif samples:
-                kind = CounterMetricFamily if metric.kind == COUNTER else GaugeMetricFamily
-                family = kind(metric.name, metric.text, labels=metric.labels)
-                for sample in samples:
-                    family.add_metric(sample.labels, sample.value)
-                yield family
-
-
-def _edge(edge: float) -> str:
-    return "+Inf" if math.isinf(edge) else repr(edge)
+    return generate_latest(ProcessCollector(registry=None)).decode()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
+import sys
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -29,7 +30,7 @@ from aff_runtime.app.report.probe_facts import probes_of
 from aff_runtime.app.report.status import live_status
 from aff_runtime.app.report.status_answer import Meeting, StatusAnswer, read_answer
 from aff_runtime.app.report.tick_row import TickRow
-from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.base.events import TABLE
 from aff_runtime.base.signals import State, Status
 from aff_runtime.cli.main import main
@@ -271,6 +272,33 @@ def test_the_text_is_read_back_by_prometheus_own_parser() -> None:
     assert read == values(answer())
 
 
+def test_without_prometheus_own_package_the_numbers_are_told(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A gateway without the screen has no package of Prometheus."""
+    told = exposition(readings(answer(), START_NS + 10_000_000_000))
+    monkeypatch.setitem(sys.modules, "prometheus_client", None)
+    assert exposition(readings(answer(), START_NS + 10_000_000_000)) == told
+    assert 'aff_tension_newtons{channel="unwind_tension_N"} 88.25\n' in told
+    with pytest.raises(AffError, match="install aff-runtime"):
+        exposition([], has_process=True)
+
+
+def test_two_lines_of_one_gateway_are_told_apart_by_a_label() -> None:
+    parser = pytest.importorskip("prometheus_client.parser")
+    spread = Spread("aff_tick_duration_seconds", ((math.inf, 6.0),), 0.25)
+    samples = (*readings(answer(), START_NS + 10_000_000_000), spread)
+    seen = set()
+    for line in ("film1", "film2"):
+        for family in parser.text_string_to_metric_families(exposition(samples, line=line)):
+            for one in family.samples:
+                assert one.labels["line"] == line
+                key = (one.name, *sorted(one.labels.items()))
+                assert key not in seen
+                seen.add(key)
+    assert "line=" not in exposition(samples)
+
+
 def test_a_histogram_has_its_sum_its_count_and_every_edge() -> None:
     parser = pytest.importorskip("prometheus_client.parser")
     name = "aff_tick_duration_seconds"
@@ -290,7 +318,6 @@ def test_a_histogram_has_its_sum_its_count_and_every_edge() -> None:
 
 
 def test_a_hostile_name_stays_inside_its_label() -> None:
-    pytest.importorskip("prometheus_client")
     given = answer()
     assert given.live is not None
     name = 'x"} 1\naff_control_up 1\\_N'
@@ -312,11 +339,13 @@ def test_a_file_is_replaced_whole_and_a_bad_place_is_named(tmp_path: Path) -> No
 
 
 def test_without_a_service_the_file_says_so(tmp_path: Path) -> None:
-    pytest.importorskip("prometheus_client")
     out = tmp_path / "aff.prom"
     (tmp_path / "rt").mkdir(mode=0o700)
     assert main(["metrics", "--runtime-dir", str(tmp_path / "rt"), "--out", str(out)]) == 3
     assert "aff_control_up 0.0" in out.read_text()
+    command = ["metrics", "--runtime-dir", str(tmp_path / "rt"), "--line", "film2"]
+    assert main([*command, "--out", str(out)]) == 3
+    assert 'aff_control_up{line="film2"} 0.0' in out.read_text()
 
 
 def test_every_event_is_an_alarm_with_a_priority_or_none() -> None:
