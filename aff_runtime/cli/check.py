@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from aff_runtime.app.check.record_size import record_line
 from aff_runtime.app.check.validate import refused_at_start
 from aff_runtime.base.arguments import speed_m_s
 from aff_runtime.base.effort import bounded_effort
-from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.cli.service import add_state_dir
 from aff_runtime.cli.terminal import complain, say
 from aff_runtime.config.check import check_site
@@ -47,8 +49,10 @@ def check(options: argparse.Namespace) -> int:
     if report.ok:
         with bounded_effort(str(options.site), ConfigError):
             report = replace(report, refused=refused_at_start(options.site, options.state_dir))
-    if report.ok and not options.brief:
+    if report.ok and report.site is not None and not options.brief:
         say(f"law by {arithmetic_name()}")
+        with contextlib.suppress(AffError):  # what the rooms refuse, the service says
+            say(record_line(report.site))
     for line in report.lines(brief=options.brief):
         (say if report.ok else complain)(line)
     return report.exit_code

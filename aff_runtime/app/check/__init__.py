@@ -1,3 +1,3 @@
 """The check of a site file: a process of its own."""
 
-__all__ = ["limits", "result", "validate"]
+__all__ = ["limits", "record_size", "result", "validate"]
