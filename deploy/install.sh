@@ -1,22 +1,25 @@
 #!/bin/sh
 # Installs AFF Runtime as a service. Run again to update: settings and records stay.
 #
-#   sudo deploy/install.sh [--dry-run] [--can] [--records] [--hmi | --remove-hmi] [--line NAME]
-#                          [--prefix DIR] [--python PYTHON] [--wheels DIR | --unlocked]
-#                          [--product WHEEL] [--fresh]
+#   sudo deploy/install.sh [--dry-run] [--can] [--records] [--hmi [--plant] | --remove-hmi]
+#                          [--line NAME] [--prefix DIR] [--python PYTHON]
+#                          [--wheels DIR | --unlocked] [--product WHEEL] [--fresh]
 #   deploy/install.sh --compare [--prefix DIR]
 #
 # --dry-run     say what would be done, do nothing
-# --can         CAN, CANopen or a serial line: their packages, and the service's right to use them
+# --can         CAN, CANopen or a serial line: their packages, and the service's right to use them;
+#               updated ever after
 # --records     Parquet: aff-runtime watch and export; and a timer for the first, which nothing
 #               starts; updated ever after
 # --hmi         the screen too: a user, an environment and a unit of its own; updated ever after;
 #               a key and a certificate where it has none. And the unit of the commissioner, which
 #               nothing starts
+# --plant       with --hmi: the line model's packages too, so that the commissioner can refine;
+#               updated ever after. Without it refine is for another machine
 # --remove-hmi  take the screen away again and nothing else; what somebody put into /etc/aff-hmi
 #               stays
 # --line        one more line on this gateway: a service aff-runtime@NAME with a site file, folders
-#               and a processor of its own; may stand more than once
+#               and, while they last, a processor of its own; may stand more than once
 # --fresh       new environments in place of those that are there, every package by its hash
 # --compare     say which installed files are not as they were installed; exit 1 where some are not
 # --prefix      put everything below DIR; no user, no systemd (for tests and packages)
@@ -37,6 +40,7 @@ dry_run=no
 can=no
 records=no
 hmi=no
+plant=no
 wheels=
 locked=yes
 product=
@@ -52,6 +56,7 @@ while [ $# -gt 0 ]; do
         --can) can=yes ;;
         --records) records=yes ;;
         --hmi) hmi=yes ;;
+        --plant) plant=yes ;;
         --remove-hmi) hmi=remove ;;
         --line)
             case $2 in
@@ -66,7 +71,7 @@ while [ $# -gt 0 ]; do
         --wheels) wheels=$2; shift ;;
         --unlocked) locked=no ;;
         --product) product=$2; shift ;;
-        -h | --help) sed -n '2,27s/^# \{0,1\}//p' "$0"; exit 0 ;;
+        -h | --help) sed -n '2,30s/^# \{0,1\}//p' "$0"; exit 0 ;;
         *) echo "install.sh: unknown option $1" >&2; exit 2 ;;
     esac
     shift
@@ -120,7 +125,24 @@ environment() {
         run rm -rf "$1/venv.before"
         run mv "$1/venv" "$1/venv.before"
     fi
-    [ -x "$1/venv/bin/python" ] || run "$python" -m venv "$1/venv"
+    # One without pip, and without a list of what was installed, never was whole.
+    if [ -d "$1/venv" ]; then
+        if is_whole "$1" || [ -f "$1/installed.sha256" ]; then return; fi
+        run rm -rf "$1/venv"
+    fi
+    run "$python" -m venv "$1/venv" || no_environment "$1"
+    [ "$dry_run" = yes ] || is_whole "$1" || no_environment "$1"
+}
+
+is_whole() {
+    [ -x "$1/venv/bin/python" ] && "$1/venv/bin/python" -m pip --version > /dev/null 2>&1
+}
+
+no_environment() {
+    rm -rf "$1/venv"
+    echo "install.sh: $python makes no environment with pip in it. On Debian and Ubuntu:" >&2
+    echo "  apt-get install python3-venv (of another Python python3.12-venv), then run this again" >&2
+    exit 1
 }
 
 # The end, whatever it is: what was built goes; an environment that was not replaced comes back.
@@ -269,14 +291,22 @@ for place in "$opt" "$hmi_opt"; do
     fi
 done
 
+# A screen that is there speaks to the service of the same release only.
+if [ "$hmi" = no ] && [ -d "$hmi_opt/venv" ]; then hmi=yes; fi
+# What was brought once is of the release of the service: a new environment has it again.
+[ ! -e "$units/aff-watch.service" ] || records=yes
+[ ! -e "$units/aff-runtime.service.d/can.conf" ] || can=yes
+[ ! -e "$units/aff-commission.service.d/plant.conf" ] || plant=yes
+if [ "$plant" = yes ] && [ "$hmi" = no ]; then
+    echo "install.sh: --plant is for the commissioner, which comes with --hmi" >&2
+    exit 2
+fi
 if [ -z "$prefix" ]; then
     if ! getent passwd aff-runtime > /dev/null; then
         run useradd --system --user-group --home-dir /var/lib/aff-runtime \
             --shell /usr/sbin/nologin aff-runtime
     fi
 fi
-# A screen that is there speaks to the service of the same release only.
-if [ "$hmi" = no ] && [ -d "$hmi_opt/venv" ]; then hmi=yes; fi
 if [ "$hmi" = yes ] && [ -z "$prefix" ]; then
     getent group aff-door > /dev/null || run groupadd --system aff-door
     if ! getent passwd aff-hmi > /dev/null; then
@@ -285,14 +315,13 @@ if [ "$hmi" = yes ] && [ -z "$prefix" ]; then
     fi
 fi
 
-# What looks over weeks is of the release of the service.
-[ ! -e "$units/aff-watch.service" ] || records=yes
 run mkdir -p "$opt/share" "$etc" "$state/learned" "$state/runs" "$units" "$rules"
 environment "$opt"
-# No extras unless asked: the gateway needs neither numba nor scipy nor matplotlib.
+# No extras unless asked: the service needs neither numba nor scipy nor matplotlib.
 set --
 [ "$can" = no ] || set -- "$@" can
 [ "$records" = no ] || set -- "$@" records
+[ "$plant" = no ] || set -- "$@" plant
 bring "$opt/venv/bin/python" "$@"
 note "$opt"
 run cp "$source_dir/deploy/RUNBOOK.md" "$opt/share/RUNBOOK.md"
@@ -318,20 +347,6 @@ name_interpreter "$units/aff-runtime.service.d"
 if [ "$can" = yes ]; then
     run cp "$source_dir/deploy/aff-runtime.can.conf" "$units/aff-runtime.service.d/can.conf"
 fi
-# Every night, what changes over weeks: brought, and switched on by nobody but a person.
-if [ "$records" = yes ]; then
-    run mkdir -p "$state/watch" "$units/aff-watch.service.d"
-    run cp "$source_dir/deploy/aff-watch.service" "$units/aff-watch.service"
-    run cp "$source_dir/deploy/aff-watch.timer" "$units/aff-watch.timer"
-    name_interpreter "$units/aff-watch.service.d"
-    # The control process ticks on the last processor.
-    last=$(($(nproc --all) - 1))
-    if [ "$last" -gt 0 ]; then
-        put "$units/aff-watch.service.d/cpu.conf" "CPUAffinity=0-$((last - 1))"
-    else
-        run rm -f "$units/aff-watch.service.d/cpu.conf"
-    fi
-fi
 # Several lines: a template, and per line what is the technician's. A template that is there follows.
 for old in "$etc"/lines/*; do
     [ ! -d "$old" ] || lines="$lines ${old##*/}"
@@ -344,6 +359,7 @@ if [ -n "$lines" ]; then
         run cp "$source_dir/deploy/aff-runtime.can.conf" "$units/aff-runtime@.service.d/can.conf"
     fi
 fi
+. "$source_dir/deploy/processors.sh"
 for line in $(printf '%s\n' $lines | LC_ALL=C sort -u); do
     own=$units/aff-runtime@$line.service.d
     run mkdir -p "$etc/lines/$line" "$state/lines/$line/learned" "$state/lines/$line/runs" "$own"
@@ -352,14 +368,16 @@ for line in $(printf '%s\n' $lines | LC_ALL=C sort -u); do
     [ -e "$etc/lines/$line/learned" ] || [ -L "$etc/lines/$line/learned" ] ||
         run ln -s "../../../../var/lib/aff-runtime/lines/$line/learned" "$etc/lines/$line/learned"
     [ -e "$own/plc.conf" ] || run cp "$source_dir/deploy/aff-runtime.plc.conf" "$own/plc.conf"
-    # A control process ticks on the last processor that it may use: each line on its own, while
-    # they last.
-    taken=$(find "$units" -path '*/aff-runtime@*.service.d/cpu.conf' 2> /dev/null | wc -l)
-    last=$(($(nproc --all) - 1 - taken))
-    if [ "$last" -gt 0 ] && [ ! -e "$own/cpu.conf" ]; then
-        put "$own/cpu.conf" "CPUAffinity=0-$last"
-    fi
+    [ -e "$own/cpu.conf" ] || give_processor
 done
+# Every night, what changes over weeks: brought, and switched on by nobody but a person.
+if [ "$records" = yes ]; then
+    run mkdir -p "$state/watch" "$units/aff-watch.service.d"
+    run cp "$source_dir/deploy/aff-watch.service" "$units/aff-watch.service"
+    run cp "$source_dir/deploy/aff-watch.timer" "$units/aff-watch.timer"
+    name_interpreter "$units/aff-watch.service.d"
+    below_control aff-watch
+fi
 run cp "$source_dir/deploy/60-aff-runtime.rules" "$rules/60-aff-runtime.rules"
 
 if [ -z "$prefix" ]; then
@@ -384,21 +402,20 @@ if [ "$hmi" = yes ]; then
     run mkdir -p "$units/aff-commission.service.d"
     # What one may reach, the other may.
     run ln -sfn ../aff-runtime.service.d/plc.conf "$units/aff-commission.service.d/plc.conf"
+    [ "$can" = no ] ||
+        run ln -sfn ../aff-runtime.service.d/can.conf "$units/aff-commission.service.d/can.conf"
+    # numba, which refines, compiles what it runs.
+    [ "$plant" = no ] ||
+        put "$units/aff-commission.service.d/plant.conf" "MemoryDenyWriteExecute=no"
     # The technician's files.
     [ -e "$units/aff-hmi.service.d/listen.conf" ] ||
         run cp "$source_dir/deploy/aff-hmi.listen.conf" "$units/aff-hmi.service.d/listen.conf"
     [ -e "$units/aff-runtime.service.d/screen.conf" ] ||
         run cp "$source_dir/deploy/aff-runtime.screen.conf" \
             "$units/aff-runtime.service.d/screen.conf"
-    # The control process ticks on the last processor.
-    last=$(($(nproc --all) - 1))
     for unit in aff-hmi aff-commission; do
         name_interpreter "$units/$unit.service.d"
-        if [ "$last" -gt 0 ]; then
-            put "$units/$unit.service.d/cpu.conf" "CPUAffinity=0-$((last - 1))"
-        else
-            run rm -f "$units/$unit.service.d/cpu.conf"
-        fi
+        below_control $unit
     done
     run mkdir -p "$hmi_etc"
     run chmod 0750 "$hmi_etc"

@@ -40,9 +40,9 @@ RUNS = (
         "config/lines/euclid.yaml with your rollers, web and sensors"
     ),
     N_(
-        "sim-plant is not installed whole beside this commissioner: pip install "
-        "'aff-runtime[plant]' there, or give the command below on another machine that has line "
-        "file, site file and runs"
+        "sim-plant is not installed whole beside this commissioner: on a gateway install.sh "
+        "--plant brings it, or give the command below on another machine that has line file, "
+        "site file and runs"
     ),
     N_("{path}: the line file is not there; copy yours there"),
     N_("{path}: no site file is there"),

@@ -16,7 +16,8 @@ from releasing.commands import ROOT
 from releasing.lock import LOCKS, pins
 
 PAGE = (ROOT / "docs" / "trust.md").read_text()
-ROWS = {"gateway": "every gateway", "can": "`--can`", "hmi": "`--hmi`", "records": "`--records`"}
+ROWS = {"gateway": "every gateway"}
+ROWS |= {extra: f"`--{extra}`" for extra in ("can", "hmi", "records", "plant")}
 
 
 def cells(lock: str) -> tuple[set[str], str]:

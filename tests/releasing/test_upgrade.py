@@ -63,7 +63,7 @@ def before() -> str:
 def fetched(trees: list[Path], folder: Path) -> Path:
     """Fill a folder with the locked packages of the trees, by their hashes."""
     for tree in trees:
-        locks = [tree / "deploy" / "locks" / f"{name}.txt" for name in ("build", "gateway")]
+        locks = [tree / "deploy" / "locks" / f"{name}.txt" for name in ("build", "gateway", "can")]
         for lock in locks:
             words = ["--quiet", "--require-hashes", "--only-binary", ":all:", "-d", folder]
             command = [sys.executable, "-m", "pip", "download", *words, "-r", lock]
@@ -79,7 +79,9 @@ def seen(prefix: Path) -> Mapping[str, bytes]:
     return {name: (prefix / name).read_bytes() for name in MINE}
 
 
-def test_settings_shapes_and_records_outlive_an_update_and_the_way_back(tmp_path: Path) -> None:
+def test_settings_shapes_records_and_extras_outlive_an_update_and_the_way_back(
+    tmp_path: Path,
+) -> None:
     old, new = sources(before(), tmp_path / "old"), sources("", tmp_path / "new")
     wheels = fetched([old, new], tmp_path / "wheels")
     prefix = tmp_path / "gateway"
@@ -94,7 +96,7 @@ def test_settings_shapes_and_records_outlive_an_update_and_the_way_back(tmp_path
         run(program, "check", site, "--state-dir", state, cwd=tmp_path)
         return run(program, "--version", cwd=tmp_path)
 
-    install(old)
+    install(old, "--can")
     for name, text in MINE.items():
         (prefix / name).parent.mkdir(parents=True, exist_ok=True)
         known = (prefix / name).read_text() if (prefix / name).exists() else ""
@@ -107,5 +109,6 @@ def test_settings_shapes_and_records_outlive_an_update_and_the_way_back(tmp_path
     install(old)
     assert seen(prefix) == mine
     install(new, "--fresh")  # the former release may have written no list
+    run(prefix / "opt/aff-runtime/venv/bin/python", "-c", "import can")  # asked for once
     assert seen(prefix) == mine
     assert "as installed" in run("sh", new / "deploy/install.sh", "--compare", "--prefix", prefix)

@@ -33,6 +33,7 @@ SERVICE = settings("aff-runtime.service")
 DOOR = settings("aff-runtime.hmi.conf")
 SCREEN = settings("aff-hmi.service")
 SITE = STATE_DIRECTORY / "site" / "site.yaml"
+COMPILES = "MemoryDenyWriteExecute=no\n"
 
 
 @pytest.mark.parametrize(
@@ -138,6 +139,21 @@ def test_systemd_accepts_the_unit_and_it_is_exposed_no_more_than_2_0_of_10(
     done = analyze(*words, str(path))
     assert done.returncode == 0, done.stdout[-300:] + done.stderr
     assert words != ["verify"] or (done.stdout, done.stderr) == ("", "")
+
+
+@needs_analyze
+@pytest.mark.parametrize(
+    "words", [["verify"], ["security", "--offline=true", "--threshold=22"]], ids=lambda w: w[0]
+)
+def test_systemd_accepts_it_with_a_bus_and_the_line_model(
+    words: list[str], tmp_path: Path
+) -> None:
+    can, plant = (DEPLOY / "aff-runtime.can.conf").read_text(), "[Service]\n" + COMPILES
+    path = runnable(tmp_path, "aff-commission.service", can=can, plant=plant)
+    (tmp_path / "system-affview.slice").write_text((DEPLOY / "system-affview.slice").read_text())
+    done = analyze(*words, str(path))
+    assert done.returncode == 0, done.stdout[-300:] + done.stderr
+    assert COMPILES.strip() in (DEPLOY / "install.sh").read_text()
 
 
 def test_hmi_brings_it_with_the_network_of_the_service_and_takes_it_away(tmp_path: Path) -> None:

@@ -46,9 +46,9 @@ NO_LINE = (
     "config/lines/euclid.yaml with your rollers, web and sensors"
 )
 NO_PROGRAM = (
-    "sim-plant is not installed whole beside this commissioner: pip install "
-    "'aff-runtime[plant]' there, or give the command below on another machine that has "
-    "line file, site file and runs"
+    "sim-plant is not installed whole beside this commissioner: on a gateway install.sh --plant "
+    "brings it, or give the command below on another machine that has line file, site file and "
+    "runs"
 )
 A_WINDOW = "RUN_DIR@FROM..TO"
 """Stands in a command where the reader puts a part of a run."""

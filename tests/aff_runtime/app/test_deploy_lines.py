@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from aff_runtime.cli.main import build_parser
 from aff_runtime.config.loader import read_site
 
 ROOT = Path(__file__).parents[3]
@@ -45,6 +46,25 @@ def test_a_line_of_several_has_the_unit_of_the_only_one_and_folders_of_its_own()
         assert several.count(other) == 1, other
         one = one.replace(of_one, other)
     assert several.partition("[Unit]")[2] == one.partition("[Unit]")[2]
+
+
+def test_a_line_of_several_has_numbers_of_its_own_from_the_service_it_names() -> None:
+    folder = DEPLOY / "observability"
+    told = {}
+    for unit in ("aff-metrics.service", "aff-metrics@.service"):
+        (row,) = re.findall(r"^ExecStart=(.*)$", (folder / unit).read_text(), re.MULTILINE)
+        program, *words = row.replace("%i", "film1").split()
+        assert program == "/opt/aff-runtime/venv/bin/aff-runtime"
+        told[unit] = build_parser().parse_args(words)
+    alone, several = told.values()
+    assert (alone.line, several.line) == ("", "film1")
+    assert str(several.runtime_dir) == f"{alone.runtime_dir}-film1"
+    assert several.out == alone.out.with_name("film1.aff.prom")
+    for name in ("service", "timer"):
+        one, other = (folder / f"aff-metrics{at}.{name}" for at in ("", "@"))
+        kept = [row for row in one.read_text().splitlines() if "=" in row and "aff-" not in row]
+        theirs = other.read_text().replace(", line %i,", "").splitlines()
+        assert [row for row in kept if row not in theirs] == []
 
 
 @needs_analyze
@@ -174,7 +194,7 @@ def test_a_new_environment_that_fails_leaves_the_one_that_worked(installed: Path
     options = ("--fresh", "--wheels", str(nowhere), "--python", str(python))
     done = install(installed, *options)
     assert done.returncode != 0
-    assert "No module named pip" in done.stderr
+    assert "apt-get install python3-venv" in done.stderr
     assert "the former environment is back" in done.stderr
     assert sorted(path.relative_to(venv) for path in venv.rglob("*")) == before
     assert not venv.with_name("venv.before").exists()

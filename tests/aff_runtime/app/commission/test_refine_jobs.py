@@ -207,7 +207,7 @@ def test_what_is_missing_is_said_with_what_to_do_and_nothing_begins(
     else:
         where.site.unlink()
     (said,) = refining(where, Request(do="refining"), Talk()).refining.missing[:1]
-    assert {"line": "--line LINE.yaml", "program": "pip install", "site": "no site file"}[
+    assert {"line": "--line LINE.yaml", "program": "install.sh --plant", "site": "no site file"}[
         gone
     ] in said
     with pytest.raises(RefusedError):
