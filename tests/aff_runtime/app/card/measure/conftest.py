@@ -21,6 +21,8 @@ EFFECTS = [
 
 FULL, SMALL = "amp_limit_m_s: 0.03", "amp_limit_m_s: 0.0015"
 """So small that some ripple stays: a reduction that can be told from the noise."""
+SPAN_OF_SMALL_M = 1.20193
+"""From a roll of that radius to R1, whose centres stand where they stood."""
 
 
 @pytest.fixture(
@@ -53,7 +55,8 @@ def made_in(folder):
     assert text.count(FULL) == 1
     made.site.write_text(text.replace(FULL, SMALL))
     line = quick_yaml.safe_load(made.line.read_text())
-    line["initial_radii_m"]["unwind"] = SMALL_M
+    line["initial_radii_m"]["unwind"] = line["rollers"][0]["radius_m"] = SMALL_M
+    line["spans"][0]["length_m"] = SPAN_OF_SMALL_M
     made.line.write_text(quick_yaml.safe_dump(line, sort_keys=False))
     run = RecordedRun(made, folder / "runs")
     truth = []
