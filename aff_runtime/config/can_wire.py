@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -277,10 +278,14 @@ def _node_issues(site: Site) -> Iterator[Issue]:
     if section is None:
         return
     path = ("gateway", "canopen_402")
-    if section.lost_after_ms < 3 * section.heartbeat_ms:
+    cycle_ms = site.line.cycle_ms
+    apart_ms = cycle_ms * math.ceil(section.heartbeat_ms / cycle_ms - _SAME)
+    if section.lost_after_ms < 3 * apart_ms * (1 - _SAME):
         text = (
-            f"{section.lost_after_ms} ms is under three heartbeats of {section.heartbeat_ms} ms. "
-            "Raise it, or lower heartbeat_ms."
+            f"{section.lost_after_ms} ms is under three heartbeats: heartbeat_ms "
+            f"{section.heartbeat_ms} leave every {plain(apart_ms)} ms with the ticks of cycle_ms "
+            f"{plain(cycle_ms)}. Write {math.ceil(3 * apart_ms * (1 - _SAME))} or more, or lower "
+            "heartbeat_ms or cycle_ms."
         )
         yield Issue(path=(*path, "lost_after_ms"), text=text)
     taken: dict[int, str] = {section.own_node: "own_node"}

@@ -18,7 +18,7 @@ from aff_runtime.fieldbus.can.reader import CanReader
 from aff_runtime.fieldbus.can.slcan_tty import SlcanTtyBus
 from aff_runtime.fieldbus.can.writer import CanWriter
 from aff_runtime.fieldbus.canopen.device_402 import Network
-from aff_runtime.fieldbus.canopen.link import CanopenLink
+from aff_runtime.fieldbus.canopen.link import CanopenLink, managed_ids
 
 
 def open_bus(
@@ -88,9 +88,7 @@ def canopen_gateway(
 ) -> CanGateway:
     """Return the gateway of a CANopen network; its nodes are configured within the ticks."""
     reader, writer = CanReader(network.can_map), CanWriter(network.can_map)
-    managed = [
-        (base + plan.node_id, False) for plan in network.plans for base in (0x080, 0x580, 0x700)
-    ]
+    managed = managed_ids(network.plans, own_node)
     link = CanopenLink(
         _link(bus, (*reader.ids, *writer.ids, *managed), clock),
         network.plans,

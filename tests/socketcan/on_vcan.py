@@ -132,6 +132,22 @@ def test_a_second_master_is_seen(bench: Bench) -> None:
     assert bench.gateway.foreign == 1
 
 
+@pytest.mark.parametrize("bench", ["canopen"], indirect=True)
+@pytest.mark.parametrize(
+    ("can_id", "data", "word"),
+    [(0x764, b"\x05", "the heartbeat of node 100"), (0x080, b"", "SYNC")],
+)
+def test_a_second_sync_or_a_device_with_our_node_id_is_heard_through_the_kernel_s_filters(
+    bench: Bench, can_id: int, data: bytes, word: str
+) -> None:
+    bench.until(lambda s: s.fresh)
+    with can.Bus(interface="socketcan", channel="vcan0") as other:
+        other.send(can.Message(arbitration_id=can_id, is_extended_id=False, data=data))
+        bench.until(lambda s: s.outcome is Outcome.NOT_CONNECTED)
+    assert word in bench.gateway.troubles[0]
+    bench.until(lambda s: s.fresh)  # a second after it was last heard
+
+
 def test_foreign_traffic_stays_in_the_kernel(bench: Bench) -> None:
     ours = bench.gateway.reader.ids[0]
     with (

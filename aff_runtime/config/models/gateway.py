@@ -215,13 +215,15 @@ class Canopen402(Section):
     )
     lost_after_ms: Annotated[int, Whole("ms")] = key(
         "The nodes take us for dead after this time without our heartbeat, or without our PDO; "
-        "at least three periods.",
+        "at least three heartbeats, which leave with the ticks: of heartbeat_ms, rounded up to "
+        "whole cycles.",
         default=80,
         ge=15,
         le=290,
     )
     node_heartbeat_ms: Annotated[int, Whole("ms")] = key(
-        "Period asked of the nodes' heartbeats; three missing ones are a lost node.",
+        "Period asked of the nodes' heartbeats; three missing ones are a lost node. A shorter one "
+        "than cycle_ms is read in bunches.",
         default=50,
         ge=10,
         le=1000,

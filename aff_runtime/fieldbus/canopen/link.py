@@ -13,6 +13,17 @@ from aff_runtime.fieldbus.intruder import Intruder
 _MOST_FRAMES: Final = 64  # in one tick while nodes are being configured
 _NOTHING: Final = Frame(-1, False, b"")  # nobody's business; says only that more may wait
 _PRE_OPERATIONAL: Final = 0x7F
+_MOST_LOOKS: Final = 8  # at a bus that is never found empty, before a silent node is lost anyway
+_EARLY_SHARE: Final = 8  # a beat may leave this part of its period early, not a tick late
+
+
+def managed_ids(plans: Sequence[NodePlan], own_node: int) -> tuple[tuple[int, bool], ...]:
+    """Return the identifiers of network management that are listened for.
+
+    Those of every node; SYNC and the heartbeat of our own node id too, which nobody else may send.
+    """
+    nodes = [base + plan.node_id for plan in plans for base in (0x080, 0x580, 0x700)]
+    return tuple((can_id, False) for can_id in (*nodes, SYNC.can_id, 0x700 + own_node))
 
 
 class CanopenLink:
@@ -22,7 +33,8 @@ class CanopenLink:
     the data and sample on one and the same SYNC. Our own heartbeat leaves with the ticks and with
     nothing else, so the drives' consumers see the control thread die. Somebody else's heartbeat
     of our node id would hide that death from them, and its SYNC is a second pace: while either is
-    heard the bus is not ready.
+    heard the bus is not ready. A node is lost by what was not among the frames that had arrived:
+    after a pause of ours they wait to be read.
 
     Parameters
     ----------
@@ -53,6 +65,8 @@ class CanopenLink:
         self._heartbeat_id = 0x700 + own_node
         self._heartbeat_ns = heartbeat_ms * 1_000_000
         self._beat_at_ns = now_ns
+        self._emptied_ns = now_ns
+        self._looks = 0  # since the bus was found empty
         self._intruder = Intruder(clock)
         self._own_node = own_node
 
@@ -84,15 +98,16 @@ class CanopenLink:
         if not self._inner.ready():
             return False
         now_ns = self._clock.now_ns()
+        self._looks += 1
         good = self._all_good()
-        if now_ns >= self._beat_at_ns:
+        if now_ns >= self._beat_at_ns - self._heartbeat_ns // _EARLY_SHARE:
             self._beat_at_ns = now_ns + self._heartbeat_ns
             state = OPERATIONAL if good else _PRE_OPERATIONAL
             self._inner.send(Frame(self._heartbeat_id, False, bytes((state,))))
         if not good:
             self._configure()
         for keeper in self.keepers:
-            frame = keeper.tick(now_ns)
+            frame = keeper.tick(now_ns, self._taken_to_ns(now_ns))
             if frame is not None:
                 self._inner.send(frame)
         return self._all_good() and good
@@ -115,7 +130,10 @@ class CanopenLink:
         end_ns = self._clock.now_ns() + wait_ns
         for _ in range(_MOST_FRAMES):
             frame = self._inner.receive(max(0, wait_ns))
-            if frame is None or not self._managed(frame):
+            if frame is None:
+                self._found_empty()
+                return None
+            if not self._managed(frame):
                 return frame
             wait_ns = end_ns - self._clock.now_ns()
         return _NOTHING
@@ -132,8 +150,17 @@ class CanopenLink:
         for _ in range(_MOST_FRAMES):
             frame = self._inner.receive(0)
             if frame is None:
+                self._found_empty()
                 return
             self._managed(frame)
+
+    def _found_empty(self) -> None:
+        self._emptied_ns = self._clock.now_ns()
+        self._looks = 0
+
+    def _taken_to_ns(self, now_ns: int) -> int:
+        """Return up to when everything that arrived was taken; a bus that babbles is no excuse."""
+        return now_ns if self._looks > _MOST_LOOKS else self._emptied_ns
 
     def _managed(self, frame: Frame) -> bool:
         now_ns = self._clock.now_ns()

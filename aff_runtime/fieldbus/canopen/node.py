@@ -114,10 +114,15 @@ class NodeKeeper:
             return True
         return False
 
-    def tick(self, now_ns: int) -> Frame | None:
-        """Return the frame to send now, if any."""
+    def tick(self, now_ns: int, taken_to_ns: int | None = None) -> Frame | None:
+        """Return the frame to send now, if any.
+
+        ``taken_to_ns`` : all that had arrived by then was taken; None: by now. A heartbeat that
+        waits unread is no missing one.
+        """
         if self.state is NodeState.OPERATIONAL:
-            if now_ns - self._heard_ns > 3_000_000 * self.plan.heartbeat_ms:
+            taken_to_ns = now_ns if taken_to_ns is None else taken_to_ns
+            if taken_to_ns - self._heard_ns > 3_000_000 * self.plan.heartbeat_ms:
                 self._lose("heartbeat lost", now_ns)
             return None
         if self.state is NodeState.ABSENT:

@@ -88,7 +88,9 @@ def test_a_site_that_the_dbc_contradicts_is_refused(
         ("unwind_drive.0x60B1", "unwind_drive.0x60B2", "no RPDO of euclid_drive.eds maps this"),
         ("node: 4,", "node: 3,", "node id 3 is taken by unwind_drive"),
         ('object: "0x6007"', 'object: "0x60077"', "write an object as 0x60B1"),
-        ("#lost_after_ms: 80", "lost_after_ms: 50", "under three heartbeats of 20 ms"),
+        ("#lost_after_ms: 80", "lost_after_ms: 50", "Write 60 or more, or lower heartbeat_ms"),
+        # a beat leaves with a tick: 20 ms of heartbeat are 2 ticks of 15 ms, and 3 x 30 > 80
+        ("cycle_ms: 5", "cycle_ms: 15", "30 ms with the ticks of cycle_ms 15. Write 90 or more"),
     ],
 )
 def test_a_site_that_the_eds_contradicts_is_refused(
