@@ -16,6 +16,7 @@ from aff_runtime.fieldbus.modbus.connections import CONNECTIONS, Connection, mod
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.tcp_wire import Wire as ByteStream
+from aff_runtime.fieldbus.modbus.transport import silence_before_reconnect
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,6 +97,9 @@ def _words(wiring: Wiring) -> Gateway:
         register_map=words,
         clock=wiring.clock,
         function=WireFunction(modbus_section.function),
+        silence_before_reconnect_s=silence_before_reconnect(
+            wiring.site.cycle_s, wiring.site.freshness.fault_after_ms * 1e-3
+        ),
     )
     return WordGateway(connection, WordCodec(words), wiring.clock, lambda: connection.trouble)
 

@@ -45,7 +45,8 @@ class Freshness(Section):
     )
     fault_after_ms: Milliseconds = key(
         "PLC heartbeat unmoved for this long: the output fades, the alarm latches. Raise it "
-        "when PLC_STALE trips on a healthy network.",
+        "when PLC_STALE trips on a healthy network. On Modbus a lost connection is replaced in "
+        "time where it is above five cycles.",
         default=80.0,
         ge=5,
         le=290,

@@ -9,5 +9,6 @@ __all__ = [
     "registers",
     "serial_time",
     "tcp_wire",
+    "transport",
     "udp_wire",
 ]

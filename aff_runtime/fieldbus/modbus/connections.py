@@ -70,6 +70,7 @@ def modbus(
     register_map: RegisterMap,
     clock: Clock,
     function: WireFunction = WireFunction.FC23,
+    silence_before_reconnect_s: float = 0.05,
 ) -> ModbusTransport:
     """Return a Modbus client on a byte stream; the connection is made by ticks.
 
@@ -85,7 +86,13 @@ def modbus(
         write_start=register_map.write_start,
         write_count=register_map.write_count,
     )
-    return ModbusTransport(frames=frames, wire=wire, clock=clock, function=function)
+    return ModbusTransport(
+        frames=frames,
+        wire=wire,
+        clock=clock,
+        function=function,
+        silence_before_reconnect_s=silence_before_reconnect_s,
+    )
 
 
 def tcp_wire(host: str, port: int, tls: TlsNames | None = None, folder: Path = Path()) -> Wire:

@@ -30,6 +30,31 @@ _MOST_LENGTH: Final = 254  # unit id and a PDU of 253
 _NO_WORDS: Final[list[int]] = []
 
 
+_MEANS: Final = {
+    2: "illegal data address: it has no such registers; compare the map and address_base",
+    3: "illegal data value: it does not serve so many registers at once",
+    4: "server device failure: its own log says why",
+    5: "acknowledge: it takes its time; a cyclic exchange needs another server",
+    6: "server device busy: its scan or another client keeps it",
+    8: "memory parity error: the device is defective",
+    10: "gateway path unavailable: check device_id and the gateway's table of devices",
+    11: "gateway target does not respond: power, line and device_id of the device behind it",
+}  # MODBUS Application Protocol V1.1b3, section 7
+
+
+def exception_text(code: int, function: int) -> str:
+    """Return what an exception reply to ``function`` says, and what to do about it."""
+    if code == 1 and function == READ_WRITE:
+        return (
+            "the PLC does not know function 23 (exception 1): write function: fc3_fc16 into the "
+            "site file"
+        )
+    if code == 1:
+        return f"the PLC does not know function {function} (exception 1), which it must"
+    means = _MEANS.get(code, "not in the standard: see the device's manual")
+    return f"the PLC refuses function {function} with exception {code} ({means})"
+
+
 class WireFunction(StrEnum):
     """How one tick's transaction is spelt."""
 

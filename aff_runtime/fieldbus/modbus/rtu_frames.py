@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED
+from aff_runtime.fieldbus.modbus.tcp_wire import SPOILT
 
 MOST_BYTES: Final = 256
 
@@ -63,21 +63,34 @@ class RtuFraming:
         return rtu_of(frame)
 
     def deliver(self, more: bytes, into: memoryview) -> int:
-        """Take bytes; return the length of a whole reply as MBAP, 0 none yet, -1 no reply."""
+        """Take bytes; return the length of a whole reply as MBAP, 0 none yet, SPOILT no reply."""
         if not self._head:
             self._buffer = b""  # nobody asked
             return 0
         self._buffer += more
         length = reply_length(self._buffer)
         if length < 0 or len(self._buffer) > MOST_BYTES:
-            return CLOSED
+            return self._spoilt()
         if length == 0 or len(self._buffer) < length:
             return 0
         reply, self._buffer = self._buffer[:length], b""
         body = reply[:-2]
         if crc16(body) != int.from_bytes(reply[-2:], "little"):
-            return 0
+            return self._spoilt()
         frame = self._head + len(body).to_bytes(2, "big") + body
         self._head = b""
         into[: len(frame)] = frame
         return len(frame)
+
+    def nothing_more(self) -> int:
+        """Judge what has come when a tick finds nothing new; SPOILT for a piece of a reply.
+
+        No device pauses within a frame for longer than 1.5 characters (Modbus over Serial Line
+        V1.02, 2.5.1.1): a byte was lost, or the one that says how many follow was spoilt.
+        """
+        return self._spoilt() if self._buffer else 0
+
+    def _spoilt(self) -> int:
+        """End the request; what still comes is nobody's."""
+        self.clear()
+        return SPOILT

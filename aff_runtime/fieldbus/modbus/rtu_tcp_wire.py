@@ -61,6 +61,8 @@ class RtuTcpWire:
     def receive(self, into: memoryview, wait_ns: int) -> int:
         """Wait at most ``wait_ns`` for bytes; return a whole reply as MBAP, 0 for none yet."""
         count = self._tcp.receive(self._view, wait_ns)
+        if count == 0 and wait_ns <= 0:
+            return self._framing.nothing_more()
         if count <= 0:
             return count
         return self._framing.deliver(bytes(self._view[:count]), into)

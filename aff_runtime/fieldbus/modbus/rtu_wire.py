@@ -73,6 +73,8 @@ class RtuWire:
             more = line.read(self._framing.wanted if wait_ns > 0 else MOST_BYTES)
         except _FAULTS:
             return CLOSED
+        if not more and wait_ns <= 0:
+            return self._framing.nothing_more()
         return self._framing.deliver(more, into)
 
     def close(self, *, abort: bool) -> None:

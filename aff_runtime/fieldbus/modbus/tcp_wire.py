@@ -14,6 +14,8 @@ from typing import Final, Protocol
 from aff_runtime.base.errors import WireError
 
 CLOSED: Final = -1
+SPOILT: Final = -2
+"""What came in answer to the request is no reply, and no other will come: it may be asked anew."""
 _NS_PER_MS: Final = 1_000_000
 _SELECT_LIMIT: Final = 1024
 _RESET_ON_CLOSE: Final = struct.pack("ii", 1, 0)
@@ -61,7 +63,7 @@ class Wire(Protocol):
         ...
 
     def receive(self, into: memoryview, wait_ns: int) -> int:
-        """Wait at most ``wait_ns`` and read once; bytes read, 0 for none yet, -1 for closed."""
+        """Wait at most ``wait_ns`` and read once; bytes read, 0 for none yet, CLOSED or SPOILT."""
         ...
 
     def close(self, *, abort: bool) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from enum import IntEnum
 from typing import Final
 
@@ -14,20 +15,36 @@ from aff_runtime.fieldbus.modbus.frames import (
     WRITE,
     ModbusFrames,
     WireFunction,
+    exception_text,
     frame_length,
     transaction_id,
 )
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting, Wire
+from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, SPOILT, Connecting, Wire
 
 _LAST_TID: Final = 0xFFFF
 _STALE_WINDOW: Final = 8
 _MOST_WAITING: Final = 64  # frames between two ticks, of which none was asked for
 _BUFFER_BYTES: Final = 1024
 _NO_WORDS: Final[list[int]] = []
-_NO_SUCH_FUNCTION: Final = 1
-_WITHOUT_FC23: Final = (
-    "the PLC does not know function 23 (exception 1): write function: fc3_fc16 into the site file"
+_RECONNECT_CYCLES: Final = 3  # dropped; an attempt; connected, heard once; heard twice: fresh
+_SPOILT: Final = (
+    "the last reply came spoilt (wrong CRC or length): check wiring, termination, baud and parity"
 )
+
+
+def silence_before_reconnect(cycle_s: float, fault_after_s: float) -> float:
+    """Return how long a reply may be outstanding before its connection is replaced, s.
+
+    At most five eighths of ``fault_after_s``, and so few cycles that the replacement is heard
+    before it: the heartbeat moved last a cycle before the request, and moves again
+    ``_RECONNECT_CYCLES`` after the drop. A cycle for which that is too late anyway waits as long
+    as a late reply still helps.
+    """
+    cycles = math.ceil(fault_after_s / cycle_s - 1e-9)
+    most = cycles - 2 - _RECONNECT_CYCLES
+    if most < 1:
+        return (max(cycles - 1, 1) - 0.5) * cycle_s
+    return min(0.625 * fault_after_s, (most - 0.5) * cycle_s)
 
 
 class _Link(IntEnum):
@@ -43,8 +60,9 @@ class ModbusTransport:
       and the tick is TIMEOUT. A late reply is completed, recognised by its transaction id and
       thrown away, never returned.
     - ``silence_before_reconnect_s`` without the reply, or any breach of protocol, drops the
-      connection; an exception reply does neither, nor does our own lateness. A dropped
-      connection is reset, so no old command is delivered later.
+      connection, never in the tick that asked; an exception reply does neither, nor does our
+      own lateness. A dropped connection is reset, so no old command is delivered later.
+    - A reply that came SPOILT ends its request: the next tick asks anew.
     - On a wire that may lose frames (``Wire.lossy``) an unanswered request counts as lost when its
       tick is over: the next tick asks anew, under the next id. There a reply that nobody asked
       for is thrown away instead of ending the connection. The time of silence counts from the
@@ -111,11 +129,13 @@ class ModbusTransport:
         self._tid = 0
         self._sent = 0  # requests on this connection, counted up to the stale window
         self._outstanding = False
+        self._spoilt = False  # the reply to what is outstanding came, and is none
         self._sent_at_ns = self._act_at_ns
         self._buffer = bytearray(_BUFFER_BYTES)
         self._view = memoryview(self._buffer)
         self._filled = 0
         self._reply = _NO_WORDS
+        self._asked = READ  # function code of the last request
         self._why = ""
         self.connects = 0
 
@@ -133,6 +153,7 @@ class ModbusTransport:
         """Exchange the blocks before ``deadline_ns``; never blocks longer, never raises."""
         if self._link is not _Link.UP and not self._advance_connect():
             return Outcome.NOT_CONNECTED, _NO_WORDS
+        began_ns = self._clock.now_ns()
         outcome = self._exchange(write_words, deadline_ns)
         if outcome is Outcome.OK:
             self._served = self._may_write = True
@@ -141,12 +162,15 @@ class ModbusTransport:
             return outcome, self._reply
         if outcome is Outcome.TIMEOUT:
             silent_ns = self._clock.now_ns() - self._sent_at_ns
-            if self._outstanding and silent_ns >= self._silence_ns:
-                self._why = f"no reply within {self._silence_ns * 1e-9:g} s"
+            if self._spoilt:
+                self._why = _SPOILT
+            asked_before = self._outstanding and self._sent_at_ns < began_ns
+            if asked_before and silent_ns >= self._silence_ns:
+                if not self._spoilt:
+                    self._why = f"no reply within {self._silence_ns * 1e-9:g} s"
                 self._drop()
         elif outcome is Outcome.EXCEPTION:
-            unknown = self.last_exception_code == _NO_SUCH_FUNCTION
-            self._why = _WITHOUT_FC23 if unknown and self._function is WireFunction.FC23 else ""
+            self._why = exception_text(self.last_exception_code, self._asked)
         else:
             broken = outcome is Outcome.BAD_REPLY
             why = "a reply broke the protocol" if broken else "closed by the other side"
@@ -196,7 +220,7 @@ class ModbusTransport:
         self._served = False
         self._sent = 0
         self._filled = 0
-        self._outstanding = False
+        self._outstanding = self._spoilt = False
 
     def _drop(self) -> None:
         now_ns = self._clock.now_ns()
@@ -236,13 +260,17 @@ class ModbusTransport:
             count = self._wire.receive(self._view[self._filled :], 0)
             if count == CLOSED:
                 return Outcome.NOT_CONNECTED
+            if count == SPOILT:
+                self._spoilt = True
+                return Outcome.OK
             self._filled += count
             outcome = self._consume(0)
             if count == 0 or not self._wire.lossy:
                 break
         else:  # what still waits may be the answer to a question not yet asked
             return Outcome.BAD_REPLY
-        if outcome is Outcome.TIMEOUT and (self._wire.lossy or not self._outstanding):
+        may_ask = self._wire.lossy or self._spoilt or not self._outstanding
+        if outcome is Outcome.TIMEOUT and may_ask:
             return Outcome.OK
         return outcome
 
@@ -253,7 +281,8 @@ class ModbusTransport:
             return Outcome.NOT_CONNECTED
         if not self._outstanding:
             self._sent_at_ns = self._clock.now_ns()
-        self._outstanding = True
+        self._outstanding, self._spoilt = True, False
+        self._asked = function
         self._sent = min(self._sent + 1, _STALE_WINDOW)
         while True:
             wait_ns = deadline_ns - self._clock.now_ns()
@@ -262,6 +291,9 @@ class ModbusTransport:
             count = self._wire.receive(self._view[self._filled :], wait_ns)
             if count == CLOSED:
                 return Outcome.NOT_CONNECTED
+            if count == SPOILT:
+                self._spoilt = True
+                return Outcome.TIMEOUT
             if count == 0:
                 continue
             self._filled += count

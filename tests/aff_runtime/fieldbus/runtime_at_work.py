@@ -11,6 +11,7 @@ import pytest
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.wires import gateway_of
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot, State
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
@@ -74,14 +75,14 @@ def site_on(wire: str, folder: Path, port: int) -> Site:
 
 
 class Runtime:
-    """Cycle, guard and wire of a site; 20 ms a tick, as fast as the PLC answers."""
+    """Cycle, guard and wire of a site, as fast as the PLC answers."""
 
-    def __init__(self, site: Site, plc: Plc) -> None:
+    def __init__(self, site: Site, plc: Plc, clock: Clock | None = None) -> None:
         self.plc = plc
         params, channels = guard_params(site), tuple(site.gateway.read.channels)
         self._columns = record_columns(channels, OUTPUTS, ())
         soft = tuple(replace(a, soft_start_s=0.1) for a in params.actuators)
-        clock = Hurried()
+        clock = clock or Hurried()
         self.guard = Guard(replace(params, actuators=soft))
         self.gateway = gateway_of(site, {}, clock)
         self.outside = Memory(self.guard)

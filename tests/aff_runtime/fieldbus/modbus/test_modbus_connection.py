@@ -26,7 +26,7 @@ from tests.aff_runtime.fieldbus.modbus_rig import (
 )
 
 
-@pytest.mark.parametrize(("silence_s", "silent_ticks"), [(0.003, 1), (0.01, 3), (0.05, 11)])
+@pytest.mark.parametrize(("silence_s", "silent_ticks"), [(0.003, 2), (0.01, 3), (0.05, 11)])
 def test_a_silence_drops_the_connection_with_a_reset(silence_s: float, silent_ticks: int) -> None:
     rig = Rig(silence_s=silence_s).connected()
     rig.wire.answer = silence

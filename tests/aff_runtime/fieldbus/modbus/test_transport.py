@@ -283,4 +283,47 @@ def test_a_trouble_stands_until_a_good_reply() -> None:
     rig.wire.answer = lambda request: [(MS, exception_reply(request, 2))]
     while rig.tick()[0] is not Outcome.EXCEPTION:
         pass
+    assert "exception 2" in rig.transport.trouble
+    rig.wire.answer = lambda request: [(MS, good(request))]
+    rig.tick()
     assert rig.transport.trouble == ""
+
+
+# MODBUS Application Protocol V1.1b3, section 7: every code and its name there
+@pytest.mark.parametrize(
+    ("code", "name"),
+    [
+        (2, "illegal data address"),
+        (3, "illegal data value"),
+        (4, "server device failure"),
+        (5, "acknowledge"),
+        (6, "server device busy"),
+        (8, "memory parity error"),
+        (10, "gateway path unavailable"),
+        (11, "gateway target does not respond"),
+        (77, "not in the standard"),
+    ],
+)
+def test_an_exception_is_named_with_its_code_until_a_good_reply(code: int, name: str) -> None:
+    rig = Rig().connected()
+    rig.wire.answer = lambda request: [(MS, exception_reply(request, code))]
+    assert rig.tick()[0] is Outcome.EXCEPTION
+    assert f"refuses function 23 with exception {code} ({name}" in rig.transport.trouble
+    rig.wire.answer = lambda request: [(MS, good(request))]
+    rig.tick()
+    assert rig.transport.trouble == ""
+
+
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        (WireFunction.FC23, "function 23 (exception 1): write function: fc3_fc16 into"),
+        (WireFunction.FC3_FC16, "function 16 (exception 1)"),
+        (WireFunction.FC3, "function 3 (exception 1)"),
+    ],
+)
+def test_a_function_that_the_plc_lacks_is_named(function: WireFunction, said: str) -> None:
+    rig = Rig(function).connected()
+    rig.wire.answer = lambda request: [(MS, exception_reply(request, 1))]
+    rig.tick()
+    assert said in rig.transport.trouble
