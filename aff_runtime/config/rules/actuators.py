@@ -13,7 +13,6 @@ from aff_runtime.config.rules.issue import Issue
 
 MIN_COUNTS = 5
 _I16_MAX = 32767
-_U16_MAX = 65535
 
 
 def issues(site: Site) -> Iterator[Issue]:
@@ -30,15 +29,17 @@ def issues(site: Site) -> Iterator[Issue]:
             path = ("gateway", "read", "applied", name)
             yield Issue(path=path, text=text, at_key=True)
     responses: dict[str, str] = {}
-    for index, (name, actuator) in enumerate(site.actuators.items()):
+    for name, actuator in site.actuators.items():
         path = ("actuators", name)
         if name not in corrections:
             text = f"{name} has no gateway.write.corrections. {meant(name, corrections)}"
             yield Issue(path=path, text=text, at_key=True)
         yield from _limits(path, actuator)
         if name in corrections:
-            first = index == 0
-            yield from _resolution(path, actuator, corrections[name].scale, first=first)
+            scale = corrections[name].scale
+            if site.gateway.modbus is not None:  # elsewhere the signal's own bits: config.can_wire
+                yield from _reach(path, actuator, scale)
+            yield from _resolution(path, actuator, scale)
         yield from _applied(name, site)
         yield from _blocks(path, actuator, site)
         other = responses.setdefault(actuator.response, name)
@@ -93,19 +94,20 @@ def _one_unit(
         yield Issue(path=(*path, wanted), text=text, at_key=True)
 
 
-def _resolution(
-    path: KeyPath, actuator: Actuator, scale: float, *, first: bool
-) -> Iterator[Issue]:
-    unit = actuator.unit
-    right = suffix_of_unit(unit)
-    counts = actuator.limit / scale
-    most = min(_I16_MAX, _U16_MAX) if first else _I16_MAX
-    if counts > most:
+def _reach(path: KeyPath, actuator: Actuator, scale: float) -> Iterator[Issue]:
+    """Yield that the word of a correction does not hold the limit."""
+    unit, counts = actuator.unit, actuator.limit / scale
+    if counts > _I16_MAX:
         text = (
             f"{plain(actuator.limit)} {unit} is {counts:.0f} counts of {plain(scale)}; the word "
-            f"holds {most}. Need a coarser scale or a lower limit."
+            f"holds {_I16_MAX}. Need a coarser scale or a lower limit."
         )
-        yield Issue(path=(*path, f"limit_{right}"), text=text)
+        yield Issue(path=(*path, f"limit_{suffix_of_unit(unit)}"), text=text)
+
+
+def _resolution(path: KeyPath, actuator: Actuator, scale: float) -> Iterator[Issue]:
+    unit = actuator.unit
+    right = suffix_of_unit(unit)
     for index, block in enumerate(actuator.blocks):
         counts = block.amp_limit / scale
         if 0 < counts < MIN_COUNTS * (1 - 1e-9):

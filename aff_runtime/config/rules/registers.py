@@ -27,8 +27,9 @@ def issues(site: Site) -> Iterator[Issue]:
     read, write = read_rows(site), write_rows(site)
     for row in (*read, *write):
         if not row.address >= 0 or row.last > LAST_ADDRESS:
+            ends = "" if row.last == row.address else f"..{row.last}, the words of one value,"
             text = (
-                f"wire address {row.address} does not exist (0..{LAST_ADDRESS}). Check the "
+                f"wire address {row.address}{ends} does not exist (0..{LAST_ADDRESS}). Check the "
                 "register and address_base."
             )
             yield Issue(path=row.path, text=text)

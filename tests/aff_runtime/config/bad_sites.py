@@ -180,6 +180,12 @@ CASES = {
         "65536",
         "gateway.read.roll_id.register: wire address 65536 does not exist (0..65535).",
     ),
+    "the second word of a value above the wire": (
+        ("unwind_tension_N: { register: 2,", "unwind_tension_N: { register: 65535,"),
+        "65535",
+        "gateway.read.channels.unwind_tension_N.register: wire address 65535..65536, the words of "
+        "one value, does not exist (0..65535).",
+    ),
     "unknown channel": (
         ("signal: unwind_tension_N,", "signal: unwind_tensoin_N,"),
         "unwind_tensoin_N,",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -59,6 +60,40 @@ def test_a_limit_beyond_what_the_signal_carries_is_refused(
     (error,) = with_signal(folder, signal).errors
     assert error.path == "actuators.unwind.limit_m_s"
     assert f"0.15 m/s does not fit AFF_UNWIND.Unwind, which carries {carries} m/s" in error.text
+
+
+@pytest.mark.parametrize(("bits", "accepted"), [(24, True), (18, True), (14, False)])
+def test_the_room_of_a_correction_is_that_of_its_own_signal(
+    folder: Path, bits: int, accepted: bool
+) -> None:
+    # 0.15 m/s in counts of 1 um/s are 150 000: more than 16 bits hold, 18 with a sign do not
+    # (131 071), so that a scale of 2 um/s is taken there: 75 000; 14 bits hold 8191
+    scale = {24: "1E-06", 18: "2E-06", 14: "2E-06"}[bits]
+    dbc, site = folder / "euclid.dbc", folder / "euclid_can.yaml"
+    copy = next(line for line in dbc.read_text().splitlines() if "SG_ UnwindComplement" in line)
+    dbc.write_text(dbc.read_text().replace(copy + "\n", ""))
+    text = site.read_text()
+    assert text.count("scale: 0.00001,") == 2
+    text = text.replace("scale: 0.00001,", f"scale: {float(scale):.6f},", 1)
+    text = re.sub(r"\n +complement_signal: AFF_UNWIND.UnwindComplement,?", "", text)
+    site.write_text(text)
+    report = with_signal(folder, f"SG_ Unwind : 32|{bits}@1- ({scale},0) [-1|1]")
+    said = [(error.path, error.text) for error in report.errors]
+    if accepted:
+        assert said == []
+    else:
+        ((path, text),) = said
+        assert path == "actuators.unwind.limit_m_s"
+        assert "carries -0.016384 to 0.016382 m/s" in text  # 8192 counts of 2 um/s
+
+
+def test_an_object_of_32_bits_takes_a_fine_scale(folder: Path) -> None:
+    site = folder / "euclid_canopen.yaml"
+    shipped, place = site.read_text(), "unwind: { signal: unwind_drive.0x60B1, scale: "
+    assert shipped.count(f"{place}0.00001 ") == 1
+    for scale in ("0.000001", "0.000000001"):  # 0.15 m/s: 1.5e5 and 1.5e8 of 2.1e9 counts
+        site.write_text(shipped.replace(f"{place}0.00001 ", f"{place}{scale} "))
+        assert check_site(site).errors == ()
 
 
 def test_a_signal_that_counts_the_other_way_is_taken(folder: Path) -> None:
