@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -18,8 +19,9 @@ class HeardSignal:
 
     Attributes
     ----------
-    value : the newest one, in the file's own unit. ``moves`` : whether it changed.
-    period_ms : time of one count, of a counter that went up; 0 where none is told.
+    value : the newest one, in the file's own unit; NaN and infinity as they come.
+    moves : whether it changed between numbers.
+    period_ms : time of one count, of a counter that went up; 0 where none is told, as for a float.
     """
 
     value: float
@@ -70,9 +72,11 @@ def _shown(signal: NamedSignal, course: Sequence[tuple[int, float]]) -> HeardSig
     values = [value for _, value in course]
     field = signal.field
     span_ms = (course[-1][0] - course[0][0]) * 1e-6
-    counts = round((values[-1] - values[0]) / field.factor) % (field.mask + 1)
+    counts = 0
+    if not field.is_float:
+        counts = round((values[-1] - values[0]) / field.factor) % (field.mask + 1)
     return HeardSignal(
         value=values[-1],
-        moves=len(set(values)) > 1,
+        moves=len({value for value in values if math.isfinite(value)}) > 1,
         period_ms=span_ms / counts if 0 < counts <= len(course) else 0.0,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 
 from aff_runtime.app.setup.bus_heard import HeardSignal
@@ -169,7 +170,7 @@ class BusSteps:
     def _by_display(self, wanted: Quantity, signal: NamedSignal) -> tuple[tuple[str, str], ...]:
         """Return scales by which the signal shows what the display shows."""
         heard = self._heard((signal,)).get(signal.name)
-        if heard is None or heard.value == 0.0:
+        if heard is None or not _tells_scale(heard.value):
             return ()
         text = self.dialogue.ask_anew(
             Question(
@@ -183,7 +184,14 @@ class BusSteps:
         if text == SKIP:
             return ()
         now = self._heard((signal,)).get(signal.name, heard)
+        if not _tells_scale(now.value):
+            return ()
         return scales_from(shown_value(text, wanted.unit), now.value, wanted.unit)
+
+
+def _tells_scale(value: float) -> bool:
+    """Return whether a value beside a display says what one count is."""
+    return math.isfinite(value) and value != 0.0
 
 
 def which_signal(role: Role) -> str:
