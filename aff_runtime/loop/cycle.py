@@ -45,7 +45,9 @@ class CycleSettings:
     channel_count, output_count, law_columns : sizes of a record.
     overruns_in_a_row : this many late ticks in a row are an overrun.
     advice_every_ticks : ticks from one question to the law's side to the next.
-    zero_commands : commands with zero that are sent before the cycle returns.
+    zero_commands : commands with zero that the PLC takes before the cycle returns.
+    zero_patience_s : how long it tries that after the fade, where another command may have
+        reached the PLC last, s; whose own watchdog is through by then.
     command_life_s : a command older than this is not applied any more, s.
     config_revision : sent to the PLC in every command, its low 16 bits.
     first_heartbeat : the heartbeat before that of the first command.
@@ -60,6 +62,7 @@ class CycleSettings:
     overruns_in_a_row: int = 3
     advice_every_ticks: int = 20
     zero_commands: int = 5
+    zero_patience_s: float = 1.0
     command_life_s: float = 0.080
     config_revision: int = 0
     first_heartbeat: int = 0
@@ -113,7 +116,9 @@ class Cycle:
         self._last_fault = ""
         self._ramp_from = zeros
         self._ramp_left = 1.0
-        self._quiet_ticks = self._echo = 0
+        self._is_quiet = False  # after a stop, and the fade
+        self._quiet_ticks = self._zeros_taken = self._echo = 0
+        self._zero_stands = True  # nothing was sent yet
 
     def run(self) -> None:
         """Tick until stopped; returns after the fade and a few commands with zero."""
@@ -124,6 +129,11 @@ class Cycle:
     def request_stop(self) -> None:
         """Stop from a signal handler; the output fades first."""
         self._inbox.stop_wanted = True
+
+    @property
+    def zero_stands(self) -> bool:
+        """Whether the PLC answered a zero after everything else that may have reached it."""
+        return self._zero_stands
 
     def tick(self) -> bool:
         """Wait for the next tick and do it; False when the cycle has ended."""
@@ -163,9 +173,16 @@ class Cycle:
 
     def _think(self) -> None:
         """Send the last command, read, judge, and let the law think."""
+        command = self._command()
+        is_zero = not any(command.corrections)
+        self._zero_stands = self._zero_stands and is_zero
         self._snapshot = self._gateway.exchange(
-            self._command(), self._tick, self._started_ns + self._settings.io_budget_ns
+            command, self._tick, self._started_ns + self._settings.io_budget_ns
         )
+        if is_zero and self._snapshot.outcome is Outcome.OK:
+            self._zero_stands = True
+            self._zeros_taken += self._is_quiet
+            self._quiet_ticks = 0
         self._ticker.shift(self._gateway.shift_ns)
         read_ns = self._clock.now_ns()
         self._io_ns = read_ns - self._started_ns
@@ -237,12 +254,20 @@ class Cycle:
         self._alarm = _INTERNAL_FAULT
 
     def _has_stopped(self) -> bool:
-        """Return whether, after a stop, the fade has ended and its last zeros have gone out."""
+        """Return whether, after a stop, the fade has ended and its last zeros were taken.
+
+        Where nobody answers them it is over at some time too: see ``zero_patience_s``.
+        """
         if not self._inbox.stopping:
             return False
-        is_quiet = self._ramp_left <= 0.0 if self._guard_lost else self._guard.quiet
-        self._quiet_ticks += is_quiet  # the zeros of a tick go out with the next one
-        return self._quiet_ticks > self._settings.zero_commands
+        self._is_quiet = self._ramp_left <= 0.0 if self._guard_lost else self._guard.quiet
+        self._quiet_ticks += self._is_quiet  # since a zero was taken; it goes out a tick later
+        settings = self._settings
+        if self._zeros_taken >= settings.zero_commands:
+            return True
+        patience_s = 0.0 if self._zero_stands else settings.zero_patience_s
+        most = max(settings.zero_commands, round(patience_s * 1e9 / settings.period_ns))
+        return self._quiet_ticks > most
 
     @property
     def _dt_s(self) -> float:

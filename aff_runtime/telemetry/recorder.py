@@ -117,6 +117,7 @@ def main(arguments: list[str]) -> int:
     ring_path, directory = Path(arguments[0]), Path(arguments[1])
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # ctrl-c ends the writer; we flush after it
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a terminal that closes, as ctrl-c
     os.set_blocking(1, False)
     notes = Lines(0)
     context, rest = _first_words(notes)

@@ -15,7 +15,7 @@ import socket
 import sys
 
 from aff_runtime.app.control.outside import ControlOutside
-from aff_runtime.app.link.messages import LogLine, Start
+from aff_runtime.app.link.messages import EXIT_UNHEARD, LogLine, Start
 from aff_runtime.app.link.packets import Link, LinkClosedError
 from aff_runtime.app.wiring.assemble import assemble, cycle_of
 from aff_runtime.base.clock import MonotonicClock
@@ -33,7 +33,8 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="aff_runtime.app.control.process")
     parser.add_argument("--link-fd", type=int, required=True)
     options = parser.parse_args(arguments)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # ctrl-c is the supervisor's
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # ctrl-c is the supervisor's,
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)  # and so is a terminal that closes
     link = Link(socket.socket(fileno=options.link_fd))
     try:
         start = _first_message(link)
@@ -67,12 +68,13 @@ def _run(start: Start, link: Link) -> int:
     cycle = cycle_of(assembly, outside)
     signal.signal(signal.SIGUSR1, lambda *_: outside.bypass_by_signal())
     signal.signal(signal.SIGTERM, lambda *_: cycle.request_stop())
-    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGUSR1})  # blocked by who started us
+    # blocked by who started us
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGUSR1, signal.SIGHUP})
     cycle.run()
     outside.close()
     assembly.gateway.close()
     _release(rights)
-    return 0
+    return 0 if cycle.zero_stands else EXIT_UNHEARD
 
 
 def _first_message(link: Link) -> Start:

@@ -16,6 +16,8 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.replies import ProbeResult, Reply
 from aff_runtime.telemetry.header import Right
 
+EXIT_UNHEARD = 7
+"""Of a control process that ended in good order, and knows of no zero that the PLC took last."""
 MOST_REASONS = 16  # what fits a screen; a law may have three times as many orders
 
 

@@ -6,14 +6,27 @@ import os
 import signal
 import subprocess
 from collections import deque
+from enum import Enum, auto
 from pathlib import Path
 
 from aff_runtime.app.check.limits import ONE_THREAD
-from aff_runtime.app.link.messages import LogLine, Message, MessageError, Start, Stop
+from aff_runtime.app.link.messages import EXIT_UNHEARD, LogLine, Message, MessageError, Start, Stop
 from aff_runtime.app.link.packets import Link, LinkClosedError, link_pair
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.base.python_child import module_command
 from aff_runtime.telemetry.ring import RingReader
+
+
+class Ending(Enum):
+    """How a control process ended, and what the PLC took last.
+
+    ZERO: the PLC answered zeros last, or got nothing else. UNHEARD: it ended in good order, and no
+    answer says that a zero arrived. BADLY: killed, or with an error.
+    """
+
+    ZERO = auto()
+    UNHEARD = auto()
+    BADLY = auto()
 
 
 class ControlChild:
@@ -27,8 +40,9 @@ class ControlChild:
 
     def __init__(self, parameters: ParameterRecord, *, shadow: bool) -> None:
         ours, theirs = link_pair()
-        # A bypass that comes before the process listens waits for it, and does not kill it.
-        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGUSR1})
+        # A bypass or a hang-up that comes before the process listens does not kill it.
+        early = {signal.SIGUSR1, signal.SIGHUP}
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, early)
         try:
             self._process = subprocess.Popen(
                 [
@@ -98,19 +112,18 @@ class ControlChild:
         """Ask for bypass the way that needs no link."""
         os.kill(self.pid, signal.SIGUSR1)
 
-    def stop(self, *, patience_s: float) -> bool:
-        """Let it fade to zero and end; kill it after ``patience_s``.
-
-        Return True when it ended by itself, in good order: its last commands were zero.
-        """
+    def stop(self, *, patience_s: float) -> Ending:
+        """Let it fade to zero and end; kill it after ``patience_s``; return how it ended."""
         self.link.send(Stop())
         try:
             self._process.wait(patience_s)
         except subprocess.TimeoutExpired:
             self._process.kill()  # the heartbeat stops: the PLC ramps its copy to zero
             self._process.wait()
-            return False
-        return self._process.returncode == 0
+            return Ending.BADLY
+        if self._process.returncode == EXIT_UNHEARD:
+            return Ending.UNHEARD
+        return Ending.ZERO if self._process.returncode == 0 else Ending.BADLY
 
     def kill(self) -> None:
         """End a process that never began to tick."""

@@ -11,7 +11,7 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import own_process
 from aff_runtime.app.report.status_answer import OperatorNote
 from aff_runtime.app.report.tick_row import TickRow
-from aff_runtime.app.supervisor.control_child import ControlChild
+from aff_runtime.app.supervisor.control_child import ControlChild, Ending
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
 from aff_runtime.app.supervisor.recorder_losses import RecorderLosses
 from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_sentences
@@ -34,6 +34,10 @@ DIED, STOPS, ANEW = (
     "the control process died",
     "the service stops",
     "the control process starts anew",
+)
+NO_ZERO = (
+    "no answer of the PLC says that a zero arrived after the last correction; without our "
+    "heartbeat it takes the correction away itself (see the line before it runs again)"
 )
 LOUD_NOTES = ("CONFIG_DIFFERS", "CONFIG_WARNING", "CONTROL_DIED")
 LOG = logging.getLogger("aff_runtime")
@@ -126,28 +130,30 @@ class Processes:
             f"{whole}: site {site}; {'; '.join(learned_sentences(self.parameters, self.probed))}"
         )
 
-    def stop(self, why: str = ANEW) -> bool:
+    def stop(self, why: str = ANEW) -> Ending | None:
         """Let the control process fade and end, and the recorder flush in its own time.
 
-        Return whether its last commands were zero.
+        Return how it ended; None where there was none.
         """
-        reached_zero = self.control is not None
+        ending = None
         if self.control is not None:
             pid = self.control.pid
-            reached_zero = self.control.stop(patience_s=STOP_PATIENCE_S)
-            if not reached_zero:
+            ending = self.control.stop(patience_s=STOP_PATIENCE_S)
+            if ending is Ending.BADLY:
                 LOG.error("control process %d did not end in good order", pid)
+            elif ending is Ending.UNHEARD:
+                LOG.warning("%s", NO_ZERO)
             self._hear_last(self.control)
             self._forget_control(why)
         self._release_ring()
-        return reached_zero
+        return ending
 
-    def finish(self) -> bool:
-        """Stop everything and wait for the recorders; return whether zero was sent last."""
-        reached_zero = self.stop(STOPS)
+    def finish(self) -> Ending | None:
+        """Stop everything and wait for the recorders; return how the control process ended."""
+        ending = self.stop(STOPS)
         for recorder in self._old_recorders:
             recorder.wait(RECORDER_PATIENCE_S)
-        return reached_zero
+        return ending
 
     def watch(self) -> bool:
         """Notice a death, restart when due; return True when the control process has died."""

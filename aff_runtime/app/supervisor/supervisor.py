@@ -31,6 +31,7 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.request_socket import Asked, RequestSocket
 from aff_runtime.app.report.command_counts import CommandTally, Result, Via
+from aff_runtime.app.supervisor.control_child import Ending
 from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.door import Door
 from aff_runtime.app.supervisor.edit_session import EditSession
@@ -125,6 +126,8 @@ class Supervisor:
         """Serve until stopped; return the exit code."""
         signal.signal(signal.SIGTERM, lambda *_: self._stop(why="SIGTERM"))
         signal.signal(signal.SIGINT, lambda *_: self._stop(why="SIGINT (ctrl-c)"))
+        if signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:  # ignored: by nohup
+            signal.signal(signal.SIGHUP, lambda *_: self._stop(why="SIGHUP (terminal closed)"))
         signal.signal(signal.SIGUSR1, lambda *_: self._bypass_by_signal())
         for finding in self._edits.findings:
             LOG.warning("%s", finding)
@@ -326,7 +329,9 @@ class Supervisor:
         self._settings.close()
         if self._stopped_by:
             LOG.info("%s: the correction fades to zero, the service ends", self._stopped_by)
-        zero = self._processes.finish()
+        ending = self._processes.finish()
+        if ending not in {Ending.ZERO, None}:
+            self._exit_code = self._exit_code or EXIT_ALARM
         self._probes.close(STOPS)
         self._edits.close()
         for asked in self._stop_asked:
@@ -337,7 +342,7 @@ class Supervisor:
             self._hand.close()
         self._selector.close()  # after those who are registered with it
         self._notifier.close()
-        LOG.info("stopped%s", "; the correction reached zero" if zero else "")
+        LOG.info("stopped%s", "; the correction reached zero" if ending is Ending.ZERO else "")
 
 
 def _known(names: Sequence[str], parameters: ParameterRecord) -> list[str]:

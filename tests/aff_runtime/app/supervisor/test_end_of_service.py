@@ -15,6 +15,7 @@ from aff_runtime.app.hand.may import Action, Place, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Command, Welcome
 from aff_runtime.app.link.messages import Arm, Message
 from aff_runtime.app.link.replies import Reply
+from aff_runtime.app.supervisor.control_child import Ending
 from aff_runtime.base.signals import State
 from tests.aff_runtime.app.supervisor.whole import Whole
 
@@ -86,6 +87,22 @@ def test_the_audit_has_an_outcome_of_what_was_asked_before_the_service_stops(
     assert pressed.outcomes() == [("asked", ""), became]
     assert pressed.told().ok is (became[0] == "done")
     assert verify(pressed.audit).wrong == ""
+
+
+@pytest.mark.parametrize(
+    ("ending", "code", "claims"),
+    [(Ending.ZERO, 0, True), (Ending.UNHEARD, 5, False), (Ending.BADLY, 5, False)],
+)
+def test_the_zero_is_claimed_only_where_it_is_known(
+    pressed: Pressed, caplog: pytest.LogCaptureFixture, ending: Ending, code: int, claims: bool
+) -> None:
+    pressed.whole.control.ending = ending
+    with caplog.at_level("INFO", logger="aff_runtime"):
+        pressed.whole.stop()
+    assert pressed.whole.service._exit_code == code
+    assert ("reached zero" in caplog.text) is claims
+    assert ("no answer of the PLC" in caplog.text) is (ending is Ending.UNHEARD)
+    assert ("did not end in good order" in caplog.text) is (ending is Ending.BADLY)
 
 
 def test_a_control_process_that_is_exchanged_has_answered_or_is_answered_for(

@@ -13,6 +13,7 @@ from aff_runtime.app.check.validate import check_result
 from aff_runtime.app.link.messages import Message
 from aff_runtime.app.link.runtime_directory import runtime_paths
 from aff_runtime.app.supervisor import edit_session, processes, supervisor
+from aff_runtime.app.supervisor.control_child import Ending
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.supervisor import Supervisor
 from aff_runtime.base.signals import State, StateBits
@@ -33,6 +34,7 @@ class Control:
     Attributes
     ----------
     last_words : what it says while it is being stopped.
+    ending : how it ends then.
     """
 
     pid = 4711
@@ -44,6 +46,7 @@ class Control:
         self.says: list[Message] = []
         self.last_words: Callable[[], list[Message]] = list
         self.how_it_ended: str | None = None
+        self.ending = Ending.ZERO
 
     def fileno(self) -> int:
         return self._read
@@ -65,9 +68,9 @@ class Control:
     def kill(self) -> None:
         self.how_it_ended = "killed by SIGKILL"
 
-    def stop(self, *, patience_s: float) -> bool:
+    def stop(self, *, patience_s: float) -> Ending:
         self.says += self.last_words()
-        return True
+        return self.ending
 
     def open_ring(self) -> None:
         return None
