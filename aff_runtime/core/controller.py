@@ -125,6 +125,11 @@ class Controller:
         rolls = dict.fromkeys(block.roll for block in actuator.blocks)
         return [text for roll in rolls if (text := self._phases.by_name[roll].objection())]
 
+    def radius_notes(self) -> tuple[str, ...]:
+        """Return what is said of radii that are not taken."""
+        notes = (phase.radius_note() for phase in self._phases.by_name.values())
+        return tuple(note for note in notes if note)
+
     def ripple(self) -> tuple[tuple[float, float], ...]:
         """Return ripple before and now per actuator, in its signal's unit; NaN when unknown."""
         return tuple(law.ripple() for law in self._laws)

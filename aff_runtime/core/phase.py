@@ -64,6 +64,7 @@ class RollPhase:
         "_modulus",
         "_p",
         "_radius",
+        "_radius_read",
         "_raw",
         "_raw_gap_s",
         "_seeded",
@@ -86,6 +87,7 @@ class RollPhase:
         self._radius = _index(params.radius, channels)
         self._modulus = params.angle_modulus_rad or 0.0
         self.radius_m = params.radius_m if params.radius_m is not None else math.nan
+        self._radius_read = math.nan
         self.theta_rad = 0.0
         self.restart()
 
@@ -128,6 +130,24 @@ class RollPhase:
         return (
             f"{name}: {angle} turns {ratio:.2f} times as fast as speed over radius; mend its "
             "scale (counts per turn of the roll, gear), the radius or the channel"
+        )
+
+    def radius_note(self) -> str:
+        """Return that the last reading of the radius was not taken, and what counts instead.
+
+        Empty where it was, where none came yet, and for a fixed radius.
+        """
+        read, low, high = self._radius_read, self._p.radius_min_m, self._p.radius_max_m
+        if not math.isfinite(read) or low <= read <= high:
+            return ""
+        where = f"below radius_min_m {low:g} m" if read < low else f"above radius_max_m {high:g} m"
+        known = math.isfinite(self.radius_m)
+        stays = (
+            f"the last one within, {self.radius_m:.4g} m, stays" if known else "no radius is known"
+        )
+        return (
+            f"{self._p.name}: {self._p.radius} is {where}: not taken, {stays}; mend its scale, or "
+            "the range"
         )
 
     def follow(self, old: RollPhase) -> None:
@@ -209,7 +229,7 @@ class RollPhase:
 
     def _read_radius(self, values: Sequence[float]) -> None:
         if self._radius >= 0:
-            radius = values[self._radius]
+            self._radius_read = radius = values[self._radius]
             if self._p.radius_min_m <= radius <= self._p.radius_max_m:
                 self.radius_m = radius
 

@@ -62,8 +62,8 @@ class ControlOutside:
     ) -> None:
         self._site = assembly.site
         self._guard = assembly.guard
-        self._troubles = TroubleLog(assembly.gateway, self._say, self._show_wire)
         self._law = assembly.law
+        self._troubles = TroubleLog(assembly.gateway, self._of_radii, self._say, self._show_wire)
         self._link = link
         self._commands = CommandQueue(link)
         self._meta = meta
@@ -341,6 +341,10 @@ class ControlOutside:
     def _say(self, text: str) -> None:
         """Pass a sentence to the supervisor's log, the wire's text in it made printable."""
         self._link.send(messages.LogLine(text=printable(text)))
+
+    def _of_radii(self) -> tuple[str, ...]:
+        """Return what the law that runs now says of its radii."""
+        return self._law.controller.radius_notes()
 
     def _show_wire(self, troubles: tuple[str, ...]) -> None:
         """Tell the supervisor what is wrong with the wire, for ``status``."""

@@ -17,6 +17,7 @@ class TroubleLog:
     Parameters
     ----------
     gateway : the wire.
+    readings : what is wrong with what it brings.
     say : takes one sentence for the service's log.
     show : takes the troubles as they are now, for ``status``.
     """
@@ -24,10 +25,12 @@ class TroubleLog:
     def __init__(
         self,
         gateway: Gateway,
+        readings: Callable[[], tuple[str, ...]],
         say: Callable[[str], None],
         show: Callable[[tuple[str, ...]], None] = lambda troubles: None,
     ) -> None:
         self._gateway = gateway
+        self._readings = readings
         self._say = say
         self._show = show
         self._seen: tuple[str, ...] = ()
@@ -37,7 +40,7 @@ class TroubleLog:
         """Log the troubles when two looks in a row found the same and they are not logged yet."""
         if tick % EVERY_TICKS:
             return
-        before, self._seen = self._seen, self._gateway.troubles
+        before, self._seen = self._seen, (*self._gateway.troubles, *self._readings())
         if self._seen != before or self._seen == self._said:
             return
         self._said = self._seen

@@ -36,15 +36,16 @@ class Roll(Section):
         le=3,
     )
     radius_min_m: Metres | None = key(
-        "Smallest radius that occurs (the core); required with radius. Below it the signal is a "
-        "fault.",
+        "Smallest radius that occurs (the core); required with radius. A reading below it is not "
+        "taken: the last one within stays, and status says so. A range under plausibility makes "
+        "it a fault.",
         default=None,
         ge=0.005,
         le=3,
     )
     radius_max_m: Metres | None = key(
-        "Largest radius that occurs (the full roll); required with radius. Above it the signal "
-        "is a fault.",
+        "Largest radius that occurs (the full roll); required with radius. A reading above it is "
+        "not taken, as one below radius_min_m.",
         default=None,
         ge=0.005,
         le=3,

@@ -120,6 +120,36 @@ def test_absurd_radius_is_ignored():
         assert phase.omega_rad_s == pytest.approx(4.0)
 
 
+@pytest.mark.parametrize(
+    "sources",
+    [{}, {"angle": None}, {"angle": None, "speed": None}],
+    ids=["angle", "speed", "line"],
+)
+@pytest.mark.parametrize(
+    ("reading", "where"),
+    [(0.0499, "below radius_min_m 0.05 m"), (0.0, "below"), (0.5001, "above radius_max_m 0.5 m")],
+)
+def test_a_radius_outside_its_range_is_told_as_long_as_it_stands(sources, reading, where):
+    phase = RollPhase(replace(ROLL, **sources), INDEX)
+    phase.step((0.0, 1.0, 1.0, reading), CYCLE_S, True)
+    assert "no radius is known" in phase.radius_note()
+    phase.step((0.0, 1.0, 1.0, 0.25), CYCLE_S, True)
+    assert phase.radius_note() == ""
+    for _ in range(3):
+        phase.step((0.0, 1.0, 1.0, reading), CYCLE_S, True)
+        assert f"unwind: radius is {where}" in phase.radius_note()
+        assert "the last one within, 0.25 m, stays" in phase.radius_note()
+    for bound in (0.05, 0.5, NAN):  # the ends belong to the range; NaN is nobody's reading
+        phase.step((0.0, 1.0, 1.0, bound), CYCLE_S, True)
+        assert phase.radius_note() == ""
+
+
+def test_a_fixed_radius_has_no_range():
+    phase = RollPhase(replace(ROLL, radius=None, radius_m=0.2), INDEX)
+    phase.step((0.0, 1.0, 1.0, 7.0), CYCLE_S, True)
+    assert phase.radius_note() == ""
+
+
 def test_stale_samples_are_predicted_then_given_up():
     phase = RollPhase(ROLL, INDEX)
     _ = run(phase, 5.0, 0.5)

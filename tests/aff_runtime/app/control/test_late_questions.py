@@ -52,7 +52,7 @@ class Ends:
         assembly = SimpleNamespace(
             site=EUCLID,
             guard=guard,
-            gateway=SimpleNamespace(),
+            gateway=SimpleNamespace(troubles=()),
             law=LawSlot(controller_of(EUCLID, {}, {})),
             parameters=record_of(),
         )

@@ -19,7 +19,7 @@ def looks(log: TroubleLog, count: int) -> None:
 
 def test_a_trouble_that_stands_is_said_once_and_its_end_too() -> None:
     wire, said, shown = Wire(), [], []
-    log = TroubleLog(wire, said.append, shown.append)  # type: ignore[arg-type]
+    log = TroubleLog(wire, tuple, said.append, shown.append)  # type: ignore[arg-type]
     looks(log, 3)
     assert said == shown == []
     wire.troubles = ("unwind_drive (node 3): EMCY 0x3210",)
@@ -31,9 +31,23 @@ def test_a_trouble_that_stands_is_said_once_and_its_end_too() -> None:
     assert shown == [("unwind_drive (node 3): EMCY 0x3210",), ()]
 
 
+def test_a_radius_that_the_law_does_not_take_stands_beside_the_wire_s_troubles() -> None:
+    wire, said, shown, notes = Wire(), [], [], ["unwind: radius is above"]
+    log = TroubleLog(wire, lambda: tuple(notes), said.append, shown.append)  # type: ignore[arg-type]
+    wire.troubles = ("closed by the other side",)
+    looks(log, 3)
+    assert shown == [("closed by the other side", "unwind: radius is above")]
+    wire.troubles = ()
+    looks(log, 3)
+    assert shown[1:] == [("unwind: radius is above",)]
+    notes.clear()
+    looks(log, 3)
+    assert shown[2:] == [()]
+
+
 def test_a_trouble_of_a_moment_is_not_said() -> None:
     wire, said = Wire(), []
-    log = TroubleLog(wire, said.append)  # type: ignore[arg-type]
+    log = TroubleLog(wire, tuple, said.append)  # type: ignore[arg-type]
     wire.troubles = ("unwind_drive (node 3): is being configured",)
     looks(log, 1)
     wire.troubles = ()
