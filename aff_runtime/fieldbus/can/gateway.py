@@ -42,7 +42,8 @@ class CanGateway:
     reader, writer : meaning of the frames.
     clock : monotonic time.
     lock : where the other side sets the pace, when the ticks should start; None without.
-    command_life_s : a command older than this is not sent any more, s.
+    command_life_s : a command older than this is not sent any more, s, and a set that arrived
+        longer ago counts as a loss: on CANopen the one before a pause is all that waits.
 
     Attributes
     ----------
@@ -94,6 +95,8 @@ class CanGateway:
             outcome = Outcome.NOT_CONNECTED
         t_ns = self._clock.now_ns()
         reader, liveness = self.reader, self._liveness
+        if outcome is Outcome.OK and t_ns - self._arrived_ns > self._command_life_ns:
+            outcome = Outcome.NOT_CONNECTED  # it waited while the tick was held up
         if outcome is Outcome.NOT_CONNECTED:
             reader.reset()
         outcome = liveness.judge(outcome, reader.heartbeat, self._arrived_ns)

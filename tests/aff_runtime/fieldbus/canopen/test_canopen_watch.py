@@ -9,6 +9,7 @@ from typing import Any
 import can
 import pytest
 
+from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can_catalogue import BusSite, canopen_gateway
 from aff_runtime.fieldbus.canopen.link import CanopenLink
@@ -85,7 +86,12 @@ def test_heartbeats_that_waited_while_we_paused_are_read_before_a_node_is_lost()
     for _ in range(pause_ms // 5):
         bench.lockstep.advance(0.005)
         bench.clock.advance_ns(5 * MS)
-    assert bench.tick().fresh
+    old = bench.tick()
+    assert bench.link.troubles == ()
+    # the answer to the SYNC before the pause is older than fault_after_ms: no reading of now
+    assert (old.fresh, old.outcome) == (False, Outcome.NOT_CONNECTED)
+    bench.run(0.02)
+    assert bench.tick().fresh  # nobody was configured anew, which takes 0.1 s and more
     assert bench.link.troubles == ()
 
 
