@@ -44,13 +44,14 @@ class ScreeningCriteria:
     idler_step: int = criterion(
         3,
         "idlers",
-        "on a long line the middle one of so many stands for all until the search is near",
-        "response changes slowly along the web",
+        "of many the middle one of so many at one wavenumber stands for all until the search is "
+        "near",
+        "response changes slowly along the web, at the same wavenumber",
     )
     few_idlers: int = criterion(
         8,
         "idlers",
-        "on a line with no more, each is tried at once; else every third first",
+        "where no more are tried, each is tried at once; else every third first",
         "response changes slowly along the web, not so on a short line",
     )
     neighbour_share: float = criterion(

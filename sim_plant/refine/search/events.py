@@ -22,12 +22,8 @@ from sim_plant.refine.model.hypotheses import Hypothesis, onset_library, with_nu
 from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
 from sim_plant.refine.search.distinct_events import distinct, moment_of
 from sim_plant.refine.search.episodes import best_episodes, ended_again
-from sim_plant.refine.search.screening import (
-    every_third_idler,
-    neighbours,
-    sensitivities,
-    sure_look,
-)
+from sim_plant.refine.search.like_idlers import LikeIdlers
+from sim_plant.refine.search.screening import sensitivities, sure_look
 from sim_plant.refine.search.shifted_responses import hypothesis_beginning_at, response_begun_at
 from sim_plant.refine.spectra.onset_filter import (
     Axis,
@@ -54,10 +50,9 @@ def event_candidates(
     """
     candidates: list[Candidate] = []
     for record, twin in enumerate(objective.pool.twins):
-        line = twin.declaration
-        library = onset_library(line, record, without)
-        idlers = [roller.name for roller in line.rollers if roller.kind == "idler"]
-        group = every_third_idler(library, idlers)
+        library = onset_library(twin.declaration, record, without)
+        like = LikeIdlers.of(library, twin.declaration)
+        group = like.thinned(library)
         residual = objective.residual(objective.pool.one(fit.case), fit.shifts)
         white = objective.split(objective.projector.project(residual))[record]
         noise = objective.whitening.noise[record]
@@ -74,7 +69,7 @@ def event_candidates(
         seen = _weighed_at_their_moments(objective, group, seen, axes, residual)
         seen.sort(key=lambda c: -c.score)
         tried = _placed(objective, fit, distinct(seen, least_score), residual)
-        near = neighbours(library, tried, idlers)
+        near = like.neighbours(library, tried)
         starts = {c.hypothesis.effect.name: c.start for c in reversed(tried)}
         beside = [
             Candidate(hypothesis=h, chi2_reduction=0.0, penalty=0.0, start=starts[h.effect.name])

@@ -12,7 +12,6 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import Inner
-from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import (
     Candidate,
@@ -21,6 +20,7 @@ from sim_plant.refine.search.candidate import (
     bic_penalty,
     sure_part,
 )
+from sim_plant.refine.search.like_idlers import LikeIdlers
 from sim_plant.refine.spectra.coordinates import Travel, periodic_support
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
@@ -56,19 +56,18 @@ def screen(
 ) -> list[Candidate]:
     """Return candidates among ``hypotheses``, best score first, sensitivities taken at ``fit``.
 
-    Of many idlers every third is tried first, then the neighbours of the best. Effects that the
-    fit has already are left out.
+    Of many like idlers every third is tried first, then the neighbours of the best. Effects that
+    the fit has already are left out.
     """
     taken = {h.key for h in fit.hypotheses}
     group = [h for h in hypotheses if h.key not in taken]
     if not group:
         return []
-    line = objective.pool.twins[0].declaration
-    idlers = [roller.name for roller in line.rollers if roller.kind == "idler"]
+    like = LikeIdlers.of(group, objective.pool.twins[0].declaration)
     residual = objective.residual(objective.pool.one(fit.case), fit.shifts)
     progress(f"  {len(group)} hypotheses")
-    candidates = _screened(objective, fit, every_third_idler(group, idlers), residual)
-    more = neighbours(group, candidates, idlers)
+    candidates = _screened(objective, fit, like.thinned(group), residual)
+    more = like.neighbours(group, candidates)
     if more:
         candidates += _screened(objective, fit, more, residual)
     return sorted(candidates, key=lambda c: -c.score)
@@ -165,43 +164,6 @@ def responses_of(objective: Objective, h: Hypothesis) -> list[list[Array]]:
 def _response_key(h: Hypothesis) -> tuple[object, ...]:
     """Return what the simulated responses of a hypothesis depend on."""
     return (h.key, h.fixed, h.names, h.start, h.record)
-
-
-def every_third_idler(hypotheses: Sequence[Hypothesis], idlers: Sequence[str]) -> list[Hypothesis]:
-    """Return the hypotheses with every third idler only: response changes slowly along the web.
-
-    On a short line all idlers, and always all load cells: an effect in one shows in its reading.
-    """
-    if len(idlers) <= SCREENING.few_idlers:
-        return list(hypotheses)
-    step = SCREENING.idler_step
-    left_out = {name for k, name in enumerate(idlers) if k % step != step // 2}
-    return [h for h in hypotheses if h.effect.place == "cell" or h.location not in left_out]
-
-
-def neighbours(
-    hypotheses: Sequence[Hypothesis], candidates: Sequence[Candidate], idlers: Sequence[str]
-) -> list[Hypothesis]:
-    """Return hypotheses not tried yet near the two best places of their effect.
-
-    ``candidates`` are those tried, best first.
-    """
-    near: set[EffectAt] = set()
-    reach = SCREENING.neighbour_reach
-    for name in {c.hypothesis.effect.name for c in candidates}:
-        best = [c for c in candidates if c.hypothesis.effect.name == name]
-        for c in best[:2]:
-            if (
-                c.score > 0.0
-                and c.score > SCREENING.neighbour_share * candidates[0].score
-                and c.hypothesis.location in idlers
-            ):
-                at = idlers.index(c.hypothesis.location)
-                near |= {
-                    EffectAt(name, other) for other in idlers[max(0, at - reach) : at + reach + 1]
-                }
-    done = {c.hypothesis.key for c in candidates}
-    return [h for h in hypotheses if h.key in near and h.key not in done]
 
 
 def shortlist(candidates: Sequence[Candidate], *, beside_half: bool = False) -> list[Candidate]:

@@ -7,12 +7,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, bic_penalty
-from sim_plant.refine.search.screening import (
-    every_third_idler,
-    linear_candidate,
-    shortlist,
-    without_failed,
-)
+from sim_plant.refine.search.screening import linear_candidate, shortlist, without_failed
 from tests.sim_plant.refine.small import fit_of, formula_twin, objective_of, white
 
 SAMPLES = 5334  # 4000 of them are judged
@@ -70,15 +65,6 @@ def test_what_cannot_be_simulated_comes_last():
     residual, columns = record(np.zeros(12))
     broken = linear_candidate(OBJECTIVE, PROFILE, inner_of(residual, columns * np.nan))
     assert broken.score == -np.inf
-
-
-def test_no_load_cell_and_no_idler_of_a_short_line_is_left_out():
-    names = [f"R{k}" for k in range(12)]
-    hums = [hypothesis(BY_NAME["mains_hum"], name) for name in names]
-    drags = [hypothesis(BY_NAME["bearing_drag"], name) for name in names]
-    assert every_third_idler(hums, names) == hums
-    assert every_third_idler(drags[:5], names[:5]) == drags[:5]
-    assert [h.location for h in every_third_idler(drags, names)] == ["R1", "R4", "R7", "R10"]
 
 
 def test_an_effect_is_fitted_at_three_places_at_most_and_a_curved_one_gets_a_second_chance():
