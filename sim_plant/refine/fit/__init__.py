@@ -9,5 +9,6 @@ __all__ = [
     "spread",
     "start_angles",
     "start_states",
+    "turning",
     "whitening",
 ]

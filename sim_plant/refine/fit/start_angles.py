@@ -12,20 +12,16 @@ from dataclasses import replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.refine.fit.roll_synchronisation import shifts_in_step
-from sim_plant.refine.model.hypotheses import turned
+from sim_plant.refine.fit.turning import Turning, phased, turns_with, with_turned
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case, Twin
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
 
-COARSE_ANGLES = 24
-"""Tries round a turn, the first grid: every 15 deg, four tries or more in a period of what repeats
-up to six times per turn: the best try lies in the valley of the cost that holds the minimum."""
 ZOOMS = 3
-"""Grids about the best try after the first one: over 15, 4.5 and 1.35 deg."""
+"""Grids about the best try after the first one: of 24 tries a turn over 15, 4.5 and 1.35 deg."""
 ZOOM_PARTS = (-0.5, -0.25, 0.0, 0.25, 0.5)
 """Tries of such a grid, in parts of its width."""
 NARROWING = 0.3
@@ -89,43 +85,6 @@ def _with_effects(twin: Twin, entries: Sequence[EffectEntry]) -> Twin:
     return replace(twin, declaration=line)
 
 
-def phased(effect: Added) -> bool:
-    """Return whether an effect has an angle that another start of the rolls changes."""
-    record = BY_NAME[effect.effect]
-    return bool(record.quadratures) or any(
-        record.accepts[name].role == "angle" for name, _ in effect.parameters
-    )
-
-
-def turned_effect(effect: Added, angle_rad: float) -> Added:
-    """Return the effect with its body turned ``angle_rad`` further when the record begins."""
-    values = turned(BY_NAME[effect.effect], dict(effect.parameters), angle_rad)
-    return replace(effect, parameters=tuple(values.items()))
-
-
-def turns_with(effect: Added) -> str:
-    """Return what an effect's angle belongs to, by name: a body, or the effect alone.
-
-    What repeats in time, what turns along at a ratio of its own (its orders change with the
-    body's radius) and what has not come round after a turn (an order behind a gear) have an angle
-    of their own, wherever they are.
-    """
-    shows = BY_NAME[effect.effect].shows
-    values = {**BY_NAME[effect.effect].parameters, **dict(effect.parameters)}
-    own = isinstance(shows, Frequency)
-    if isinstance(shows, Orders):
-        orders = shows.at(values, 1.0)
-        own = orders != shows.at(values, 2.0) or any(order % 1.0 for order in orders)
-    return f"{effect.effect} at {effect.location}" if own else effect.location
-
-
-def with_turned(effects: tuple[Added, ...], body: str, angle_rad: float) -> tuple[Added, ...]:
-    """Return the effects, those with an angle that ``turns_with`` this body turned."""
-    return tuple(
-        turned_effect(e, angle_rad) if phased(e) and turns_with(e) == body else e for e in effects
-    )
-
-
 def costs_of(
     pool: SimulationPool, measured: Array, model: NoiseModel, cases: Sequence[Case]
 ) -> Array:
@@ -172,22 +131,24 @@ def start_angles(
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
     """Return the effects at this record's start angles, and the angles, rad by ``turns_with``.
 
-    A grid round the turn, all bodies together; then narrower ones about the best, one body after
-    the other; in the end all together once more. Angles lie within +-pi and count from those in
-    ``case``.
+    A grid round the turn, or the part of one that is a period, all bodies together; then narrower
+    ones about the best, one body after the other; in the end all together once more. Angles lie
+    within +-pi and count from those in ``case``.
 
     Parameters
     ----------
     pool, measured, model : as for ``costs_of``.
     case : the effects, and what else is on the line, as simulated.
     """
-    bodies = list(dict.fromkeys(turns_with(e) for e in case.effects if phased(e)))
-    if not bodies:
+    names = list(dict.fromkeys(turns_with(e) for e in case.effects if phased(e)))
+    if not names:
         return case.effects, {}
+    bodies = [Turning.of(name, case.effects) for name in names]
     angles = _on_grid(pool, measured, case, model, bodies)
-    width = 2.0 * math.pi / COARSE_ANGLES
+    share = 1.0
     for _ in range(ZOOMS):
         for k, body in enumerate(bodies):
+            width = share * body.period_rad / body.tries
             grid = angles[k] + width * np.array(ZOOM_PARTS)
             here = _turned(case, bodies, angles)
             costs = costs_of(
@@ -197,43 +158,51 @@ def start_angles(
                 [_turned(here, [body], [float(a) - angles[k]]) for a in grid],
             )
             angles[k] = _lowest(grid, costs)
-        width *= NARROWING
+        share *= NARROWING
     if len(bodies) > 1:
         angles = _together(pool, measured, case, model, bodies, angles)
     found = _turned(case, bodies, angles)
     within = [math.remainder(angle, 2.0 * math.pi) for angle in angles]
-    return found.effects, dict(zip(bodies, within, strict=True))
+    return found.effects, dict(zip(names, within, strict=True))
 
 
-def _turned(case: Case, bodies: Sequence[str], angles: Sequence[float]) -> Case:
+def _turned(case: Case, bodies: Sequence[Turning], angles: Sequence[float]) -> Case:
     """Return the case with every body turned by its angle, rad."""
     for body, angle in zip(bodies, angles, strict=True):
-        case = replace(case, effects=with_turned(case.effects, body, angle))
+        case = replace(case, effects=with_turned(case.effects, body.name, angle))
     return case
 
 
 def _on_grid(
-    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, bodies: Sequence[str]
+    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, bodies: Sequence[Turning]
 ) -> list[float]:
     """Return the angles, rad, of a grid round the turn at which all bodies together cost least.
 
-    Their responses are added up: each is simulated alone, at every angle of the grid.
+    Their responses are added up: each is simulated alone, at every angle of its grid.
     """
-    grid = np.arange(COARSE_ANGLES) * (2.0 * math.pi / COARSE_ANGLES)
     still = tuple(e for e in case.effects if not phased(e))
     tries = [replace(case, effects=still)]
     for body in bodies:
-        own = tuple(e for e in case.effects if phased(e) and turns_with(e) == body)
-        tries += [replace(case, effects=(*still, *with_turned(own, body, float(a)))) for a in grid]
+        own = tuple(e for e in case.effects if phased(e) and turns_with(e) == body.name)
+        tries += [
+            replace(case, effects=(*still, *with_turned(own, body.name, float(a))))
+            for a in body.grid
+        ]
     base, *runs = (run[0] for run in pool.run(tries, keep=False))
     rows = np.stack([_white(pool, model, run - base).ravel() for run in runs])
     runs_through = np.isfinite(rows).all(axis=1)
     rows[~runs_through] = 0.0
-    alone = np.where(runs_through, 0.0, np.inf)
-    alone -= 2.0 * rows @ _white(pool, model, measured - base).ravel()
-    shape = (len(bodies), COARSE_ANGLES)
-    found = _least_together(alone.reshape(shape), (rows @ rows.T).reshape(shape * 2))
-    return [float(grid[k]) for k in found]
+    there = np.where(runs_through, 0.0, np.inf)
+    there -= 2.0 * rows @ _white(pool, model, measured - base).ravel()
+    # bodies have unlike counts of tries: what a shorter grid lacks costs without end
+    most = max(body.tries for body in bodies)
+    at = np.concatenate([k * most + np.arange(body.tries) for k, body in enumerate(bodies)])
+    alone = np.full(len(bodies) * most, np.inf)
+    products = np.zeros((alone.size, alone.size))
+    alone[at], products[np.ix_(at, at)] = there, rows @ rows.T
+    shape = (len(bodies), most)
+    found = _least_together(alone.reshape(shape), products.reshape(shape * 2))
+    return [float(body.grid[k]) for body, k in zip(bodies, found, strict=True)]
 
 
 def _least_together(alone: Array, products: Array) -> list[int]:
@@ -270,7 +239,7 @@ def _together(
     measured: Array,
     case: Case,
     model: NoiseModel,
-    bodies: Sequence[str],
+    bodies: Sequence[Turning],
     angles: list[float],
 ) -> list[float]:
     """Return the angles after steps of all together, each as long as the cost falls.
@@ -278,10 +247,10 @@ def _together(
     Bodies that act nearly alike lie in a narrow valley: steps of one alone end on its wall.
     """
     before, cost = angles, math.inf
+    finer = np.array([body.finer for body in bodies])
+    steps_rad = STEP_RAD * finer
     for _ in range(MOST_PASSES):
-        moved = [
-            [a + STEP_RAD * (k == m) for m, a in enumerate(angles)] for k in range(len(bodies))
-        ]
+        moved = [list(np.array(angles) + row) for row in np.diag(steps_rad)]
         tries = [_turned(case, bodies, each) for each in (angles, *moved)]
         base, *runs = (run[0] for run in pool.run(tries, keep=False))
         left = _white(pool, model, measured - base).ravel()
@@ -289,11 +258,12 @@ def _together(
         if not now < cost:
             return before
         before, cost = angles, now
-        slopes = np.stack([_white(pool, model, run - base).ravel() for run in runs]) / STEP_RAD
+        rows = np.stack([_white(pool, model, run - base).ravel() for run in runs])
+        slopes = rows / steps_rad[:, None]
         if not np.isfinite(slopes).all():
             return angles
         step = np.linalg.lstsq(slopes.T, left, rcond=None)[0]
-        steps = np.clip(step, -MOST_RAD, MOST_RAD)
+        steps = np.clip(step, -MOST_RAD * finer, MOST_RAD * finer)
         angles = [float(a) for a in np.array(angles) + steps]
     return before
 

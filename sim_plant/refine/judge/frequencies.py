@@ -14,7 +14,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.base.signatures import Frequency
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.start_angles import turned_effect
+from sim_plant.refine.fit.turning import turned_effect
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel

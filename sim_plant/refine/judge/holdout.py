@@ -12,14 +12,9 @@ from scipy.optimize import minimize
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.roll_synchronisation import shifts_in_step
-from sim_plant.refine.fit.start_angles import (
-    costs_of,
-    phased,
-    start_angles,
-    turns_with,
-    with_turned,
-)
+from sim_plant.refine.fit.start_angles import costs_of, start_angles
 from sim_plant.refine.fit.start_states import changes_by_starts, with_start_state
+from sim_plant.refine.fit.turning import phased, turns_with, with_turned
 from sim_plant.refine.judge.frequencies import drifts, frequency_Hz, with_frequencies
 from sim_plant.refine.judge.moments import has_moments, with_moments
 from sim_plant.refine.model.simulation_pool import SimulationPool

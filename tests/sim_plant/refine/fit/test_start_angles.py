@@ -6,7 +6,8 @@ import pytest
 
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.fit.start_angles import at_start_angles, phased
+from sim_plant.refine.fit.start_angles import at_start_angles
+from sim_plant.refine.fit.turning import Turning, orders_of, phased
 from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
 from tests.sim_plant.refine.small import formula_twin, line_with
 
@@ -107,3 +108,89 @@ def lump(angle_rad):
         location="unwind",
         parameters={"shape": "flat", "size_m": 0.01, "angle_rad": angle_rad},
     )
+
+
+def ripple(order, angle_rad, location="unwind"):
+    return EffectEntry(
+        effect="torque_ripple",
+        location=location,
+        parameters={"order": order, "amplitude_N_m": 20.0, "angle_rad": angle_rad},
+    )
+
+
+def ripple_N(case, theta):
+    """Return the force of ripples cos(n theta - angle), their amplitude as it is."""
+    force = np.zeros(theta.size)
+    for added in case.effects:
+        p = dict(added.parameters)
+        force += p["amplitude_N_m"] * np.cos(p["order"] * theta - p["angle_rad"])
+    return force
+
+
+def power_left(*true):
+    """Return the power of what is left at the angles found, over that of the ripples."""
+
+    def formula(case):
+        return ripple_N(case, TURN_RAD)[None]
+
+    declared = [
+        e.model_copy(update={"parameters": {**e.parameters, "angle_rad": 0.0}}) for e in true
+    ]
+    line = line_with({"*": 0.0}, effects=tuple(declared))
+    there = formula_twin(formula, ("unwind_tension_N",), ROWS, line=line)
+    hidden = tuple(Added(e.effect, e.location, tuple(e.parameters.items())) for e in true)
+    measured = there.simulate(Case(effects=hidden, seed=5))
+    found, _ = at_start_angles(there, measured)
+    shown = tuple(
+        Added(e.effect, e.location, tuple(e.parameters.items())) for e in found.declaration.effects
+    )
+    wanted, got = (ripple_N(Case(effects=e), TURN_RAD) for e in (hidden, shown))
+    return float(np.mean((wanted - got) ** 2) / np.mean(wanted**2))
+
+
+@pytest.mark.parametrize("order", [6.0, 24.0, 36.0, 48.0, 8.5])
+def test_a_ripple_of_a_high_order_begins_where_the_record_shows_it(order):
+    """2 degrees of phase leave 1e-3; at the highest order 24 tries a turn are one phase."""
+    phases = np.arange(8) * math.pi / 4.0 + 0.3
+    assert max(power_left(ripple(order, float(a))) for a in phases) < 1e-3
+
+
+@pytest.mark.parametrize(("order", "turned_rad"), [(24.0, 2.294), (36.0, 2.868)])
+def test_beside_a_first_order_of_the_same_roll_it_does_too(order, turned_rad):
+    """Both turn with the roll: an angle of it takes their phases by one and by ``order`` of it."""
+    assert power_left(ripple(1.0, turned_rad), ripple(order, order * turned_rad)) < 1e-3
+
+
+def added(effect, location, **parameters):
+    return Added(effect, location, tuple(parameters.items()))
+
+
+@pytest.mark.parametrize(
+    ("orders", "tries", "part"),
+    [((1.0,), 24, 1.0), ((36.0,), 24, 36.0), ((1.0, 36.0), 144, 1.0), ((24.0, 36.0), 24, 12.0)],
+)
+def test_the_first_grid_has_four_tries_in_a_period_of_the_highest_order(orders, tries, part):
+    both = [
+        added("torque_ripple", "unwind", order=n, amplitude_N_m=1.0, angle_rad=0.0) for n in orders
+    ]
+    turning = Turning.of("unwind", both)
+    assert turning.tries == tries
+    assert turning.period_rad == pytest.approx(2.0 * math.pi / part)
+
+
+def test_orders_that_are_there_count_and_no_others():
+    profile = {"shape": "orders", "cos2_m": 1e-4, "sin6_m": 1e-4, "cos4_m": 0.0}
+    assert orders_of(added("out_of_round_roll", "unwind", **profile)) == {2.0, 6.0}
+    flat = {"shape": "flat", "size_m": 0.01, "angle_rad": 0.0}
+    assert orders_of(added("out_of_round_roll", "unwind", **flat)) == {
+        1.0,
+        2.0,
+        3.0,
+        4.0,
+        5.0,
+        6.0,
+    }
+    hum = {"frequency_Hz": 49.7, "cos_N": 1.0}
+    assert orders_of(added("mains_hum", "R3", **hum)) == {1.0}
+    nip = {"nip_radius_m": 0.03, "cos_N": 1.0}
+    assert orders_of(added("nip_pulse", "pull_roll", **nip)) == {1.0}

@@ -4,7 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim_plant.refine.fit.start_angles import with_turned
+from sim_plant.refine.fit.turning import with_turned
 from sim_plant.refine.judge.holdout import evaluate, with_unwound_lengths
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import noise_model

@@ -8,7 +8,7 @@ import pytest
 from sim_plant.base.signatures import Frequency
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.locations import candidate_locations
-from sim_plant.refine.fit.start_angles import turns_with
+from sim_plant.refine.fit.turning import turns_with
 from sim_plant.refine.model.hypotheses import hypothesis, turned
 from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
 from tests.sim_plant.refine.small import LINE
