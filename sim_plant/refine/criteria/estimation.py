@@ -87,7 +87,7 @@ class SpectraCriteria:
     nyquist_share: float = criterion(
         0.98,
         "of half the sample rate",
-        "a faster spectral line in travel is not looked for",
+        "a faster spectral line in travel, or at a roll's angle, is not looked for",
         NOT_RECORDED,
     )
     least_travel_m: float = criterion(
@@ -95,9 +95,6 @@ class SpectraCriteria:
     )
     fewest_turns: float = criterion(
         6.0, "turns", "spectral lines at a roll's angle are looked for over more", NOT_RECORDED
-    )
-    highest_order: float = criterion(
-        16.0, "per turn", "highest order looked for at a roll's angle", NOT_RECORDED
     )
     same_coordinate_share: float = criterion(
         0.006,

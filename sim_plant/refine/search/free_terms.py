@@ -14,6 +14,8 @@ from sim_plant.refine.spectra.coordinates import (
     TWO_PI,
     Travel,
     is_periodic,
+    orders_of,
+    radius_at,
     shown_Hz,
     wavenumbers_1_m,
 )
@@ -59,10 +61,11 @@ def explained_by_free_term(h: Hypothesis, lines: Sequence[Unknown], travel: Trav
 
 def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:
     where = item.coordinate
-    if item.kind == "angle":
-        return h.location == where["roll"]
     in_time = shown_Hz(h, travel)
-    if item.kind == "time":
+    if item.kind == "angle":
+        _, first = _coordinate_of(item, travel)
+        shows = orders_of(h, radius_at(h, travel)) if h.location == where["roll"] else []
+    elif item.kind == "time":
         first, shows = float(where["frequency_Hz"]), [] if in_time is None else [in_time]
     else:
         first = float(where["wavenumber_1_m"])

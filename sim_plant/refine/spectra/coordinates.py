@@ -63,7 +63,8 @@ def spectra(travel: Travel, whitened: Array) -> list[SpectralLines]:
     """Return spectra of free lines in time, in travel and in the angles of unwind and rewind roll.
 
     In time they go up to half the sample rate less ``fewest_cycles`` per record: mains of 49.7 Hz
-    in records of 10 ms are there.
+    in records of 10 ms are there. The others go nearly as far, by the fastest speed: slots and
+    teeth have orders in the tens. None has more bins than that in time.
     """
     weights = speed_weights(travel.speed_m_s)
     nyquist = 0.5 / travel.sample_time_s
@@ -96,11 +97,18 @@ def spectra(travel: Travel, whitened: Array) -> list[SpectralLines]:
                     weights,
                     kind="angle",
                     roll=travel.declaration.rollers[body].name,
-                    highest=SPECTRA.highest_order,
+                    highest=SPECTRA.nyquist_share * nyquist / fastest_Hz(turns, travel),
                     lowest=SPECTRA.fewest_cycles / (turns[-1] - turns[0]),
                 )
             )
     return found
+
+
+def fastest_Hz(turns: Array, travel: Travel) -> float:
+    """Return the fastest rate of turns (samples,), 1/s, over a second: their words have steps."""
+    reach = min(max(1, round(1.0 / travel.sample_time_s)), turns.size - 1)
+    over_s = reach * travel.sample_time_s
+    return float(np.max(np.abs(turns[reach:] - turns[:-reach]))) / over_s
 
 
 def near(

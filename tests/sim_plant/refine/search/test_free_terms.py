@@ -100,6 +100,9 @@ R6_1_M = 1.0 / (2.0 * np.pi * LINE.rollers[LINE.body("R6")].radius_m)
     ("effect", "place", "choice", "line", "taken"),
     [
         ("torque_ripple", "unwind", {"order": 6}, angle(2.0), True),
+        ("torque_ripple", "unwind", {"order": 24}, angle(24.0), True),
+        ("torque_ripple", "unwind", {"order": 24}, angle(2.0), False),  # 16 orders are taken up
+        ("torque_ripple", "unwind", {"order": 6}, angle(24.0), False),
         ("bearing_drag", "unwind", {}, angle(2.0), False),
         ("torque_ripple", "rewind", {"order": 6}, angle(2.0), False),
         ("unbalanced_roller", "R6", {}, ("travel", "wavenumber_1_m", R6_1_M), True),
