@@ -20,17 +20,24 @@ class Orders:
     ----------
     at : (parameters, mean radius of that body, m) -> cycles per turn, never empty; not whole
         where something turns along at a ratio of its own.
-    resonant : something rings at the order, so size and phase change with speed. Such an effect
-        is tried when those that stand still over the angle have been.
+    rings_at, damped_by : parameters that say at which frequency, Hz, something rings that the
+        order excites, and its damping ratio: size and phase change with speed. Such an effect
+        is tried when those that stand still over the angle have been. Empty where nothing does.
     parameter : the one that says the only order, empty where none does.
     rolls_on : the radius, m, of what turns along with that body without a slip, as the parameter
         of this name: it shows at the ratio of the radii. Empty where nothing does.
     """
 
     at: Callable[[Values, float], tuple[float, ...]]
-    resonant: bool = False
+    rings_at: str = ""
+    damped_by: str = ""
     parameter: str = ""
     rolls_on: str = ""
+
+    @property
+    def resonant(self) -> bool:
+        """Whether something rings at the order."""
+        return bool(self.rings_at)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,11 +87,15 @@ def whole(*orders: int) -> Orders:
     return Orders(at=lambda _values, _radius_m: fixed)
 
 
-def said_by(parameter: str, *, resonant: bool = False) -> Orders:
-    """Return the signature of an effect that shows at the order one of its parameters says."""
+def said_by(parameter: str, *, rings_at: str = "", damped_by: str = "") -> Orders:
+    """Return the signature of an effect that shows at the order one of its parameters says.
+
+    ``rings_at`` and ``damped_by`` are parameters of a resonance that the order excites.
+    """
     return Orders(
         at=lambda values, _radius_m: (float(values[parameter]),),
-        resonant=resonant,
+        rings_at=rings_at,
+        damped_by=damped_by,
         parameter=parameter,
     )
 

@@ -55,7 +55,7 @@ EFFECT = Effect(
             tries=(20.0,),
         ),
         "frequency_Hz": Parameter(
-            default=3.4, unit="Hz", typical=3.4, low=0.2, high=50.0, role="shape", tries=(2.6, 4.4)
+            default=3.4, unit="Hz", typical=3.4, low=0.2, high=50.0, role="shape"
         ),
         "damping": Parameter(
             default=0.06, unit="1", typical=0.06, low=0.001, high=0.5, role="shape"
@@ -79,7 +79,7 @@ EFFECT = Effect(
     quadratures=(FIRST, OTHER),
     apply=apply,
     text="the roll bounces on its mandrel: a fixed frequency that an order of the roll excites",
-    shows=said_by("order", resonant=True),
+    shows=said_by("order", rings_at="frequency_Hz", damped_by="damping"),
     beside=where_alike("mass_kg", "frequency_Hz", "damping", "order", absent={"mass_kg": 0.0}),
     remedy="look for play in mandrel and chucks of {place}, or avoid the speed at which it rings",
 )

@@ -105,6 +105,13 @@ class SpectraCriteria:
     same_frequency_share: float = criterion(
         0.003, "1", "the same for a spectral line in time at a known frequency", NOT_RECORDED
     )
+    half_widths: float = criterion(
+        2.0,
+        "half widths of a resonance",
+        "a search begins no further from the frequency at which it rings",
+        "theory: two resonances of one damping so far apart have a correlation of 0.71 (2 g / "
+        "sqrt(4 g^2 + d^2) of half width g and distance d), so a first look explains half",
+    )
     whole_order_reach: float = criterion(
         0.1,
         "of an order",

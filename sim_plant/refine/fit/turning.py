@@ -121,7 +121,7 @@ class Turning:
     @property
     def grid(self) -> Array:
         """The angles of the first grid (tries,), rad."""
-        angles: Array = np.arange(self.tries) * (self.period_rad / self.tries)
+        angles: Array = np.arange(self.tries, dtype=np.float64) * (self.period_rad / self.tries)
         return angles
 
     @property

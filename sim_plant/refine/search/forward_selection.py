@@ -58,7 +58,7 @@ from sim_plant.refine.search.selection import (
 )
 from sim_plant.refine.search.set_apart import JudgedApart, own_spectral_lines, set_apart, wander_of
 from sim_plant.refine.search.unexplained import Unknown, what_is_left
-from sim_plant.refine.spectra.aliases import with_aliases, with_orders, with_radii
+from sim_plant.refine.spectra.aliases import with_aliases, with_orders, with_radii, with_resonances
 from sim_plant.refine.spectra.coordinates import is_periodic, rolls_along, travel_of
 
 ACCEPTANCE = CRITERIA.search.acceptance
@@ -237,6 +237,7 @@ def next_extensions(
     library = with_aliases(library, selection.travels, selection.after)
     library = with_orders(library, selection.travels, selection.after)
     library = with_radii(library, selection.travels, selection.after)
+    library = with_resonances(library, selection.travels)
     periodic, others = by_periodic_support(library, selection.travels, selection.after)
     resonant = [h for h in periodic if h.effect.resonant]
     plain = [h for h in periodic if not h.effect.resonant]

@@ -1,17 +1,26 @@
 """Hypotheses that a spectral line itself proposes.
 
-Where it was before sampling, which order it is, how large the body is that turns so.
+Where it was before sampling, which order it is, how large the body is that turns so; and where
+something may ring that an order comes by.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import Hypothesis, with_number
-from sim_plant.refine.spectra.coordinates import Travel, line_at_body, radius_at
+from sim_plant.refine.spectra.coordinates import (
+    TWO_PI,
+    Travel,
+    line_at_body,
+    orders_of,
+    radius_at,
+    rates_Hz,
+)
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 SPECTRA = CRITERIA.spectra
@@ -138,6 +147,48 @@ def radii_m(
             if bounds.low <= radius_m <= bounds.high:
                 found.append(radius_m)
     return found
+
+
+def with_resonances(library: Sequence[Hypothesis], travels: Sequence[Travel]) -> list[Hypothesis]:
+    """Return the library with what rings at an order at the frequencies that its order passes.
+
+    A resonance shows where its order comes by. From far off no slope leads there.
+    """
+    found: list[Hypothesis] = []
+    for h in library:
+        shows = h.effect.shows
+        if not isinstance(shows, Orders) or not shows.resonant:
+            found.append(h)
+            continue
+        starts = resonances_Hz(h, shows, travels)
+        found += [
+            replace(h, start=with_number(h, h.start, shows.rings_at, at)) for at in starts
+        ] or [h]
+    return found
+
+
+def resonances_Hz(h: Hypothesis, shows: Orders, travels: Sequence[Travel]) -> list[float]:
+    """Return frequencies, rising, one of them near every frequency that the orders pass, Hz.
+
+    Near: within ``half_widths``, of the damping that the hypothesis starts with.
+    Equation: f_k = q^k, q = 1 + 2 w, w = ``half_widths`` times the damping, within f_low / (1 + w)
+    and f_high (1 + w) of the orders in a record  [own].
+    """
+    reach = 1.0 + SPECTRA.half_widths * float(h.at_start[shows.damped_by])
+    step = math.log(2.0 * reach - 1.0)
+    bounds = h.effect.accepts[shows.rings_at]
+    steps: set[int] = set()
+    for travel in travels:
+        body = travel.declaration.body(h.location)
+        rates = rates_Hz(travel.angles_rad[body] / TWO_PI, travel)
+        for order in orders_of(h, radius_at(h, travel)):
+            low = max(order * float(rates.min()) / reach, bounds.low)
+            high = min(order * float(rates.max()) * reach, bounds.high)
+            if high > low:
+                steps |= set(
+                    range(math.ceil(math.log(low) / step), math.floor(math.log(high) / step) + 1)
+                )
+    return [math.exp(step * k) for k in sorted(steps)]
 
 
 def _near(frequency_Hz: float, shows: Frequency) -> bool:

@@ -97,18 +97,20 @@ def spectra(travel: Travel, whitened: Array) -> list[SpectralLines]:
                     weights,
                     kind="angle",
                     roll=travel.declaration.rollers[body].name,
-                    highest=SPECTRA.nyquist_share * nyquist / fastest_Hz(turns, travel),
+                    highest=SPECTRA.nyquist_share
+                    * nyquist
+                    / float(np.max(rates_Hz(turns, travel))),
                     lowest=SPECTRA.fewest_cycles / (turns[-1] - turns[0]),
                 )
             )
     return found
 
 
-def fastest_Hz(turns: Array, travel: Travel) -> float:
-    """Return the fastest rate of turns (samples,), 1/s, over a second: their words have steps."""
+def rates_Hz(turns: Array, travel: Travel) -> Array:
+    """Return rates of turns (samples,), 1/s, each over a second: words of an angle have steps."""
     reach = min(max(1, round(1.0 / travel.sample_time_s)), turns.size - 1)
-    over_s = reach * travel.sample_time_s
-    return float(np.max(np.abs(turns[reach:] - turns[:-reach]))) / over_s
+    rates: Array = np.abs(turns[reach:] - turns[:-reach]) / (reach * travel.sample_time_s)
+    return rates
 
 
 def near(

@@ -3,7 +3,13 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.spectra.aliases import origins_Hz, whole_orders, with_orders, with_radii
+from sim_plant.refine.spectra.aliases import (
+    origins_Hz,
+    whole_orders,
+    with_orders,
+    with_radii,
+    with_resonances,
+)
 from sim_plant.refine.spectra.coordinates import spectra
 from tests.sim_plant.refine.small import line_with, travel_at
 
@@ -89,3 +95,46 @@ def test_a_nip_begins_at_the_radius_that_turns_with_the_line_however_odd_it_is(r
 def test_no_nip_is_as_small_as_the_shaft_that_a_fast_line_would_need():
     travel, found = of_order(LEAD.radius_m / 0.008)
     assert with_radii([NIP], [travel], [found]) == [NIP]
+
+
+UNWIND = LINE.rollers[0]
+
+
+def bounces(order, speed_m_s):
+    """Return the frequencies at which a bounce at this order begins, a row of speeds a record."""
+    h = hypothesis(BY_NAME["roll_bounce"], "unwind", (("order", order),), line=LINE)
+    travels = [travel_at(np.asarray(row), LINE) for row in np.atleast_2d(speed_m_s)]
+    library = with_resonances([RIPPLE, h], travels)
+    assert library[0] is RIPPLE
+    return np.array([h.at_start["frequency_Hz"] for h in library[1:]])
+
+
+def passed_Hz(order, speed_m_s):
+    return order * speed_m_s / (2.0 * np.pi * UNWIND.radius_m)
+
+
+@pytest.mark.parametrize("order", [1.0, 2.0, 6.0])
+@pytest.mark.parametrize("ends_m_s", [(0.8, 1.2), (0.9, 0.9), (0.5, 4.0)])
+def test_a_bounce_begins_near_every_frequency_that_its_order_passes(order, ends_m_s):
+    """Two half widths of a damping of 0.06 are 12 %; beyond the ends by as much is none."""
+    starts = bounces(order, np.linspace(*ends_m_s, 3000))
+    low, high = (passed_Hz(order, speed) for speed in ends_m_s)
+    for true_Hz in np.geomspace(low, high, 50):
+        assert np.min(np.abs(starts / true_Hz - 1.0)) < 0.13
+    assert starts[0] > low / 1.13
+    assert starts[-1] < high * 1.13
+    assert starts.size <= np.log(high / low) / np.log(1.24) + 3
+
+
+def test_what_two_records_pass_is_begun_at_and_not_what_lies_between():
+    starts = bounces(4.0, [np.full(3000, 0.6), np.full(3000, 3.0)])
+    slow, fast = passed_Hz(4.0, 0.6), passed_Hz(4.0, 3.0)
+    near = [min(abs(f / slow - 1.0), abs(f / fast - 1.0)) for f in starts]
+    assert 2 <= starts.size <= 4
+    assert max(near) < 0.13
+
+
+def test_of_a_roll_that_stands_no_more_is_tried_than_a_mandrel_can_do():
+    assert bounces(4.0, np.zeros(3000)).size == 1  # nothing is passed: as it was
+    starts = bounces(4.0, np.linspace(0.0, 1.0, 3000))
+    assert starts[0] >= 0.2

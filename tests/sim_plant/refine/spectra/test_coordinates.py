@@ -6,7 +6,7 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.spectra.aliases import whole_orders
-from sim_plant.refine.spectra.coordinates import fastest_Hz, periodic_support, spectra
+from sim_plant.refine.spectra.coordinates import periodic_support, rates_Hz, spectra
 from tests.sim_plant.refine.small import LINE, STEP_S, travel_at, white
 
 ROWS = 6000
@@ -47,4 +47,5 @@ def test_orders_of_a_roll_go_to_half_the_sample_rate_and_take_no_more_room_than_
 def test_words_of_an_angle_turn_a_roll_no_faster():
     """An encoder of 256 steps a turn passes one or two of them in a sample: 0.4 turns/s."""
     turns = np.floor(256 * 0.4 * STEP_S * np.arange(ROWS)) / 256
-    assert fastest_Hz(turns, travel_at(RAMP_M_S, LINE)) == pytest.approx(0.4, abs=1.0 / 256)
+    rates = rates_Hz(turns, travel_at(RAMP_M_S, LINE))
+    assert rates == pytest.approx(np.full(rates.size, 0.4), abs=1.0 / 256)
