@@ -177,7 +177,14 @@ VERDICT = (
     N_(
         "Nothing to do: the declaration stands, except for what these records cannot tell: {rest}."
     ),
+    N_(
+        "Record at another speed and fit both records: what repeats in time keeps its frequency "
+        "there, what turns its length of web or its order."
+    ),
+    N_("{what} (one speed does not tell which)"),
+    N_("{what}, or else {why}"),
     N_("something that repeats in time, {number} Hz at every speed"),
+    N_("something that repeats in time, {number} Hz"),
     N_("something that repeats {number} times per turn of {roll}"),
     N_(
         "something that repeats every {number} mm of web ({inverse} 1/m); a roller of {radius} "

@@ -244,7 +244,7 @@ def summary(outcome: Outcome) -> str:
         lines += [f"    to tell: {what}" for what in a.experiments]
     for u in verdict.unknown:
         lines.append(
-            f"  unknown, class {u.kind}: {coordinate_text(u.kind, u.coordinate, u.begins)}"
+            f"  unknown, class {u.kind}: {coordinate_text(u.kind, u.coordinate, u.begins, u.also)}"
         )
     lines.append(
         f"{'channel':28s} {'before':>10s} {'after':>10s} {'floor':>10s} {'after/floor':>11s}"

@@ -62,6 +62,7 @@ def verdict_of(
                 coordinate=u.coordinate,
                 strength=u.strength,
                 begins=_beginning(u.coordinate, fitted),
+                also=u.also,
             )
             for u in selection.unknown
         ),

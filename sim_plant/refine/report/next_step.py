@@ -9,6 +9,10 @@ from sim_plant.refine.report.verdict import EffectFinding, UnknownFinding, Verdi
 from sim_plant.refine.report.wording import remedy
 
 AGAIN = "record again with more speeds and a tension step, and more channels"
+ANOTHER_SPEED = (
+    "Record at another speed and fit both records: what repeats in time keeps its frequency "
+    "there, what turns its length of web or its order."
+)
 PERIODIC = ("time", "travel", "angle")
 NO_BLOCK: Mapping[str, str] = MappingProxyType({})
 ALL_WITHIN: Mapping[str, float] = MappingProxyType({})
@@ -77,9 +81,11 @@ def _of_unknown(unknown: Sequence[UnknownFinding]) -> list[str]:
     if not unknown:
         return []
     if unknown[0].kind in PERIODIC:
+        one_speed = [ANOTHER_SPEED] if any(u.also for u in unknown) else []
         return [
+            *one_speed,
             "Look for what turns or swings at that coordinate; the amended line does not "
-            "contain it."
+            "contain it.",
         ]
     moments = list(dict.fromkeys(u.begins for u in unknown if u.begins is not None))
     said = [

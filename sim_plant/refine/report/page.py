@@ -54,7 +54,7 @@ def headline(verdict: Verdict) -> str:
     ]
     text = "Traced: " + "; ".join(names) + "." if names else ""
     for item in verdict.unknown:
-        said = coordinate_text(item.kind, item.coordinate, item.begins)
+        said = coordinate_text(item.kind, item.coordinate, item.begins, item.also)
         text += f" Unknown: {said}; no effect of the library explains it."
     for ambiguity in verdict.ambiguous:
         text += "".join(f" To tell: {what}." for what in ambiguity.experiments)

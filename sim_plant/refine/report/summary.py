@@ -33,7 +33,9 @@ def summary(outcome: Outcome) -> Summary:
         gain=gain(judged, bool(held), amended=outcome.is_amended),
         next_step=next_of(outcome),
         effects=tuple(_effect(e, rivals) for e in verdict.effects),
-        unknown=tuple(coordinate_text(u.kind, u.coordinate, u.begins) for u in verdict.unknown),
+        unknown=tuple(
+            coordinate_text(u.kind, u.coordinate, u.begins, u.also) for u in verdict.unknown
+        ),
         errors=tuple(
             ErrorSaid(
                 channel=row.name,

@@ -13,6 +13,8 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.plain import plain
 
 VERSION = 1
+Coordinate = Mapping[str, float | str]
+"""Where something is, by name."""
 Answer = Literal["nothing", "traced", "not_identifiable", "unknown"]
 
 
@@ -67,12 +69,14 @@ class UnknownFinding:
     coordinate : where it is, by name.
     strength : chi-square that a free term would explain.
     begins : when an event does; not in a file of version 1.
+    also : kinds and coordinates that the records do not tell from it.
     """
 
     kind: str
-    coordinate: Mapping[str, float | str]
+    coordinate: Coordinate
     strength: float
     begins: Moment | None = None
+    also: tuple[tuple[str, Coordinate], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,7 +126,12 @@ class Verdict:
             "verdict": self.answer,
             "effects": [_effect_row(e) for e in self.effects],
             "unknown": [
-                {"class": u.kind, "coordinate": u.coordinate, "strength": u.strength}
+                {
+                    "class": u.kind,
+                    "coordinate": u.coordinate,
+                    "strength": u.strength,
+                    **_alternatives(u),
+                }
                 for u in self.unknown
             ],
             "ambiguous": [
@@ -182,9 +191,20 @@ def _check(data: Any) -> None:
         raise PlantError(f"verdict: verdict: read {data['verdict']!r}; expected one of {expected}")
 
 
+def _alternatives(u: UnknownFinding) -> dict[str, list[dict[str, str | Coordinate]]]:
+    """Return what the records do not tell from an unknown, as a key of it where there is any."""
+    also: list[dict[str, str | Coordinate]] = [
+        {"class": kind, "coordinate": where} for kind, where in u.also
+    ]
+    return {"alternatives": also} if also else {}
+
+
 def _unknown_of(row: Any) -> UnknownFinding:
     return UnknownFinding(
-        kind=row["class"], coordinate=row["coordinate"], strength=row["strength"]
+        kind=row["class"],
+        coordinate=row["coordinate"],
+        strength=row["strength"],
+        also=tuple((a["class"], a["coordinate"]) for a in row.get("alternatives", ())),
     )
 
 

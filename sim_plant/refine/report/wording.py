@@ -228,9 +228,18 @@ def _orders_of(finding: EffectFinding) -> list[str]:
 
 
 def coordinate_text(
-    kind: str, where: Mapping[str, float | str], begins: Moment | None = None
+    kind: str,
+    where: Mapping[str, float | str],
+    begins: Moment | None = None,
+    also: Sequence[tuple[str, Mapping[str, float | str]]] = (),
 ) -> str:
-    """Return what is known of an unknown as text; ``begins`` names the record of an event."""
+    """Return what is known of an unknown as text; ``begins`` names the record of an event.
+
+    ``also`` are kinds and coordinates of spectral lines that the records do not tell from it.
+    """
+    if also:
+        rows = [_periodic_text(k, w, every_speed=False) for k, w in ((kind, where), *also)]
+        return f"{', or else '.join(rows)} (one speed does not tell which)"
     if kind in ("time", "travel", "angle"):
         return _periodic_text(kind, where)
     if kind == "event":
@@ -253,9 +262,12 @@ def coordinate_text(
     return "noise above the line's own, at no frequency in particular"
 
 
-def _periodic_text(kind: str, where: Mapping[str, float | str]) -> str:
+def _periodic_text(
+    kind: str, where: Mapping[str, float | str], *, every_speed: bool = True
+) -> str:
     if kind == "time":
-        return f"something that repeats in time, {where['frequency_Hz']:.4g} Hz at every speed"
+        text = f"something that repeats in time, {where['frequency_Hz']:.4g} Hz"
+        return f"{text} at every speed" if every_speed else text
     if kind == "angle":
         return f"something that repeats {where['order']:.4g} times per turn of {where['roll']}"
     wavenumber = float(where["wavenumber_1_m"])

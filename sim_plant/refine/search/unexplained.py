@@ -16,10 +16,12 @@ from sim_plant.refine.search.coherence import Coupling, least_likely_coupling
 from sim_plant.refine.search.outside_prior import PriorConflict, joint_conflict
 from sim_plant.refine.search.spectral_line_in_noise import may_be_noise
 from sim_plant.refine.search.unknown_event import event_left
-from sim_plant.refine.spectra.coordinates import Travel
+from sim_plant.refine.spectra.coordinates import Travel, near
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 UNEXPLAINED = CRITERIA.search.unexplained
+Place = tuple[str, Mapping[str, float | str]]
+"""Kind and coordinate of a spectral line."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -32,11 +34,13 @@ class Unknown:
         ``broadband``.
     coordinate : where it is: numbers and names, by key.
     strength : what a free term would explain, chi-square; of coupled channels their score.
+    also : kinds and coordinates of spectral lines that the records do not tell from this one.
     """
 
     kind: str
     coordinate: Mapping[str, float | str]
     strength: float
+    also: tuple[Place, ...] = ()
 
     def same_roll_as(self, other: Unknown) -> bool:
         """Return whether both are orders of the same roll."""
@@ -124,8 +128,39 @@ def periodic_left(after: Sequence[Sequence[SpectralLines]], excess: float) -> Un
     """Return the strongest free spectral line, if it counts and is a part of the ``excess``."""
     spectrum, at, strength = strongest_peak(after)
     if strength > UNEXPLAINED.periodic and strength > UNEXPLAINED.periodic_share * excess:
-        return Unknown(kind=spectrum.kind, strength=strength, coordinate=_where(spectrum, at))
+        (kind, where), *also = kinds_at(after, spectrum, at)
+        return Unknown(kind=kind, strength=strength, coordinate=where, also=tuple(also))
     return None
+
+
+def kinds_at(
+    after: Sequence[Sequence[SpectralLines]], spectrum: SpectralLines, at: float
+) -> list[Place]:
+    """Return the kind and coordinate of the line at ``at``, then those not told from it.
+
+    At one speed a line in time is one in travel, and one at an angle: all have the same cycles per
+    record. Of records at several speeds only one kind has it at one coordinate in all of them.
+    Equation: c = a l / m, a the coordinate in a record of extent m, l the extent of the other
+    kind; not told apart where the chi-square over all records is less by no more than the
+    ``margin`` of effects, or ``kind_share`` of it  [own].
+    """
+    cycles = at * spectrum.extent
+    home = next(record for record in after if any(s is spectrum for s in record))
+    rows = [(_over_records(after, s, cycles / s.extent), s) for s in home]
+    # of equals the one whose line is strongest
+    rows.sort(key=lambda row: (row[0], row[1] is spectrum), reverse=True)
+    most, _ = rows[0]
+    share = CRITERIA.without_line.kind_share * most
+    least = most - max(CRITERIA.search.acceptance.margin, share)
+    return [(s.kind, _where(s, cycles / s.extent)) for value, s in rows if value >= least]
+
+
+def _over_records(
+    after: Sequence[Sequence[SpectralLines]], spectrum: SpectralLines, at: float
+) -> float:
+    """Return the chi-square reduction near one coordinate of the same kind, over all records."""
+    same = (s for r in after for s in r if (s.kind, s.roll) == (spectrum.kind, spectrum.roll))
+    return sum(near(s, at) for s in same)
 
 
 def line_or_broadband(

@@ -14,6 +14,7 @@ from aff_runtime.app.commission.refine_views import AskedOf, RefinedRow, Refined
 from aff_runtime.base.refinement import EffectSaid, Summary
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.refine.model.effect_at import EffectAt
+from sim_plant.refine.report.next_step import ANOTHER_SPEED
 from sim_plant.refine.report.wording import coordinate_text, place_words
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
@@ -50,6 +51,21 @@ def test_what_is_unknown_is_told_in_german_with_the_same_numbers(kind, where):
     assert said != text
     assert [c for c in said if c.isdigit()] == [c for c in text if c.isdigit()]
     assert sentence(text, ENGLISH) == text
+
+
+IN_TRAVEL = ("travel", {"wavenumber_1_m": 2.0, "equivalent_radius_m": 0.08})
+AT_ANGLES = [("angle", {"order": 7.5, "roll": roll}) for roll in ("unwind", "rewind")]
+
+
+@pytest.mark.parametrize(
+    "also", [[IN_TRAVEL], [IN_TRAVEL, *AT_ANGLES[:1]], [IN_TRAVEL, *AT_ANGLES]]
+)
+def test_what_one_speed_does_not_tell_is_told_in_german_whole(also):
+    text = coordinate_text("time", {"frequency_Hz": 12.5}, None, also)
+    said = sentence(text, GERMAN)
+    assert [c for c in said if c.isdigit()] == [c for c in text if c.isdigit()]
+    assert not {"something", "or", "which", "every", "turns"} & set(said.split())
+    assert sentence(ANOTHER_SPEED, GERMAN).startswith("Bei einer anderen Geschwindigkeit")
 
 
 def summary(**words: object) -> Summary:

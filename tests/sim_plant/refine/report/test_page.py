@@ -249,6 +249,21 @@ def test_an_unknown_is_said_with_units(kind, where, said):
     assert said in headline(verdict_with(unknown=[unknown(kind, where)], answer="unknown"))
 
 
+def test_a_line_seen_at_one_speed_is_told_as_all_that_it_may_be():
+    """4 Hz at 0.8 m/s are 5 1/m: every 200 mm of web, a roller of 31.83 mm turns so."""
+    where = {"wavenumber_1_m": 5.0, "equivalent_radius_m": 0.2 / (2.0 * math.pi)}
+    line = replace(unknown("time", {"frequency_Hz": 4.0}), also=(("travel", where),))
+    found = verdict_with(unknown=[line], answer="unknown")
+    said = headline(found)
+    assert "in time, 4 Hz, or else something that repeats every 200 mm of web" in said
+    assert "31.83 mm radius turns so (one speed does not tell which)" in said
+    assert "at every speed" not in said
+    assert "Record at another speed and fit both records" in next_step(found)
+    alone = verdict_with(unknown=[replace(line, also=())], answer="unknown")
+    assert "4 Hz at every speed" in headline(alone)
+    assert "another speed" not in next_step(alone)
+
+
 def test_numbers_that_used_most_of_their_tolerance_come_first():
     shifts = {"web.EA_N": 0.01, "sensors.c.offset": -0.05, "control.pull_roll_draw": 2e-6}
     rows = shift_rows(shifts, {"web.EA_N": 0.1, "sensors.c.offset": 0.1})

@@ -1,6 +1,7 @@
 """Version 1 of a verdict: the bytes that other programs read, and back."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -107,6 +108,18 @@ def test_version_1_is_written_to_the_byte():
 def test_a_file_of_version_1_is_read_back_as_it_was():
     assert Verdict.from_json(GOLDEN) == VERDICT
     assert Verdict.from_json(GOLDEN).to_json() == GOLDEN
+
+
+def test_what_a_line_may_be_as_well_stands_beside_it_and_is_read_back():
+    """Who reads ``class`` and ``coordinate`` alone reads on; a line that is told has no more."""
+    also = (("travel", {"wavenumber_1_m": 5.0, "equivalent_radius_m": 1.0 / (10.0 * np.pi)}),)
+    line = UnknownFinding(kind="time", coordinate={"frequency_Hz": 4.0}, strength=9e2, also=also)
+    said = replace(VERDICT, unknown=(line, *VERDICT.unknown))
+    first, second = json.loads(said.to_json())["unknown"]
+    assert (first["class"], first["coordinate"]) == ("time", {"frequency_Hz": 4.0})
+    assert first["alternatives"] == [{"class": "travel", "coordinate": also[0][1]}]
+    assert "alternatives" not in second
+    assert Verdict.from_json(said.to_json()).unknown == said.unknown
 
 
 def test_no_runner_up_is_an_empty_text_in_a_file():

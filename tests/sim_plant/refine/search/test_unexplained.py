@@ -1,4 +1,4 @@
-"""When what is left is called broadband, and which channels count."""
+"""When what is left is called broadband, which channels count, and what kind a line is of."""
 
 import numpy as np
 import pytest
@@ -9,11 +9,13 @@ from sim_plant.refine.fit.whitening import Whitening
 from sim_plant.refine.noise.innovations import noise_model
 from sim_plant.refine.search.coherence import least_likely_coupling
 from sim_plant.refine.search.completeness import remaining_spectra
-from sim_plant.refine.search.unexplained import kept_by_noise, loudest, what_is_left
+from sim_plant.refine.search.unexplained import kept_by_noise, loudest, periodic_left, what_is_left
+from sim_plant.refine.spectra.coordinates import spectra
 from tests.sim_plant.refine.small import (
     STEP_S,
     fit_of,
     formula_twin,
+    line_with,
     objective_of,
     one_peak,
     travel_at,
@@ -160,3 +162,53 @@ def test_what_a_speed_brings_to_sound_is_a_line_and_a_step_is_an_event(shape, ki
     fit, spectra = begun(shape)
     found = what_is_left(OBJECTIVE, fit, fit, TRAVELS, spectra)
     assert [u.kind in kinds for u in found] == [True]
+
+
+def left_of(wave, speed_m_s):
+    """Return the spectra of what is left, a wave in noise, of a record at these speeds."""
+    travel = travel_at(speed_m_s)
+    part = white((3, JUDGED), seed=9) + wave(travel)
+    return tuple(spectra(travel, part))
+
+
+def in_time(travel):
+    return 0.5 * np.cos(2.0 * np.pi * 6.2 * travel.time_s)
+
+
+def in_travel(travel):
+    return 0.5 * np.cos(2.0 * np.pi * 6.2 * travel.travel_m)
+
+
+SLOW, FAST, RAMP = np.full(JUDGED, 0.8), np.full(JUDGED, 1.3), np.linspace(0.8, 1.3, JUDGED)
+
+
+@pytest.mark.parametrize("wave", [in_time, in_travel])
+@pytest.mark.parametrize("speed_m_s", [SLOW, FAST])
+def test_at_one_speed_a_line_in_time_may_be_one_in_travel_or_at_an_angle(wave, speed_m_s):
+    """The wavenumber is f / v, the order f over the turns in a second; no record tells them."""
+    spectra_left = left_of(wave, speed_m_s)
+    found = periodic_left([spectra_left], 1000.0)
+    kinds = {found.kind: found.coordinate, **dict(found.also)}
+    assert set(kinds) == {"time", "travel", "angle"}
+    speed = float(speed_m_s[0])
+    frequency_Hz = 6.2 if wave is in_time else 6.2 * speed
+    assert kinds["time"]["frequency_Hz"] == pytest.approx(frequency_Hz, rel=3e-3)
+    assert kinds["travel"]["wavenumber_1_m"] == pytest.approx(frequency_Hz / speed, rel=3e-3)
+    orders = [dict(where) for kind, where in [(found.kind, found.coordinate), *found.also]]
+    at = {w["roll"]: w["order"] for w in orders if "roll" in w}
+    radius_m = {r.name: r.radius_m for r in line_with().rollers}
+    for roll, order in at.items():
+        turns_1_s = speed / (2.0 * np.pi * radius_m[roll])
+        assert order == pytest.approx(frequency_Hz / turns_1_s, rel=3e-3)
+    assert set(at) == {"unwind", "rewind"}
+
+
+@pytest.mark.parametrize(
+    ("wave", "kind"), [(in_time, "time"), (in_travel, "travel")], ids=["time", "travel"]
+)
+@pytest.mark.parametrize("speeds", [(RAMP,), (SLOW, FAST)], ids=["a ramp", "two records"])
+def test_two_speeds_tell_a_line_in_time_from_one_in_travel(wave, kind, speeds):
+    found = periodic_left([left_of(wave, speed) for speed in speeds], 1000.0)
+    kinds = {found.kind, *(other for other, _ in found.also)}
+    assert ("time" in kinds) is (kind == "time")
+    assert ("travel" in kinds) is (kind == "travel")
