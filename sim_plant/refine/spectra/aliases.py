@@ -122,7 +122,8 @@ def with_radii(
     """Return the library with what rolls on a body also at the radius that the strongest line has.
 
     A fit finds a radius only from within a third of a turn over the whole record, and no list of
-    radii is that dense.
+    radii is that dense. A line at a whole order of the body proposes none: what the body does
+    itself is there always, a ratio of two ground radii by chance.
     """
     more = [
         replace(h, start=with_number(h, h.start, shows.rolls_on, at))
@@ -141,9 +142,9 @@ def radii_m(
     bounds = h.effect.accepts[h.effect.shows.rolls_on]
     found = []
     for travel, record in zip(travels, spectra, strict=True):
-        known = line_at_body(h, travel, record)
-        if known is not None and known[0] > 0.0:
-            radius_m = radius_at(h, travel) / known[0]
+        order, bin_width = line_at_body(h, travel, record) or (0.0, 0.0)
+        if abs(order - round(order)) > bin_width:
+            radius_m = radius_at(h, travel) / order
             if bounds.low <= radius_m <= bounds.high:
                 found.append(radius_m)
     return found

@@ -92,6 +92,15 @@ def test_a_nip_begins_at_the_radius_that_turns_with_the_line_however_odd_it_is(r
     assert proposed.at_start["nip_radius_m"] == pytest.approx(radius_m, rel=0.33 / turns)
 
 
+@pytest.mark.parametrize("order", [1.0, 2.0, 4.0])
+def test_a_line_at_a_whole_order_of_the_drive_proposes_no_nip(order):
+    """As every ripple of the drive's own; two ground radii meet a whole ratio by chance."""
+    travel, found = of_order(order)
+    assert with_radii([NIP], [travel], [found]) == [NIP]
+    beside = with_radii([NIP], *([one] for one in of_order(order + 0.05)))
+    assert len(beside) == 2
+
+
 def test_no_nip_is_as_small_as_the_shaft_that_a_fast_line_would_need():
     travel, found = of_order(LEAD.radius_m / 0.008)
     assert with_radii([NIP], [travel], [found]) == [NIP]
