@@ -9,7 +9,7 @@ from aff_runtime.base.order_columns import STATE
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.blocks.block import HarmonicBlock
 from aff_runtime.core.blocks.sharing import gain_share
-from aff_runtime.core.gate import RAMP_S, SpeedGate
+from aff_runtime.core.gate import ANGLE_FADE_S, RAMP_S, AngleGate, SpeedGate
 from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.monitor import OrderMonitor, Trend
 from aff_runtime.core.order_status import Column, column_names, column_values
@@ -119,6 +119,7 @@ class Bank:
         self._gate = SpeedGate(params.active_above_m_s)
         rolls = list(dict.fromkeys(b.roll for b in params.blocks))
         self._rolls = [phases[roll] for roll in rolls]
+        self._angles = [AngleGate() for _ in rolls]
         self.slots = [
             Slot(b.roll, rolls.index(b.roll), phases, block(n, b.settle_s, b.amp_limit))
             for b in params.blocks
@@ -139,6 +140,7 @@ class Bank:
             signal=inputs.signal, reference=inputs.reference, dt_s=inputs.dt_s, fresh=inputs.fresh
         )
         gate = self._gate.step(self._speed_m_s(inputs.line_speed_m_s), inputs.dt_s)
+        self._see_angles(inputs.dt_s)
         self._turn()
         self._refresh()
         self._adapting = inputs.adapt and gate == 1.0 and math.isfinite(error)
@@ -154,6 +156,16 @@ class Bank:
         for slot in self.slots:
             fastest = max(fastest, abs(slot.phase.omega_rad_s * slot.phase.radius_m))
         return fastest
+
+    def _see_angles(self, dt_s: float) -> None:
+        """Fade what goes out of every roll whose angle is lost, or has come back."""
+        for at, (phase, angle) in enumerate(zip(self._rolls, self._angles, strict=True)):
+            known = phase.quality is not Quality.LOST
+            if known and angle.share == 1.0:
+                angle.moving = False
+                continue
+            sends = any(slot.at == at and slot.block.weight != 0j for slot in self.slots)
+            angle.step(known, sends, dt_s)
 
     def _turn(self) -> None:
         """Set carrier, scale, frequency and fade of every block by the angles of the rolls."""
@@ -202,8 +214,8 @@ class Bank:
         elapsed_s, adapting = self._residual.elapsed_s, self._adapting
         dt_s = min(elapsed_s, MAX_ELAPSED_S)
         sure = [
-            phase.quality is not Quality.LOST and abs(phase.omega_rad_s) >= MIN_OMEGA_RAD_S
-            for phase in self._rolls
+            angle.share == 1.0 and abs(phase.omega_rad_s) >= MIN_OMEGA_RAD_S
+            for phase, angle in zip(self._rolls, self._angles, strict=True)
         ]
         for slot in self.slots:
             block = slot.block
@@ -229,11 +241,14 @@ class Bank:
     def _sum(self, gate: float) -> ActuatorStep:
         value = peak = slew = 0.0
         for slot, omega in zip(self.slots, self._omegas, strict=True):
-            block, scale = slot.block, slot.scale
-            amplitude = slot.fade * block.limit(scale)
-            value += slot.fade * block.output(scale)
+            block, scale, angle = slot.block, slot.scale, self._angles[slot.at]
+            whole = slot.fade * block.limit(scale)
+            amplitude = angle.share * whole
+            value += angle.share * slot.fade * block.output(scale)
             peak += amplitude
             slew += abs(omega) * amplitude + block.rate_1_s * abs(scale)
+            if angle.moving:
+                slew += whole / ANGLE_FADE_S
         if self._gate.moving:
             slew = gate * slew + peak / RAMP_S
         if not math.isfinite(value + slew):
@@ -260,9 +275,11 @@ class Bank:
         if old._p.scales_with_speed != self._p.scales_with_speed:
             return
         learned = {(slot.roll, slot.block.order): slot for slot in old.slots}
+        shares = {slot.roll: old._angles[slot.at].share for slot in old.slots}
         for slot in self.slots:
             before = learned.get((slot.roll, slot.block.order))
             if before is not None:
+                self._angles[slot.at].share = shares[slot.roll]
                 slot.block.weight = before.block.weight
                 slot.monitor = before.monitor
         if (old._p.signal, old._p.reference) == (self._p.signal, self._p.reference):
@@ -280,6 +297,10 @@ class Bank:
                 sentences.append(
                     f"{name}: {abs(frequency_Hz):.2f} Hz exceeds 1/20 of the sample rate"
                 )
+        phases = {slot.roll: slot.phase for slot in self.slots}
+        for roll, phase in phases.items():
+            if phase.quality is Quality.LOST and phase.omega_rad_s != 0.0:
+                sentences.append(f"{roll}: its angle is lost")
         return tuple(sentences)
 
     def ripple(self) -> tuple[float, float]:
@@ -308,6 +329,8 @@ class Bank:
             return Trend.HELD_PHASE
         if slot.block.clamped:
             return Trend.CLAMPED
+        if self._angles[slot.at].share < 1.0:
+            return Trend.FROZEN
         return slot.monitor.trend() if self._adapting else Trend.FROZEN
 
 

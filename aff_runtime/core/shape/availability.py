@@ -7,11 +7,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import numpy.typing as npt
 
+from aff_runtime.core.gate import ANGLE_FADE_S
 from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.shape.columns import ColumnState
 
-FADE_S = 0.3
-"""From 1 to 0: faster than the monitor, for without an angle every correction is wrong at once."""
 LOST = Quality.LOST
 
 
@@ -48,7 +47,7 @@ class RollAvailability:
         self._calm = False
         self.known = False
         self.share_changes = False
-        self.fade_s = FADE_S
+        self.fade_s = ANGLE_FADE_S
 
     def leave(self, roll: str) -> None:
         """Fade the columns of a roll that was exchanged, then have them forgotten."""
