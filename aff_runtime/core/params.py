@@ -35,6 +35,8 @@ class RollParams:
     radius_min_m, radius_max_m : a measured radius outside is ignored.
     resets_on_splice : a new roll id makes what was learned on this roll meaningless.
     max_omega_rad_s, max_acceleration_rad_s2 : an angle that moves faster is a glitch.
+    moves_above_m_s : below this surface speed the roll stands, whatever a speed channel reads, and
+        no law that knows the roll sends anything.
     """
 
     name: str
@@ -50,6 +52,7 @@ class RollParams:
     resets_on_splice: bool = False
     max_omega_rad_s: float = 200.0
     max_acceleration_rad_s2: float = 50.0
+    moves_above_m_s: float = 0.1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from enum import IntEnum
 
+from aff_runtime.core.encoder import STUCK_SHARE, EncoderCheck, Verdict
 from aff_runtime.core.params import RollParams
 
 JUMP_RAD = 0.2  # an encoder reading may be off the expected angle by this,
@@ -14,9 +16,6 @@ OMEGA_TAU_S = 0.05  # time constant of the speed
 ORIGIN_SLACK_RAD = 1e-3  # a modulus this close to whole turns is whole turns
 PREDICT_MAX_S = 0.5  # without a reading for longer the angle is lost
 AGREEING_SAMPLES = 4  # encoder readings in a row that make a new reference
-STUCK_CHECK_RAD = 0.5  # of motion by the speed channel, over which the encoder is judged:
-STUCK_SHARE = 0.3  # of it, and an encoder that moved less is out of service,
-CREDIBLE_SHARE = 0.7  # of it, and one that moved more is back
 RATIO_RANGE = (0.7, 1.4)  # turn of the encoder over turn by the speed channel that is no objection
 
 
@@ -40,10 +39,10 @@ class Quality(IntEnum):
 class RollPhase:
     """Continuous angle and speed of one roll.
 
-    ``theta_rad`` is the angle now; it never jumps by more than a plausible motion, whatever the
-    sources do: encoder wraps are unfolded, single glitches are predicted over, and after a reset
-    or a change of source an offset keeps it continuous. ``lead(lead_s)`` gives the angle at which
-    a command acts. Call ``step`` once per tick.
+    ``theta_rad`` is the angle now; while the line moves it never jumps by more than a plausible
+    motion, whatever the sources do: encoder wraps are unfolded, single glitches are predicted
+    over, and after a reset or a change of source an offset keeps it continuous. ``lead(lead_s)``
+    gives the angle at which a command acts. Call ``step`` once per tick.
     """
 
     __slots__ = (
@@ -53,15 +52,13 @@ class RollPhase:
         "_candidate_gap_s",
         "_candidate_span_rad",
         "_candidate_span_s",
-        "_encoder_ok",
-        "_encoder_sum_rad",
-        "_encoder_turn_rad",
+        "_check",
         "_gap_s",
         "_last_model",
         "_line_speed",
-        "_model_sum_rad",
-        "_model_turn_rad",
         "_modulus",
+        "_own_raw",
+        "_own_theta",
         "_p",
         "_radius",
         "_radius_read",
@@ -71,7 +68,6 @@ class RollPhase:
         "_speed",
         "_theta_at_raw",
         "_tracked",
-        "encoder_ratio",
         "omega_rad_s",
         "quality",
         "radius_m",
@@ -105,20 +101,17 @@ class RollPhase:
         self._candidate = math.nan
         self._candidate_gap_s = self._candidate_span_rad = self._candidate_span_s = 0.0
         self._agreeing = 0
-        self._encoder_ok = True
-        self._encoder_sum_rad = self._model_sum_rad = 0.0
-        self._encoder_turn_rad = self._model_turn_rad = 0.0
-        self.encoder_ratio = math.nan
+        self._check = EncoderCheck()
+        self._own_raw, self._own_theta = math.nan, self.theta_rad
         self._last_model = math.nan
 
     def objection(self) -> str:
         """Return what speaks against the encoder's settings, empty when nothing does.
 
-        ``encoder_ratio`` is how far it went over a turn by the speed channel. An encoder that
-        stands still is no objection: the speed channel takes its place.
+        An encoder that stands still is no objection: the speed channel takes its place.
         """
         low, high = RATIO_RANGE
-        ratio = self.encoder_ratio
+        ratio = self._check.ratio
         if not abs(ratio) >= STUCK_SHARE or low <= ratio <= high:
             return ""
         name, angle = self._p.name, self._p.angle
@@ -152,9 +145,9 @@ class RollPhase:
 
     def follow(self, old: RollPhase) -> None:
         """Go on where ``old`` stands; with other settings, from its angle and speed."""
-        if old._p == self._p:
+        if replace(old._p, moves_above_m_s=self._p.moves_above_m_s) == self._p:
             for name in self.__slots__:
-                if name not in {"_angle", "_speed", "_line_speed", "_radius"}:
+                if name not in {"_p", "_angle", "_speed", "_line_speed", "_radius"}:
                     setattr(self, name, getattr(old, name))
             return
         self.theta_rad = old.theta_rad
@@ -203,7 +196,7 @@ class RollPhase:
 
     def _lost(self, angle: float) -> bool:
         """Whether the encoder is out of service, rather than glitching for one sample."""
-        return not self._encoder_ok or not math.isfinite(angle) or self._agreeing > 1
+        return not self._check.in_service or not math.isfinite(angle) or self._agreeing > 1
 
     def _predict(self, dt_s: float) -> None:
         step_rad = self.omega_rad_s * dt_s
@@ -214,7 +207,7 @@ class RollPhase:
     def _integrate(self, omega: float, source: Source, dt_s: float) -> None:
         before = self._last_model if math.isfinite(self._last_model) else omega
         self.theta_rad += 0.5 * (before + omega) * dt_s
-        if self._encoder_ok:
+        if self._check.in_service:
             self._raw = math.nan  # an encoder that returns continues from here, without a jump
         keep = math.exp(-self._gap_s / OMEGA_TAU_S) if self._seeded else 0.0
         self.omega_rad_s = omega + (self.omega_rad_s - omega) * keep
@@ -262,13 +255,18 @@ class RollPhase:
         acceleration = self._p.max_acceleration_rad_s2
         tolerance = JUMP_RAD + JITTER_S * abs(self.omega_rad_s) + 0.5 * acceleration * gap_s**2
         tolerance = min(tolerance, self._p.max_omega_rad_s * gap_s + JUMP_RAD)
-        if self._encoder_ok and abs(turned - expected) > tolerance:
-            return self._try_rebase(angle, dt_s)
-        self._judge_encoder(turned, model, gap_s)
-        if not self._encoder_ok:
+        if self._check.in_service:
+            if abs(turned - expected) > tolerance:
+                return self._try_rebase(angle, dt_s)
+            self._own_raw, self._own_theta = self._raw, self._theta_at_raw
+        verdict = self._check.judge(turned, model, gap_s, self._stands_below_rad_s())
+        if verdict is Verdict.OUT:
             # the reference goes along, so that a recovered encoder continues without a jump
             self._hold_reference(angle, self.theta_rad + (model * dt_s))
             return False
+        if verdict is Verdict.STOOD:
+            self._go_back(angle)
+            return True
         self._hold_reference(angle, self._theta_at_raw + turned)
         self.theta_rad = self._theta_at_raw
         self._track(gap_s)
@@ -290,26 +288,21 @@ class RollPhase:
         self._tracked += (1.0 - keep * keep) * miss
         self.omega_rad_s += (1.0 - keep) ** 2 * miss / gap_s
 
-    def _judge_encoder(self, turned: float, model: float, gap_s: float) -> None:
-        """Compare the encoder with the speed channel over half a radian: a frozen one is out."""
-        if not math.isfinite(model):
-            self._encoder_ok = True
-            return
-        self._encoder_sum_rad += turned
-        self._model_sum_rad += model * gap_s
-        self._encoder_turn_rad += turned
-        self._model_turn_rad += model * gap_s
-        if abs(self._model_turn_rad) >= math.tau:
-            self.encoder_ratio = self._encoder_turn_rad / self._model_turn_rad
-            self._encoder_turn_rad = self._model_turn_rad = 0.0
-        if abs(self._model_sum_rad) < STUCK_CHECK_RAD:
-            return
-        share = self._encoder_sum_rad / self._model_sum_rad
-        if share < STUCK_SHARE:
-            self._encoder_ok = False
-        elif share > CREDIBLE_SHARE:
-            self._encoder_ok = True
-        self._encoder_sum_rad = self._model_sum_rad = 0.0
+    def _stands_below_rad_s(self) -> float:
+        """Return below which speed the roll stands; NaN without a radius."""
+        return self._p.moves_above_m_s / self.radius_m if self.radius_m > 0.0 else math.nan
+
+    def _go_back(self, angle: float) -> None:
+        """Follow the encoder from where it was when it went out of service; whole turns apart.
+
+        The line has stood for so long that nothing goes out: the angle may jump.
+        """
+        own = self._own_theta + self._turned(angle, self._own_raw)
+        self.theta_rad += math.remainder(own - self.theta_rad, math.tau)
+        self._tracked = self.theta_rad
+        self._hold_reference(angle, self.theta_rad)
+        self._agreeing = 0
+        self._accepted(Source.ENCODER)
 
     def _try_rebase(self, angle: float, dt_s: float) -> bool:
         """Accept a new encoder origin after samples that agree with each other; no phase jump."""
@@ -332,8 +325,7 @@ class RollPhase:
         self._tracked = self.theta_rad
         self._agreeing = 0
         self._candidate = math.nan
-        self._encoder_sum_rad = self._model_sum_rad = 0.0
-        self._encoder_ok = True
+        self._check.begin()
         self._accepted(Source.ENCODER)
         return True
 

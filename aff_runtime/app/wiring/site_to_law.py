@@ -129,6 +129,7 @@ def _shape_probe(site: Site, end_Hz: float) -> ProbeParams:
 
 def _roll(site: Site, name: str, roll: Roll) -> RollParams:
     """Return where the angle of one roll comes from."""
+    slowest = min((a.active_above_m_s for a in site.actuators.values()), default=0.0)
     return RollParams(
         name=name,
         angle=roll.angle,
@@ -142,6 +143,7 @@ def _roll(site: Site, name: str, roll: Roll) -> RollParams:
         radius_max_m=roll.largest_radius_m,
         resets_on_splice=roll.resets_on == "splice",
         max_omega_rad_s=FASTER * site.plausibility[site.line.speed].high / roll.smallest_radius_m,
+        moves_above_m_s=slowest,
     )
 
 

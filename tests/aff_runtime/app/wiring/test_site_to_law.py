@@ -90,3 +90,13 @@ def test_a_louder_probe_goes_no_further_than_the_bound(
 ) -> None:
     site = probing(amplitude_m_s=given, bound_m_s=0.02)
     assert probe_params(site, ["unwind"], louder_than=louder).amplitude == amplitude
+
+
+def test_a_roll_stands_below_the_lowest_speed_at_which_anything_goes_out() -> None:
+    site = load_site(EUCLID)
+    slowest, *others = site.actuators
+    update = {"active_above_m_s": 0.03}
+    slow = site.actuators[slowest].model_copy(update=update)
+    changed = site.model_copy(update={"actuators": {**site.actuators, slowest: slow}})
+    assert all(site.actuators[name].active_above_m_s > 0.03 for name in others)
+    assert {roll.moves_above_m_s for roll in site_params(changed).rolls} == {0.03}
