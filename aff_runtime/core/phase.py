@@ -64,6 +64,7 @@ class RollPhase:
         "_radius_read",
         "_raw",
         "_raw_gap_s",
+        "_refused",
         "_seeded",
         "_speed",
         "_theta_at_raw",
@@ -100,7 +101,7 @@ class RollPhase:
         self._seeded = False
         self._candidate = math.nan
         self._candidate_gap_s = self._candidate_span_rad = self._candidate_span_s = 0.0
-        self._agreeing = 0
+        self._agreeing = self._refused = 0
         self._check = EncoderCheck()
         self._own_raw, self._own_theta = math.nan, self.theta_rad
         self._last_model = math.nan
@@ -187,7 +188,9 @@ class RollPhase:
         angle = values[self._angle] if self._angle >= 0 else math.nan
         if math.isfinite(angle) and self._take_angle(angle, model, dt_s):
             self._last_model = model
+            self._refused = 0
             return
+        self._refused += 1
         if math.isfinite(model) and (self._angle < 0 or not self._seeded or self._lost(angle)):
             self._integrate(model, model_source, dt_s)
         else:
@@ -195,8 +198,10 @@ class RollPhase:
         self._last_model = model
 
     def _lost(self, angle: float) -> bool:
-        """Whether the encoder is out of service, rather than glitching for one sample."""
-        return not self._check.in_service or not math.isfinite(angle) or self._agreeing > 1
+        """Whether the encoder is out of service, rather than glitching for a few samples."""
+        if not self._check.in_service or not math.isfinite(angle) or self._agreeing > 1:
+            return True
+        return self._raw_gap_s > PREDICT_MAX_S and self._refused >= AGREEING_SAMPLES
 
     def _predict(self, dt_s: float) -> None:
         step_rad = self.omega_rad_s * dt_s

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import random
 
 import pytest
 
 from aff_runtime.core.encoder import STOOD_S, TAIL_S, EncoderCheck, Verdict
-from aff_runtime.core.phase import RollPhase, Source
-from tests.aff_runtime.core.plants import COUNT_RAD, CYCLE_S
+from aff_runtime.core.phase import PREDICT_MAX_S, Quality, RollPhase, Source
+from tests.aff_runtime.core.plants import COUNT_RAD, CYCLE_S, MODULUS_RAD
 from tests.aff_runtime.core.test_phase import INDEX, NAN, ROLL, encoder
 
 RADIUS_M = 0.2
@@ -139,3 +140,33 @@ def test_without_a_radius_nobody_knows_when_the_roll_stands():
     check = EncoderCheck()
     verdicts = [check.judge(0.0, 0.1, CYCLE_S, NAN) for _ in range(2000)]
     assert verdicts[-1] is Verdict.OUT
+
+
+@pytest.mark.parametrize("omega", [OMEGA, 0.9 * OMEGA])
+def test_the_speed_channel_takes_the_place_of_an_encoder_that_reads_junk(omega):
+    rng = random.Random(5)
+    roll = Roll()
+    roll.steady(2.0)
+    before, qualities = roll.frame_rad, set()
+    for _ in range(round(6.0 / CYCLE_S)):
+        roll.theta += omega * CYCLE_S
+        junk = rng.uniform(-0.5, 0.5) * MODULUS_RAD
+        roll.phase.step((junk, omega * RADIUS_M, NAN, RADIUS_M), CYCLE_S, True)
+        qualities.add(roll.phase.quality)
+    assert roll.phase.source is Source.ROLL_SPEED
+    assert Quality.LOST not in qualities
+    assert roll.phase.omega_rad_s == pytest.approx(omega)
+    # predicted at the former speed for half a second, and by the speed channel from there on
+    assert roll.frame_rad - before == pytest.approx((OMEGA - omega) * PREDICT_MAX_S, abs=0.03)
+    held = roll.frame_rad
+    roll.steady(1.0, omega)
+    assert roll.phase.source is Source.ENCODER
+    assert roll.frame_rad == pytest.approx(held, abs=0.03)
+
+
+def test_junk_without_a_speed_channel_is_lost():
+    roll = Roll()
+    roll.steady(2.0)
+    for k in range(200):
+        roll.phase.step((1000.0 * (-1) ** k, NAN, NAN, RADIUS_M), CYCLE_S, True)
+    assert roll.phase.quality is Quality.LOST
