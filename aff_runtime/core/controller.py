@@ -97,6 +97,9 @@ class Controller:
         """Advance by ``dt_s`` and return one step per actuator; see ``base.ports.Law``."""
         if self._phases.step(snapshot, dt_s):
             self.forget_rolls(self._phases.spliced)
+        lost = [name for name, phase in self._phases.by_name.items() if phase.origin_lost]
+        if lost:
+            self.forget_rolls(lost)
         values = snapshot.values
         inputs = self._inputs
         inputs.dt_s = dt_s

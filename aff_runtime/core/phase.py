@@ -15,6 +15,7 @@ JITTER_S = 0.05  # and by so much motion at the present speed
 OMEGA_TAU_S = 0.05  # time constant of the speed
 ORIGIN_SLACK_RAD = 1e-3  # a modulus this close to whole turns is whole turns
 PREDICT_MAX_S = 0.5  # without a reading for longer the angle is lost
+GAP_SPEED = 1.2  # speed in such a gap, at most, over that before it and that after it
 AGREEING_SAMPLES = 4  # encoder readings in a row that make a new reference
 RATIO_RANGE = (0.7, 1.4)  # turn of the encoder over turn by the speed channel that is no objection
 
@@ -43,6 +44,12 @@ class RollPhase:
     motion, whatever the sources do: encoder wraps are unfolded, single glitches are predicted
     over, and after a reset or a change of source an offset keeps it continuous. ``lead(lead_s)``
     gives the angle at which a command acts. Call ``step`` once per tick.
+
+    Attributes
+    ----------
+    origin_lost : in this tick the angle is known again after it was lost, but nobody knows how it
+        stands to the one before: what was learned on it is worth nothing.
+    origin_losses : how often that was.
     """
 
     __slots__ = (
@@ -70,6 +77,8 @@ class RollPhase:
         "_theta_at_raw",
         "_tracked",
         "omega_rad_s",
+        "origin_losses",
+        "origin_lost",
         "quality",
         "radius_m",
         "source",
@@ -86,6 +95,7 @@ class RollPhase:
         self.radius_m = params.radius_m if params.radius_m is not None else math.nan
         self._radius_read = math.nan
         self.theta_rad = 0.0
+        self.origin_losses = 0
         self.restart()
 
     def restart(self) -> None:
@@ -93,6 +103,7 @@ class RollPhase:
         self.omega_rad_s = 0.0
         self.source = Source.NONE
         self.quality = Quality.LOST
+        self.origin_lost = False
         self._raw = math.nan
         self._raw_gap_s = 0.0
         self._theta_at_raw = self.theta_rad
@@ -175,6 +186,7 @@ class RollPhase:
 
     def step(self, values: Sequence[float], dt_s: float, fresh: bool) -> None:
         """Advance by ``dt_s``; ``values`` count only when ``fresh``."""
+        self.origin_lost = False
         if not 0.0 < dt_s < math.inf:
             return
         self._gap_s += dt_s
@@ -219,7 +231,9 @@ class RollPhase:
         self._tracked = self.theta_rad
         self._accepted(source)
 
-    def _accepted(self, source: Source) -> None:
+    def _accepted(self, source: Source, *, origin_is_known: bool = False) -> None:
+        self.origin_lost = self._seeded and self.quality is Quality.LOST and not origin_is_known
+        self.origin_losses += self.origin_lost
         self._seeded = True
         self._gap_s = 0.0
         self.source = source
@@ -252,19 +266,19 @@ class RollPhase:
 
     def _take_angle(self, angle: float, model: float, dt_s: float) -> bool:
         """Follow the encoder; False when this sample (or the encoder) is not to be believed."""
-        if not math.isfinite(self._raw) or self._raw_gap_s > PREDICT_MAX_S:
+        if not math.isfinite(self._raw):
             return self._try_rebase(angle, dt_s)
         gap_s = self._raw_gap_s
         turned = self._turned(angle, self._raw)
-        expected = self.omega_rad_s * gap_s
-        acceleration = self._p.max_acceleration_rad_s2
-        tolerance = JUMP_RAD + JITTER_S * abs(self.omega_rad_s) + 0.5 * acceleration * gap_s**2
-        tolerance = min(tolerance, self._p.max_omega_rad_s * gap_s + JUMP_RAD)
+        is_long = gap_s > PREDICT_MAX_S
         if self._check.in_service:
-            if abs(turned - expected) > tolerance:
+            if not (self._fits_gap(turned, model) if is_long else self._fits(turned)):
                 return self._try_rebase(angle, dt_s)
+            if is_long:
+                self._go_on(angle, turned, model)
+                return True
             self._own_raw, self._own_theta = self._raw, self._theta_at_raw
-        verdict = self._check.judge(turned, model, gap_s, self._stands_below_rad_s())
+        verdict = self._judge(turned, model, gap_s)
         if verdict is Verdict.OUT:
             # the reference goes along, so that a recovered encoder continues without a jump
             self._hold_reference(angle, self.theta_rad + (model * dt_s))
@@ -279,6 +293,43 @@ class RollPhase:
         self._accepted(Source.ENCODER)
         return True
 
+    def _fits(self, turned: float) -> bool:
+        """Return whether the encoder can have turned so far since its last reading."""
+        gap_s = self._raw_gap_s
+        expected = self.omega_rad_s * gap_s
+        acceleration = self._p.max_acceleration_rad_s2
+        tolerance = JUMP_RAD + JITTER_S * abs(self.omega_rad_s) + 0.5 * acceleration * gap_s**2
+        tolerance = min(tolerance, self._p.max_omega_rad_s * gap_s + JUMP_RAD)
+        return not abs(turned - expected) > tolerance
+
+    def _fits_gap(self, turned: float, model: float) -> bool:
+        """Return whether the readings before and after a long gap tell how far the roll turned.
+
+        It may have stood, or gone as before or as now. A counter that began anew (a PLC that was
+        restarted) says something else; one that can have wrapped says nothing.
+        """
+        speeds = (0.0, self.omega_rad_s, model if math.isfinite(model) else 0.0)
+        slack = JUMP_RAD + JITTER_S * max(map(abs, speeds))
+        low = GAP_SPEED * min(speeds) * self._raw_gap_s - slack
+        high = GAP_SPEED * max(speeds) * self._raw_gap_s + slack
+        if 0.0 < self._modulus <= 2.0 * max(-low, high):
+            return False
+        return low <= turned <= high
+
+    def _go_on(self, angle: float, turned: float, model: float) -> None:
+        """Follow the encoder across a long gap, from its last reading."""
+        self.omega_rad_s = model if math.isfinite(model) else turned / self._raw_gap_s
+        self._hold_reference(angle, self._theta_at_raw + turned)
+        self.theta_rad = self._tracked = self._theta_at_raw
+        self._agreeing = 0
+        self._accepted(Source.ENCODER, origin_is_known=True)
+
+    def _judge(self, turned: float, model: float, gap_s: float) -> Verdict:
+        if gap_s > PREDICT_MAX_S and math.isfinite(model):
+            return Verdict.OUT  # as before: nobody knows what the speed did meanwhile
+        stands_below = self._p.moves_above_m_s / self.radius_m if self.radius_m > 0.0 else math.nan
+        return self._check.judge(turned, model, gap_s, stands_below)
+
     def _hold_reference(self, angle: float, theta_rad: float) -> None:
         """Keep an encoder reading, and the angle of the roll that goes with it."""
         self._raw = angle
@@ -292,10 +343,6 @@ class RollPhase:
         miss = self.theta_rad - self._tracked
         self._tracked += (1.0 - keep * keep) * miss
         self.omega_rad_s += (1.0 - keep) ** 2 * miss / gap_s
-
-    def _stands_below_rad_s(self) -> float:
-        """Return below which speed the roll stands; NaN without a radius."""
-        return self._p.moves_above_m_s / self.radius_m if self.radius_m > 0.0 else math.nan
 
     def _go_back(self, angle: float) -> None:
         """Follow the encoder from where it was when it went out of service; whole turns apart.

@@ -39,6 +39,7 @@ class LawWatch:
         self._unbelieved: set[str] = set()
         self._held = HeldBlocks()
         self._tick = 0
+        self._origin_losses: dict[str, int] = {}
 
     @property
     def unbelieved(self) -> frozenset[str]:
@@ -60,6 +61,7 @@ class LawWatch:
             return Advice()
         controller = law.controller
         is_open = state is State.ACTIVE
+        self._note_origins(controller)
         self._note_blocks(controller, is_open)
         rose = self._watch_ripple(controller, site, is_open, elapsed_s)
         self._forget_unbelieved(controller, site, quiet)
@@ -98,6 +100,17 @@ class LawWatch:
             if name in site.actuators:
                 controller.forget(list(site.actuators).index(name))
         self._unbelieved.clear()
+
+    def _note_origins(self, controller: Controller) -> None:
+        """Say whose angle came back after a gap without its former origin."""
+        for roll, phase in controller.phases.by_name.items():
+            before = self._origin_losses.get(roll, phase.origin_losses)
+            self._origin_losses[roll] = phase.origin_losses
+            if phase.origin_losses > before:
+                self._say(
+                    f"{roll}: its angle was lost for a while and has another origin now; "
+                    "what was learned on it is forgotten"
+                )
 
     def _note_blocks(self, controller: Controller, is_open: bool) -> None:
         for order, state in self._held.step(controller.order_statuses(), is_open=is_open):

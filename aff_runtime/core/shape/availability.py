@@ -71,12 +71,14 @@ class RollAvailability:
         wanted = np.array(seen)[self._index] & ~self._leaving
         self.share_changes = not bool((self.share == wanted).all())
         self._calm = self.known and not self.share_changes
-        if not self.share_changes:
+        if self.share_changes:
+            change = dt_s / self.fade_s
+            np.clip(self.share + np.where(wanted, change, -change), 0.0, 1.0, out=self.share)
+        elif not self._leaving.any():
             return None
-        change = dt_s / self.fade_s
-        np.clip(self.share + np.where(wanted, change, -change), 0.0, 1.0, out=self.share)
         gone = self._leaving & (self.share == 0.0)
         if not gone.any():
             return None
         self._leaving[gone] = False
+        self._calm = False
         return np.asarray(gone, dtype=np.bool_)

@@ -167,3 +167,25 @@ def test_a_shape_that_rests_is_told_and_a_plain_block_that_rises_is_not() -> Non
     assert len(said) == 1
     assert "unwind.unwind_1x" in said[0]
     assert "does the drive take the correction?" in said[0]
+
+
+def test_a_roll_whose_angle_has_another_origin_is_told_once() -> None:
+    said: list[str] = []
+    watch = LawWatch(lambda code: None, said.append)
+    law = Controller(site(), {})
+    slot = SimpleNamespace(probe=None, controller=law)
+    line = Line(LagDelay(-400.0), {})
+    params = SimpleNamespace(actuators={}, cycle_s=CYCLE_S)
+
+    def advise() -> None:
+        watch.advise(slot, params, state=State.READY, quiet=True, tick=line.tick)
+
+    line.run(law, 1.0)
+    advise()
+    line.run(law, 1.0, fresh=False)
+    line.theta += 1e4  # further than it can have turned
+    for _ in range(5):
+        line.run(law, 0.1)
+        advise()
+    assert [text.split(":")[0] for text in said] == ["unwind"]
+    assert "what was learned on it is forgotten" in said[0]

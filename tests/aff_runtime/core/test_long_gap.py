@@ -1,0 +1,209 @@
+"""After a gap without readings a roll's angle goes on from its counter, or is known to be new."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import pytest
+
+from aff_runtime.base.signals import Permission
+from aff_runtime.core.controller import Controller
+from aff_runtime.core.monitor import Trend
+from aff_runtime.core.params import BlockParams
+from aff_runtime.core.phase import Quality, RollPhase, Source
+from tests.aff_runtime.core.plants import (
+    ACTUATOR,
+    COUNT_RAD,
+    CYCLE_S,
+    LagDelay,
+    Line,
+    measured,
+    rms,
+    site,
+)
+from tests.aff_runtime.core.shape_site import DRIVE
+from tests.aff_runtime.core.test_lost_angle import GRID_HZ, LosesAngle
+from tests.aff_runtime.core.test_phase import INDEX, NAN, ROLL, encoder
+
+RADIUS_M, OMEGA = 0.2, 5.0
+CLOSE_RAD = 3.0 * COUNT_RAD
+SHORT_WORD_RAD = 65536 * COUNT_RAD
+DARK = Permission(adapt=False, applied_ratio=(0.0,), limit_ratio=(1.0,))
+FROZEN = Permission(adapt=False, applied_ratio=(1.0,), limit_ratio=(1.0,))
+BLOCKS = tuple(
+    BlockParams(roll=roll, orders=(1,), settle_s=6.0, amp_limit=0.02)
+    for roll in ("unwind", "swrap")
+)
+RIPPLE = {("unwind", 1): 2.0 + 1.0j, ("swrap", 1): 0.7j}
+
+
+def short_word(theta):
+    return math.remainder(encoder(theta), SHORT_WORD_RAD)
+
+
+class Turning:
+    """A roll with a gap in what is read of it."""
+
+    def __init__(self, params=ROLL, read=encoder, start=0.0):
+        self.phase = RollPhase(params, INDEX)
+        self.theta, self.read = start, read
+
+    def run(self, seconds, omega=OMEGA, *, fresh=True, speed=True):
+        for _ in range(round(seconds / CYCLE_S)):
+            self.theta += omega * CYCLE_S
+            shown = omega * RADIUS_M if speed else NAN
+            self.phase.step((self.read(self.theta), shown, NAN, RADIUS_M), CYCLE_S, fresh)
+
+    def gap(self, *parts):
+        for seconds, omega in parts:
+            self.run(seconds, omega, fresh=False)
+        assert self.phase.quality is Quality.LOST
+
+    @property
+    def frame_rad(self):
+        return math.remainder(self.phase.theta_rad - self.theta, math.tau)
+
+
+@pytest.mark.parametrize("speed", [True, False])
+@pytest.mark.parametrize(
+    "parts",
+    [[(3.0, 0.9 * OMEGA)], [(5.0, 0.0)], [(1.0, OMEGA), (60.0, 0.0)], [(30.0, 1.1 * OMEGA)]],
+)
+def test_a_counter_that_went_on_keeps_the_frame(parts, speed):
+    roll = Turning(start=1000.0)
+    roll.run(2.0, speed=speed)
+    before = roll.frame_rad
+    roll.gap(*parts)
+    roll.run(CYCLE_S, parts[-1][1], speed=speed)
+    assert roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
+    assert roll.phase.source is Source.ENCODER
+    roll.run(1.0, parts[-1][1], speed=speed)
+    assert roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
+    assert roll.phase.omega_rad_s == pytest.approx(parts[-1][1], abs=0.05)
+    assert roll.phase.origin_losses == 0
+
+
+@pytest.mark.parametrize("start", [1000.0, -1000.0])
+@pytest.mark.parametrize("omega", [OMEGA, -OMEGA])
+def test_a_counter_that_began_anew_has_another_origin(start, omega):
+    roll = Turning(start=start)
+    roll.run(2.0, omega)
+    roll.gap((3.0, omega))
+    zero = roll.theta
+    roll.read = lambda theta: encoder(theta - zero)
+    losses = []
+    for _ in range(100):
+        roll.run(CYCLE_S, omega)
+        losses.append(roll.phase.origin_lost)
+    assert sum(losses) == roll.phase.origin_losses == 1
+    assert roll.phase.source is Source.ENCODER
+    assert roll.phase.quality is Quality.GOOD
+
+
+def test_a_counter_that_can_have_wrapped_tells_nothing():
+    params = replace(ROLL, angle_modulus_rad=SHORT_WORD_RAD)
+    within, beyond = (Turning(params, short_word) for _ in range(2))
+    for roll, seconds in ((within, 5.0), (beyond, 30.0)):
+        roll.run(2.0)
+        before = roll.frame_rad
+        roll.gap((seconds, OMEGA))
+        roll.run(1.0)
+        lost = seconds * OMEGA > SHORT_WORD_RAD / 2.0
+        assert roll.phase.origin_losses == int(lost)
+        if not lost:
+            assert roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
+
+
+def test_a_roll_without_an_encoder_has_another_origin_after_a_gap():
+    roll = Turning(replace(ROLL, angle=None))
+    roll.run(2.0)
+    assert roll.phase.origin_losses == 0
+    roll.gap((3.0, OMEGA))
+    roll.run(1.0)
+    assert roll.phase.origin_losses == 1
+
+
+def test_a_start_a_short_gap_and_a_new_roll_lose_no_origin():
+    roll = Turning()
+    roll.run(1.0)
+    roll.run(0.3, fresh=False)
+    roll.run(1.0)
+    roll.phase.restart()
+    roll.run(1.0)
+    assert roll.phase.origin_losses == 0
+
+
+def test_a_stuck_encoder_stays_out_over_a_gap():
+    roll = Turning()
+    roll.run(1.0)
+    at = roll.theta
+    roll.read = lambda _: encoder(at)
+    roll.run(5.0)
+    assert roll.phase.source is Source.ROLL_SPEED
+    roll.gap((3.0, OMEGA))
+    roll.run(1.0)
+    assert roll.phase.source is Source.ROLL_SPEED
+    assert roll.phase.origin_losses == 1
+    assert math.isfinite(roll.phase.theta_rad)
+
+
+class Restarted(Line):
+    """The unwind's counter counts from where it was ``zeroed``."""
+
+    zero = 0.0
+
+    def read(self):
+        values = list(super().read())
+        values[3] = encoder(self.theta - self.zero)
+        return tuple(values)
+
+
+def law_on(line_type, law):
+    plant = LagDelay(-400.0, delay=12, lag=0.96)
+    params = site(replace(ACTUATOR, law=law, drive=DRIVE, blocks=BLOCKS))
+    line = line_type(plant, RIPPLE)
+    line.theta += 1000.0
+    return line, Controller(params, {"unwind": measured(plant.at, GRID_HZ)})
+
+
+@pytest.mark.parametrize("law", ["blocks", "iterative", "shape"])
+def test_what_was_learned_at_an_origin_that_is_lost_is_not_sent(law):
+    line, controller = law_on(Restarted, law)
+    line.run(controller, 25.0)
+    line.omega = 4.0
+    line.run(controller, 3.0, DARK, fresh=False)
+    line.zero = line.theta
+    line.run(controller, 1.0, DARK)
+    alone = math.sqrt(sum(abs(c) ** 2 for c in RIPPLE.values()) / 2.0)
+    assert rms(line.run(controller, 3.0 * math.tau / 4.0, FROZEN)) < 1.05 * alone
+    line.run(controller, 25.0)
+    assert rms(line.run(controller, 3.0)) < 0.1 * alone
+
+
+@pytest.mark.parametrize("law", ["blocks", "iterative", "shape"])
+def test_what_was_learned_is_kept_where_the_counter_went_on(law):
+    line, controller = law_on(Line, law)
+    line.run(controller, 30.0)
+    line.omega, line.swrap_omega = 4.5, 6.03
+    line.run(controller, 3.0, DARK, fresh=False)
+    line.run(controller, 1.0, DARK)
+    # the plant answers 4.5 rad/s a little differently; not as at another angle
+    alone = math.sqrt(sum(abs(c) ** 2 for c in RIPPLE.values()) / 2.0)
+    assert rms(line.run(controller, math.tau / 4.5)) < 0.4 * alone
+
+
+def test_a_roll_that_is_exchanged_while_its_angle_is_lost_is_learned_anew():
+    line, controller = law_on(LosesAngle, "shape")
+    params = replace(controller.site.rolls[0], line_speed=None)
+    params = replace(controller.site, rolls=(params, *controller.site.rolls[1:]))
+    controller = Controller(params, controller.responses)
+    line.run(controller, 20.0)
+    line.lost = True
+    line.run(controller, 2.0)
+    line.run(controller, 1.0, roll_id=2)
+    line.lost = False
+    line.run(controller, 25.0, roll_id=2)
+    states = {order.name: order for order in controller.order_statuses()}
+    assert states["unwind_1x"].share == 1.0
+    assert states["unwind_1x"].state is Trend.SETTLED
