@@ -42,9 +42,7 @@ def guard_params(site: Site) -> GuardParams:
         ),
         radii=tuple(
             RadiusParams(
-                channel=channels.index(roll.radius),
-                name=roll.radius,
-                shrinks=not name.startswith("rewind"),
+                channel=channels.index(roll.radius), name=roll.radius, shrinks=not roll.winds(name)
             )
             for name, roll in site.rolls.items()
             if roll.radius is not None and roll.resets_on == "splice"

@@ -55,6 +55,18 @@ class Roll(Section):
         "for every roll that is exchanged.",
         default="never",
     )
+    winding: Literal["unwind", "rewind"] | None = key(
+        "unwind: until the next roll its measured radius only shrinks. rewind: it only grows. "
+        "What goes the other way is a fault. Absent: rewind where the roll's name begins with "
+        "rewind, else unwind.",
+        default=None,
+    )
+
+    def winds(self, name: str) -> bool:
+        """Return whether web is wound on the roll of this name, so that its radius grows."""
+        if self.winding is None:
+            return name.startswith("rewind")
+        return self.winding == "rewind"
 
     @property
     def smallest_radius_m(self) -> float:

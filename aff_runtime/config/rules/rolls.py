@@ -16,6 +16,9 @@ def issues(site: Site) -> Iterator[Issue]:
     """Yield what is wrong with rolls, and what their orders will meet."""
     for name, roll in site.rolls.items():
         yield from _radius(("rolls", name), roll)
+        is_judged = roll.radius is not None and roll.resets_on == "splice"
+        if is_judged and roll.winding is None and not name.startswith(("unwind", "rewind")):
+            yield _assumed(("rolls", name))
     used = {block.roll for actuator in site.actuators.values() for block in actuator.blocks}
     for name in site.rolls:
         if name not in used:
@@ -31,6 +34,14 @@ def issues(site: Site) -> Iterator[Issue]:
             text = f"{'; '.join(map(str, crossings))}. {met}"
             path: KeyPath = ("actuators", name, "blocks")
             yield Issue(path=path, text=text, warning=True, at_key=True)
+
+
+def _assumed(path: KeyPath) -> Issue:
+    text = (
+        "no winding: it counts as an unwind, whose radius only shrinks; a larger one is a fault. "
+        "Write winding: unwind, or winding: rewind."
+    )
+    return Issue(path=path, text=text, warning=True, at_key=True)
 
 
 def _radius(path: KeyPath, roll: Roll) -> Iterator[Issue]:
