@@ -118,7 +118,7 @@ class RadiusParams:
     ----------
     channel : index into ``Snapshot.values``.
     name : channel name, for the operator.
-    tolerance_m : play against the allowed direction and largest step between two readings, m.
+    tolerance_m : play against the allowed direction, and largest step from the readings before, m.
     shrinks : True for an unwind, False for a rewind.
     """
 

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections import deque
 from math import inf, isfinite
 
 from aff_runtime.safety.params import ChannelParams, RadiusParams
 
 _EDGE_S = 1e-9  # rounding of summed periods
+_RADII = 5  # readings of a median: two wrong ones in a row move it not at all
 
 
 class ChannelCheck:
@@ -59,14 +61,20 @@ class ChannelCheck:
 
 
 class RadiusCheck:
-    """Judges that a roll only shrinks (or grows) until the next roll. Never raises."""
+    """Judges that a roll only shrinks (or grows) until the next roll. Never raises.
+
+    What the next radius is held against is the extreme of the median of the last few: a reading
+    that is wrong, but just within the tolerance, does not make the right ones after it a fault.
+    """
 
     def __init__(self, params: RadiusParams) -> None:
         self.params = params
+        self._recent_m: deque[float] = deque(maxlen=_RADII)
         self._extreme_m: float | None = None
 
     def forget(self) -> None:
         """Accept the next radius whatever it is: another roll is on."""
+        self._recent_m.clear()
         self._extreme_m = None
 
     def is_plausible(self, radius_m: float) -> bool:
@@ -74,11 +82,14 @@ class RadiusCheck:
         if not (isfinite(radius_m) and radius_m > 0.0):
             return False
         extreme_m = self._extreme_m
-        if extreme_m is None:
-            self._extreme_m = radius_m
-            return True
-        if abs(radius_m - extreme_m) > self.params.tolerance_m:
+        if extreme_m is not None and abs(radius_m - extreme_m) > self.params.tolerance_m:
             return False
-        shrinks = self.params.shrinks
-        self._extreme_m = min(extreme_m, radius_m) if shrinks else max(extreme_m, radius_m)
+        self._recent_m.append(radius_m)
+        middle_m = sorted(self._recent_m)[len(self._recent_m) // 2]
+        if extreme_m is None:
+            self._extreme_m = middle_m
+        elif self.params.shrinks:
+            self._extreme_m = min(extreme_m, middle_m)
+        else:
+            self._extreme_m = max(extreme_m, middle_m)
         return True

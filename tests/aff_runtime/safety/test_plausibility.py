@@ -52,7 +52,7 @@ def test_a_jump_faster_than_the_rate_is_implausible() -> None:
 def test_a_roll_goes_one_way_within_tolerance_until_the_next_roll(shrinks: bool) -> None:
     judge = RadiusCheck(RadiusParams(channel=0, name="r", tolerance_m=0.005, shrinks=shrinks))
     way = -1.0 if shrinks else 1.0
-    assert all(judge.is_plausible(0.2 + way * 0.001 * step) for step in range(50))
+    assert all(judge.is_plausible(0.2 + way * 0.001 * (step // 5)) for step in range(250))
     assert judge.is_plausible(0.2 + way * 0.0445)  # noise against the direction
     assert not judge.is_plausible(0.2 + way * 0.0435)
     judge.forget()
@@ -64,3 +64,25 @@ def test_a_jump_or_no_radius_at_all_is_implausible(radius_m: float) -> None:
     judge = RadiusCheck(RadiusParams(channel=0, name="r", tolerance_m=0.005))
     assert judge.is_plausible(0.2)
     assert not judge.is_plausible(radius_m)
+
+
+@pytest.mark.parametrize("shrinks", [True, False])
+@pytest.mark.parametrize("wrong", [1, 2])
+def test_a_wrong_radius_just_within_the_tolerance_condemns_no_right_one(
+    shrinks: bool, wrong: int
+) -> None:
+    judge = RadiusCheck(RadiusParams(channel=0, name="r", tolerance_m=0.005, shrinks=shrinks))
+    sense = 1.0 if shrinks else -1.0
+    off_mm = [0.0, 0.2, 0.1, 0.2, *[-4.9] * wrong, 0.0, 0.2, 0.0, 0.2, 0.1, 0.2, 0.0, 0.2]
+    assert all(judge.is_plausible(0.3 + sense * 1e-3 * off) for off in off_mm)
+
+
+@pytest.mark.parametrize("shrinks", [True, False])
+def test_a_radius_that_goes_its_way_is_followed_and_may_not_come_back(shrinks: bool) -> None:
+    judge = RadiusCheck(RadiusParams(channel=0, name="r", tolerance_m=0.005, shrinks=shrinks))
+    sense = -1.0 if shrinks else 1.0
+    # 0.5 mm a reading: the median is two readings behind the last one
+    assert all(judge.is_plausible(0.3 + sense * 5e-4 * k) for k in range(100))
+    extreme_m = 0.3 + sense * 5e-4 * 97
+    assert judge.is_plausible(extreme_m - sense * 0.0049)
+    assert not judge.is_plausible(extreme_m - sense * 0.0051)
