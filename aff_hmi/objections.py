@@ -27,6 +27,9 @@ SENTENCES = {
     N_("{order}: {f} Hz exceeds 1/20 of the sample rate"): N_(
         "run slower, or leave that order out of the site file"
     ),
+    N_("{order}: {f} Hz is too fast to be learned from a reading every {ms} ms"): N_(
+        "run slower, leave that order out of the site file, or take law: blocks"
+    ),
     N_("{roll}: its angle is lost"): N_("look at that roll's encoder and at its speed channel"),
     N_(
         "{roll}: {angle} counts against the line's speed; turn the sign of its scale, "

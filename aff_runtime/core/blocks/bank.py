@@ -22,6 +22,7 @@ SAMPLES_PER_TURN = 20.0  # of an order's angle; an order with fewer does not go 
 FADE_FROM = 0.9  # of the frequency with so many samples: there the fade of an order begins
 MIN_OMEGA_RAD_S = 1e-3  # a roll or order that turns slower stands still
 REFRESHED_PER_TICK = 4  # blocks
+SLOWER = 0.02  # of a longer time between two readings that one of them makes believed
 MAX_ELAPSED_S = 0.1  # the longest time that one sample moves a weight for
 RATIO_EPS = 1e-9  # a limit ratio this close to 1 is none
 BlockKind = Callable[[int, float, float], HarmonicBlock]
@@ -129,6 +130,7 @@ class Bank:
         self._rates = [0.0] * len(self.slots)
         self._columns = _columns(params.unit)
         self._next = 0
+        self._interval_s = math.inf  # between two readings, but for the missing ones
         self._adapting = False
 
     def step(self, inputs: Inputs) -> ActuatorStep:
@@ -212,6 +214,10 @@ class Bank:
     def _learn(self, error: float, correcting: bool) -> None:
         """Take one sample: into every monitor, and into the weights that may move."""
         elapsed_s, adapting = self._residual.elapsed_s, self._adapting
+        if elapsed_s < self._interval_s:
+            self._interval_s = elapsed_s
+        else:
+            self._interval_s += SLOWER * (elapsed_s - self._interval_s)
         dt_s = min(elapsed_s, MAX_ELAPSED_S)
         sure = [
             angle.share == 1.0 and abs(phase.omega_rad_s) >= MIN_OMEGA_RAD_S
@@ -296,6 +302,12 @@ class Bank:
             if abs(frequency_Hz) > limit_Hz:
                 sentences.append(
                     f"{name}: {abs(frequency_Hz):.2f} Hz exceeds 1/20 of the sample rate"
+                )
+        for slot in self.slots:
+            if abs(slot.omega_rad_s) * self._interval_s > slot.block.widest_rad:
+                sentences.append(
+                    f"{slot.name}: {abs(slot.omega_rad_s) / math.tau:.2f} Hz is too fast to be "
+                    f"learned from a reading every {1e3 * self._interval_s:.0f} ms"
                 )
         phases = {slot.roll: slot.phase for slot in self.slots}
         for roll, phase in phases.items():

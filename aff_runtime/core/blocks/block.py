@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import cmath
+import math
+from typing import ClassVar
 
 SETTLE_EXPONENT = 4.0  # exp(-4) = 1.8 % of the ripple is left after settle_s
 MEMORY_SHARE = 0.3  # adaptation rate times memory of the response stays below this
@@ -34,6 +36,9 @@ class HarmonicBlock:
     The mean assumes that P is flat over the adaptation bandwidth. P(jw + s) is about
     P(jw) (1 + s m) with m = -j dlnP/dw, the memory of the response; lam |m| is kept below 0.3.
     """
+
+    widest_rad: ClassVar[float] = math.inf
+    """How far the order may turn between two readings that it learns from."""
 
     __slots__ = ("amp_limit", "carrier", "clamped", "order", "rate_1_s", "settle_s", "weight")
 

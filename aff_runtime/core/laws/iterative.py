@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+from typing import ClassVar
 
 from aff_runtime.core.blocks.block import HarmonicBlock
 
@@ -40,6 +41,8 @@ class IterativeBlock(HarmonicBlock):
     anew; so does a sample that was missed or a roll that turns back. ``hold`` ends the pass.
     """
 
+    widest_rad: ClassVar[float] = WIDEST_RAD
+
     __slots__ = ("_before", "_left", "_move", "_pass_s", "_sum", "_turned_rad", "_weight_then")
 
     def __init__(self, order: int, settle_s: float, amp_limit: float) -> None:
@@ -58,7 +61,7 @@ class IterativeBlock(HarmonicBlock):
         self.rate_1_s = 0.0
         turned_rad = cmath.phase(self.carrier * self._before.conjugate()) if self._before else 0.0
         self._before = self.carrier
-        if abs(turned_rad) > WIDEST_RAD or turned_rad * self._turned_rad < 0.0:
+        if abs(turned_rad) > self.widest_rad or turned_rad * self._turned_rad < 0.0:
             self._measure_anew()
             return
         whole_rad = math.tau * self.order
