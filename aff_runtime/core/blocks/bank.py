@@ -145,7 +145,9 @@ class Bank:
         self._see_angles(inputs.dt_s)
         self._turn()
         self._refresh()
-        self._adapting = inputs.adapt and gate == 1.0 and math.isfinite(error)
+        may_learn = inputs.adapt and gate == 1.0
+        if inputs.fresh or not may_learn:  # a tick without news says nothing about learning
+            self._adapting = may_learn and math.isfinite(error)
         if math.isfinite(error):
             self._learn(error, gate > 0.0 and inputs.applied_ratio > 0.01)
         return self._sum(gate)

@@ -165,8 +165,10 @@ class ShapeLaw:
         reference = inputs.reference if math.isfinite(inputs.reference) else self._tension_N
         error = inputs.signal - reference
         good = inputs.fresh and abs(error) < ABSURD
-        self.adapting = inputs.adapt and gate == 1.0 and good and self.availability.known
-        if not self.adapting:
+        may_learn = inputs.adapt and gate == 1.0 and self.availability.known
+        if inputs.fresh or not may_learn:  # a tick without news says nothing about learning
+            self.adapting = may_learn and good
+        if not (may_learn and good):
             self._step_1_s[:] = 0.0
             if inputs.applied_ratio == 0.0 and gate == 1.0 and good and self.availability.known:
                 self.monitor.listen(error, self._loop.read()[0], self.basis.turn_s, dt_s)
