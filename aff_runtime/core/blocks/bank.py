@@ -24,6 +24,13 @@ MIN_OMEGA_RAD_S = 1e-3  # a roll or order that turns slower stands still
 REFRESHED_PER_TICK = 4  # blocks
 SLOWER = 0.02  # of a longer time between two readings that one of them makes believed
 MAX_ELAPSED_S = 0.1  # the longest time that one sample moves a weight for
+STEPS_SHARE = 0.5
+"""Of the slew of weights that turn: what their own steps count beside it, at most.
+
+A weight W that is wholly to be learned moves by 2 lam |W| = 8 |W| / settle_s and turns by
+omega |W|: half of it where ``settle_s`` is 2.5 turns of the order.
+"""
+SILENT = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
 RATIO_EPS = 1e-9  # a limit ratio this close to 1 is none
 BlockKind = Callable[[int, float, float], HarmonicBlock]
 """Order, settling time (s) and limit of amplitude to a block."""
@@ -130,14 +137,15 @@ class Bank:
         self._rates = [0.0] * len(self.slots)
         self._columns = _columns(params.unit)
         self._next = 0
+        self._sent = SILENT
+        self._stepping = 0.0  # of the slew bound that was sent: by steps of the weights
         self._interval_s = math.inf  # between two readings, but for the missing ones
         self._adapting = False
 
     def step(self, inputs: Inputs) -> ActuatorStep:
         """Advance by one tick; weights move only on a fresh sample and with permission."""
         if 0.0 < inputs.limit_ratio < 1.0 - RATIO_EPS:
-            for slot in self.slots:
-                slot.block.scale_weights(inputs.limit_ratio)
+            self._shorten(inputs)
         error = self._residual.step(
             signal=inputs.signal, reference=inputs.reference, dt_s=inputs.dt_s, fresh=inputs.fresh
         )
@@ -151,6 +159,23 @@ class Bank:
         if math.isfinite(error):
             self._learn(error, gate > 0.0 and inputs.applied_ratio > 0.01)
         return self._sum(gate)
+
+    def _shorten(self, inputs: Inputs) -> None:
+        """Shorten every weight to what fits under the limits, as ``safety.limits`` scales.
+
+        What a spike in the signal lets the weights' own steps take of the slew counts in part
+        alone: it is over with its tick, and the guard bounds that one.
+        """
+        ratio, peak = inputs.limit_ratio, self._sent.peak_bound
+        turning = self._sent.slew_bound - self._stepping
+        if self._stepping > STEPS_SHARE * turning and inputs.slew_limit < math.inf:
+            fits = inputs.limit / peak if peak > inputs.limit else 1.0
+            slew = (1.0 + STEPS_SHARE) * turning
+            if slew * fits > inputs.slew_limit:
+                fits = inputs.slew_limit / slew
+            ratio = max(ratio, fits)
+        for slot in self.slots:
+            slot.block.scale_weights(ratio)
 
     def _speed_m_s(self, line_speed_m_s: float) -> float:
         """Return the line speed, or that of the fastest roll's surface when it is not known."""
@@ -247,21 +272,26 @@ class Bank:
                 block.hold()
 
     def _sum(self, gate: float) -> ActuatorStep:
-        value = peak = slew = 0.0
+        value = peak = slew = stepping = 0.0
         for slot, omega in zip(self.slots, self._omegas, strict=True):
             block, scale, angle = slot.block, slot.scale, self._angles[slot.at]
             whole = slot.fade * block.limit(scale)
             amplitude = angle.share * whole
             value += angle.share * slot.fade * block.output(scale)
             peak += amplitude
+            stepping += block.rate_1_s * abs(scale)
             slew += abs(omega) * amplitude + block.rate_1_s * abs(scale)
             if angle.moving:
                 slew += whole / ANGLE_FADE_S
         if self._gate.moving:
             slew = gate * slew + peak / RAMP_S
+            stepping *= gate
         if not math.isfinite(value + slew):
-            return ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
-        return ActuatorStep(value=gate * value, peak_bound=gate * peak, slew_bound=slew)
+            self._sent, self._stepping = SILENT, 0.0
+            return SILENT
+        self._stepping = stepping
+        self._sent = ActuatorStep(value=gate * value, peak_bound=gate * peak, slew_bound=slew)
+        return self._sent
 
     def reset_roll(self, roll: str) -> None:
         """Forget the blocks of a roll that was changed."""
