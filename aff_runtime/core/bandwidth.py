@@ -11,7 +11,12 @@ lost tick, noise in the weights) is slow and passes whole: below it, that weighs
 IMAGE = 0.1
 """The image that the hold leaves, over the order itself: 20 dB."""
 FADE_FROM = 0.895
-"""Of the frequency from which on an order does not go out: there its fade begins."""
+"""Of the frequency from which on an order does not go out: there its fade begins.
+
+The last tenth, so cut that the fade begins at 17.0 Hz on the Euclid line, as the bound of 17 to
+19 Hz before it: one row of the control bench moves by a fifth with a tenth of a hertz of it (ADR
+0029), and 0.9 would be 17.1 Hz.
+"""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,7 +19,11 @@ from aff_runtime.core.residual import Residual
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response, arming_objections
 
 SAMPLES_PER_TURN = 20.0  # of an order's angle; an order with fewer does not go out
-FADE_FROM = 0.9  # of the frequency with so many samples: there the fade of an order begins
+FADE_FROM = 0.9
+"""Of the frequency with so many samples: over the last tenth an order fades.
+
+The shape law fades below another frequency, and from 0.895 of it (``core/bandwidth.py``).
+"""
 MIN_OMEGA_RAD_S = 1e-3  # a roll or order that turns slower stands still
 REFRESHED_PER_TICK = 4  # blocks
 SLOWER = 0.02  # of a longer time between two readings that one of them makes believed
@@ -45,7 +49,7 @@ class Slot:
     response : P at the order's frequency, high-pass of the residual included.
     passed : what that high-pass lets through of the order, its size.
     bound_rad : of the error of P's phase.
-    rate_1_s, share : adaptation rate, and how much of it the blocks that it meets leave it, 0..1.
+    rate_1_s, share : adaptation rate lam, and how much of it the blocks that it meets leave, 0..1.
     scale : factor from weight to output: the roll's speed, or 1.
     fade : share of the output that goes out by its frequency, 0..1.
     """
@@ -279,8 +283,9 @@ class Bank:
             amplitude = angle.share * whole
             value += angle.share * slot.fade * block.output(scale)
             peak += amplitude
-            stepping += block.rate_1_s * abs(scale)
-            slew += abs(omega) * amplitude + block.rate_1_s * abs(scale)
+            step = block.weight_speed * abs(scale)
+            stepping += step
+            slew += abs(omega) * amplitude + step
             if angle.moving:
                 slew += whole / ANGLE_FADE_S
         if self._gate.moving:

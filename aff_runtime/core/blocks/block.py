@@ -14,18 +14,18 @@ MAX_STEP = 0.1  # share of the remaining error that one sample may remove
 class HarmonicBlock:
     r"""Cancels one order of one roll in one measured signal.
 
-    Derivation. The source writes (5.6) u = -theta_1 sin(psi) - theta_2 cos(psi) with psi = w t,
-    adapted by (5.5) theta_1' = g1 e sin(psi), theta_2' = g1 e cos(psi), e = y_r - y, and (5.7)
-    the same with psi + phi. Here psi = n theta(roll) is a measured angle, and with the complex
-    weight w = -theta_2 + j theta_1 the output is
+    Derivation. The source writes (5.6) u = -theta_1 sin(psi) - theta_2 cos(psi) with
+    psi = omega t, adapted by (5.5) theta_1' = g1 e sin(psi), theta_2' = g1 e cos(psi),
+    e = y_r - y, and (5.7) the same with psi + phi. Here psi = n theta(roll) is a measured angle,
+    and with the complex weight W = -theta_2 + j theta_1 the output is
 
-        u = s Re(w e^{j psi}),    s = 1, or the roll's speed so that w is in metres.
+        u = v Re(W e^{j psi}),    v = 1, or the roll's speed so that W is in metres.
 
     P is the closed-loop response from u to y at that frequency, so in steady state
-    y - y_r = Re((s P w + D) e^{j psi}), D being the disturbance. The mean of 2 e e^{-j psi}
-    over a turn is therefore -(s P w + D). Asking for w' = -lam (w + D/(s P)) gives
+    y - y_r = Re((v P W + D) e^{j psi}), D being the disturbance. The mean of 2 e e^{-j psi}
+    over a turn is therefore -(v P W + D). Asking for W' = -lam (W + D/(v P)) gives
 
-        w' = (2 lam / (s |P|)) e e^{-j (psi + phi)},    phi = arg P,
+        W' = (2 lam / (v |P|)) e e^{-j (psi + phi)},    phi = arg P,
 
     which decays as exp(-lam t) for every phase of P. In the source's symbols that is
     theta_1' = g1 e sin(psi + phi), theta_2' = g1 e cos(psi + phi) with g1 = -2 lam / |P|: for
@@ -33,14 +33,17 @@ class HarmonicBlock:
     has g1 > 0 on Re P > 0 and diverges, (5.14) has Re P < 0 and converges only while
     |arg(-P)| < 90 degrees. lam = 4 / settle_s, hence exp(-4) = 1.8 % after ``settle_s``.
 
-    The mean assumes that P is flat over the adaptation bandwidth. P(jw + s) is about
-    P(jw) (1 + s m) with m = -j dlnP/dw, the memory of the response; lam |m| is kept below 0.3.
+    The mean assumes that P is flat over the adaptation bandwidth. P(j omega + s), s the Laplace
+    variable, is about P(j omega) (1 + s m) with m = -j dlnP/domega, the memory of the response;
+    lam |m| is kept below 0.3.
+
+    ``weight_speed`` is how fast the weight moved in the last tick, in its unit per second.
     """
 
     widest_rad: ClassVar[float] = math.inf
     """How far the order may turn between two readings that it learns from."""
 
-    __slots__ = ("amp_limit", "carrier", "clamped", "order", "rate_1_s", "settle_s", "weight")
+    __slots__ = ("amp_limit", "carrier", "clamped", "order", "settle_s", "weight", "weight_speed")
 
     def __init__(self, order: int, settle_s: float, amp_limit: float) -> None:
         self.order = order
@@ -48,7 +51,7 @@ class HarmonicBlock:
         self.amp_limit = amp_limit
         self.weight = 0j
         self.carrier = 1 + 0j
-        self.rate_1_s = 0.0
+        self.weight_speed = 0.0
         self.clamped = False
 
     def turn(self, theta_rad: float) -> None:
@@ -56,7 +59,7 @@ class HarmonicBlock:
         self.carrier = cmath.rect(1.0, self.order * theta_rad)
 
     def output(self, scale: float) -> float:
-        """Return s Re(w e^{j psi}), the output (5.6)."""
+        """Return v Re(W e^{j psi}), the output (5.6)."""
         return scale * (self.weight * self.carrier).real
 
     def amplitude(self, scale: float) -> float:
@@ -73,7 +76,8 @@ class HarmonicBlock:
     ) -> None:
         """Advance the weight by ``dt_s`` under ``error`` = y_ref - y; see the derivation.
 
-        Does nothing when the step would not be a finite number.
+        ``response`` is P, ``scale`` v, ``rate_1_s`` lam. Does nothing when the step would not be
+        a finite number.
         """
         per_weight = response * scale
         power = per_weight.real * per_weight.real + per_weight.imag * per_weight.imag
@@ -84,11 +88,11 @@ class HarmonicBlock:
         if not cmath.isfinite(step):
             return
         self.weight += step
-        self.rate_1_s = abs(step) / dt_s
+        self.weight_speed = abs(step) / dt_s
 
     def hold(self) -> None:
         """Leave the weight as it is in this tick."""
-        self.rate_1_s = 0.0
+        self.weight_speed = 0.0
 
     def scale_weights(self, ratio: float) -> None:
         """Shorten the weight to ``ratio`` (0..1) of itself; its direction stays."""
@@ -98,7 +102,7 @@ class HarmonicBlock:
     def reset(self) -> None:
         """Forget what was learned."""
         self.weight = 0j
-        self.rate_1_s = 0.0
+        self.weight_speed = 0.0
         self.clamped = False
 
     def limit(self, scale: float) -> float:

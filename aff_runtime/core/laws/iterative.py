@@ -17,13 +17,13 @@ WIDEST_RAD = 1.0  # between two samples of one mean; beyond it one has been miss
 class IterativeBlock(HarmonicBlock):
     r"""Cancels one order of one roll: a turn to move and to settle, a turn to measure.
 
-    Derivation. With the weight w at rest and what its last move has set off died away, the error
-    of a turn is -Re((s P w + D) e^{j psi}) and whatever else repeats with the roll. The mean of
-    2 e e^{-j psi} over exactly one turn of the roll is c = -(s P w + D): every other order of
-    that roll gives zero, however large it is. The weight that cancels is w + c / (s P), so a pass
+    Derivation. With the weight W at rest and what its last move has set off died away, the error
+    of a turn is -Re((v P W + D) e^{j psi}) and whatever else repeats with the roll. The mean of
+    2 e e^{-j psi} over exactly one turn of the roll is c = -(v P W + D): every other order of
+    that roll gives zero, however large it is. The weight that cancels is W + c / (v P), so a pass
     moves by
 
-        w' = w + mu c / (s P),    mu = 1 - exp(-lam T),    lam = 4 / settle_s,
+        W' = W + mu c / (v P),    mu = 1 - exp(-lam T),    lam = 4 / settle_s,
 
     T the time of a pass, so that 1.8 % are left after ``settle_s``, as with ``HarmonicBlock``, or
     after one pass where that takes longer. With P known but for a factor (1 + d) e^{j phi} a pass
@@ -32,7 +32,7 @@ class IterativeBlock(HarmonicBlock):
     the update once per revolution of higher harmonic control, one order at a time.
 
     ``HarmonicBlock`` moves with every sample and so follows every other order m of amplitude E
-    too: its weight swings by lam E / (|s P| |m - n| omega), which goes out as lines beside the
+    too: its weight swings by lam E / (|v P| |m - n| omega), which goes out as lines beside the
     order. Here the weight stands still while it is measured. The price: what changes is answered
     one to two turns later.
 
@@ -58,7 +58,7 @@ class IterativeBlock(HarmonicBlock):
 
         Does nothing when a move would not be a finite number.
         """
-        self.rate_1_s = 0.0
+        self.weight_speed = 0.0
         turned_rad = cmath.phase(self.carrier * self._before.conjugate()) if self._before else 0.0
         self._before = self.carrier
         if abs(turned_rad) > self.widest_rad or turned_rad * self._turned_rad < 0.0:
@@ -86,10 +86,10 @@ class IterativeBlock(HarmonicBlock):
         self._left = max(0.0, self._left - share)
         self.weight += step
         self._weight_then = self.weight
-        self.rate_1_s = abs(step) / dt_s if dt_s > 0.0 else 0.0
+        self.weight_speed = abs(step) / dt_s if dt_s > 0.0 else 0.0
 
     def _decide(self, mean: complex, per_weight: complex, rate_1_s: float) -> None:
-        """Plan the next move: ``mean`` is c of the derivation, ``per_weight`` s P."""
+        """Plan the next move: ``mean`` is c of the derivation, ``per_weight`` v P."""
         power = per_weight.real * per_weight.real + per_weight.imag * per_weight.imag
         move = 0j
         if power > 0.0:

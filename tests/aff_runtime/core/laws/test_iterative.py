@@ -109,7 +109,7 @@ def test_it_tells_the_rate_of_every_step_and_none_while_it_stands():
             rate_1_s=0.5,
             dt_s=CYCLE_S,
         )
-        assert block.rate_1_s * CYCLE_S == pytest.approx(abs(block.weight - before), abs=1e-12)
+        assert block.weight_speed * CYCLE_S == pytest.approx(abs(block.weight - before), abs=1e-12)
         before = block.weight
 
 
