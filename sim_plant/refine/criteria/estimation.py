@@ -27,7 +27,16 @@ class NoiseCriteria:
         NOT_RECORDED,
     )
     whitening_taps: int = criterion(
-        24, "taps", "of the filter that makes declared noise white", NOT_RECORDED
+        24,
+        "taps",
+        "of the filter that makes declared noise white, at 10 ms and slower; faster: whitening_s",
+        NOT_RECORDED,
+    )
+    whitening_s: float = criterion(
+        0.24,
+        "s",
+        "the filter spans no less, whatever the sample time",
+        "24 taps of 10 ms: noise is slow by the line's loops and zones, not by samples",
     )
     colour_taps: int = criterion(
         12, "taps", "of the filter that puts the colour of declared noise right", NOT_RECORDED

@@ -123,6 +123,13 @@ class EventCriteria:
         "whose median is the level to which later bins are compared",
         "a later event has its full power above it; of an earlier one the record shows no onset",
     )
+    sample_power: float = criterion(
+        25.0,
+        "of the power of noise",
+        "a sample of a channel counts no more where something begins",
+        "five standard deviations, which noise does not reach: a spike of any size adds 0.05 to a "
+        "bin of 450 samples, less than bin_sd asks, and what lasts moves most of them",
+    )
     bin_s: float = criterion(
         0.5, "s", "length over which the residual's power is averaged", "some periods of a loop"
     )

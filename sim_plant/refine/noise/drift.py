@@ -8,52 +8,70 @@ difference there proves far less than the number of its samples suggests.
 from __future__ import annotations
 
 import itertools
-from functools import lru_cache
 
 import numpy as np
+from scipy.fft import dct, idct
 
 from sim_plant.base.arrays import Array
 
-SLOW = 32
-"""How many of the slowest cosines are looked at: up to 0.4 Hz in a record of 40 s."""
-OCTAVES = (0, 1, 2, 4, 8, 16, SLOW)
-"""Edges of the groups of cosines that share one level."""
+FEWEST = 32
+"""How many of the slowest cosines are looked at in a record of up to ``LONG_S``."""
+LONG_S = 60.0
+"""Judged time, s, from which on more of them are looked at: that of a record of 80 s."""
+FASTEST_HZ = 0.4
+"""Where the slowest 32 cosines of 40 s end; more of them end there in a long record too."""
 
 
-@lru_cache(maxsize=8)
-def cosines(samples: int) -> Array:
-    """Return the slowest orthonormal cosines (``SLOW``, samples) of a record; kept per length.
+def slow_terms(samples: int, sample_time_s: float) -> int:
+    """Return how many of the slowest cosines are looked at in so many judged samples.
+
+    Cosine m has m half waves in the record, m / (2 T) Hz in T seconds: 32 of them end at 0.4 Hz in
+    40 s and at 0.27 Hz in 60 s. From there on every second brings the 0.8 that end at 0.4 Hz.
+    Equation: 32 + 2 ``FASTEST_HZ`` max(0, T - ``LONG_S``), at most half of the samples  [own].
+    """
+    more = 2.0 * FASTEST_HZ * max(0.0, samples * sample_time_s - LONG_S)
+    return min(FEWEST + round(more), max(FEWEST, samples // 2))
+
+
+def octaves(terms: int) -> tuple[int, ...]:
+    """Return the edges of groups of cosines that share one level: 0, 1, 2, 4, ... ``terms``.
+
+    The last group has half an octave at the least.
+    """
+    edges = [0, 1]
+    while 3 * edges[-1] <= terms:
+        edges.append(2 * edges[-1])
+    return (*edges, terms)
+
+
+def slow_cosines(white: Array, terms: int) -> Array:
+    """Return the sizes of the slowest cosines (..., terms) of innovations (..., samples).
 
     Equation: DCT-II, orthonormal  [Ahmed, Natarajan, Rao 1974].
     """
-    half_turns = np.outer(np.arange(SLOW), np.arange(samples) + 0.5) / samples
-    rows: Array = np.cos(np.pi * half_turns) * np.sqrt(2.0 / samples)
-    rows[0] *= np.sqrt(0.5)
-    rows.flags.writeable = False
-    return rows
-
-
-def slow_cosines(white: Array) -> Array:
-    """Return the sizes of the slowest cosines (..., ``SLOW``) of innovations (..., samples)."""
-    found: Array = white @ cosines(white.shape[-1]).T
+    found: Array = dct(white, type=2, norm="ortho")[..., :terms]
     return found
 
 
-def drift_standard_deviations(white: Array) -> Array:
-    """Return the sd of every slow cosine (channels, ``SLOW``), at least 1, in whitened noise.
+def drift_standard_deviations(white: Array, terms: int) -> Array:
+    """Return the sd of every slow cosine (channels, terms), at least 1, in whitened noise.
 
     ``white`` (simulations of noise alone, channels, samples) would have 1 everywhere were it
     white. Octaves share their level: few simulations tell few numbers.
     """
-    power = np.mean(slow_cosines(white) ** 2, axis=0)
-    for low, high in itertools.pairwise(OCTAVES):
+    power = np.mean(slow_cosines(white, terms) ** 2, axis=0)
+    for low, high in itertools.pairwise(octaves(terms)):
         power[:, low:high] = power[:, low:high].mean(axis=1, keepdims=True)
     sd: Array = np.sqrt(np.maximum(power, 1.0))
     return sd
 
 
 def drift_whitened(white: Array, sd: Array) -> Array:
-    """Return innovations (..., channels, samples) with slow cosines of unit variance."""
-    excess = slow_cosines(white) * (1.0 - 1.0 / sd)
-    rest: Array = white - excess @ cosines(white.shape[-1])
+    """Return innovations (..., channels, samples) with slow cosines of unit variance.
+
+    ``sd`` (channels, terms) are those of ``drift_standard_deviations``.
+    """
+    cosines = dct(white, type=2, norm="ortho")
+    cosines[..., : sd.shape[-1]] /= sd
+    rest: Array = idct(cosines, type=2, norm="ortho")
     return rest

@@ -14,7 +14,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import CarriagePosition, RollAngle, RollRadius
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.twin import Twin
-from sim_plant.refine.noise.drift import drift_standard_deviations, drift_whitened
+from sim_plant.refine.noise.drift import drift_standard_deviations, drift_whitened, slow_terms
 
 NOISE = CRITERIA.noise
 SAME_RATIO = 1e-3
@@ -24,6 +24,11 @@ SAME_RATIO = 1e-3
 def first_judged(samples: int, sample_time_s: float) -> int:
     """Return the first sample to judge: 20 s, or a quarter of a short record."""
     return min(round(NOISE.settling_s / sample_time_s), int(NOISE.settling_share * samples))
+
+
+def filter_taps(sample_time_s: float) -> int:
+    """Return how many taps whiten noise: what spans ``whitening_s``, no fewer than at 10 ms."""
+    return max(NOISE.whitening_taps, round(NOISE.whitening_s / sample_time_s))
 
 
 def whitening_filter(
@@ -133,13 +138,17 @@ def _unlikely(values: Array, taps: Array) -> float:
 
 
 def noise_model(
-    runs: Array, first: int, coarse_steps: Array, words: Sequence[bool] = ()
+    runs: Array,
+    first: int,
+    coarse_steps: Array,
+    words: Sequence[bool] = (),
+    order: int = NOISE.whitening_taps,
 ) -> NoiseModel:
     """Return the noise model of noise realisations (runs, channels, samples).
 
     ``coarse_steps`` (channels,) is the quantum of channels whose error is a slow sawtooth
     (a radius word): they count as one sample per quantum passed; 0 elsewhere. ``words`` says
-    which other channels have no noise but their quantum.
+    which other channels have no noise but their quantum; ``order`` is the taps of a filter.
     """
     filters, sd, floor = [], [], []
     choices: list[tuple[tuple[Array, float], ...]] = []
@@ -152,14 +161,12 @@ def noise_model(
             sd.append(NOISE.coarse_word_factor * floor[-1])
             choices.append(())
             continue
-        taps, innovation = whitening_filter(noise)
+        taps, innovation = whitening_filter(noise, order)
         filters.append(taps)
         sd.append(max(innovation, 1e-12))
         is_word = bool(words) and words[c]
         choices.append(
-            tuple(whitening_filter(noise, white_share=s) for s in NOISE.white_shares)
-            if is_word
-            else ()
+            tuple(whitening_filter(noise, order, s) for s in NOISE.white_shares) if is_word else ()
         )
     return NoiseModel(
         filters=tuple(filters),
@@ -209,6 +216,7 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
         first_judged(runs.shape[2], line.sample_time_s),
         np.array([steps.get(c, 0.0) for c in twin.channels]),
         [c in words for c in twin.channels],
+        filter_taps(line.sample_time_s),
     )
     silent = [name for name, rms in zip(twin.channels, noise.floor, strict=True) if not rms > 0.0]
     if silent:
@@ -216,9 +224,9 @@ def declared_noise(twin: Twin, runs: Array) -> NoiseModel:
             f"sensors.{silent[0]}: the line file declares no noise that reaches this channel: no "
             "difference can be weighed; give its noise_sd or lsb"
         )
-    return replace(
-        noise, slow=drift_standard_deviations(np.stack([noise.whiten(run) for run in runs]))
-    )
+    white = np.stack([noise.whiten(run) for run in runs])
+    terms = slow_terms(white.shape[2], line.sample_time_s)
+    return replace(noise, slow=drift_standard_deviations(white, terms))
 
 
 def _rounded(twin: Twin, runs: Array) -> set[str]:

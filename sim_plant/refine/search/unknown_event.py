@@ -45,8 +45,10 @@ def event_left(objective: Objective, fit: Fit) -> tuple[dict[str, float | str], 
 def beginning(power: Array, step_s: float) -> int | None:
     """Return the sample from which power (channels, samples; noise: 1) is more than noise.
 
-    None where it is not, or was all along.
+    None where it is not, or was all along. A sample counts up to ``sample_power``: an event moves
+    most samples of a bin, a spike one.
     """
+    power = np.minimum(power, EVENTS.sample_power)
     size = max(1, round(EVENTS.bin_s / step_s))
     blocks = power[:, : power.shape[1] // size * size]
     level = blocks.reshape(blocks.shape[0], -1, size).mean(axis=(0, 2))

@@ -4,8 +4,10 @@ from scipy.signal import lfilter
 
 from sim_plant.refine.noise.innovations import (
     band_power,
+    filter_taps,
     first_judged,
     noise_model,
+    periodogram,
     rounding_step,
     whitening_filter,
 )
@@ -35,6 +37,31 @@ def white_model(channels, words=()):
     rng = np.random.default_rng(9)
     runs = rng.standard_normal((2, channels, 9000))
     return noise_model(runs, 1000, np.zeros(channels), words)
+
+
+@pytest.mark.parametrize(("step_s", "taps"), [(0.02, 24), (0.01, 24), (0.005, 48), (0.001, 240)])
+def test_the_filter_spans_as_much_time_at_shorter_sample_times(step_s, taps):
+    assert filter_taps(step_s) == taps
+
+
+def test_noise_at_1_ms_that_remembers_0_3_s_is_white():
+    """White noise of unit size and 0.3 of it in a first-order filter of 0.3 s."""
+    step_s, samples = 0.001, 40_000
+    pole = np.exp(-step_s / 0.3)
+
+    def runs(count, seed):
+        rng = np.random.default_rng(seed)
+        fresh = rng.standard_normal((count, 5000 + samples))
+        slow = lfilter([np.sqrt(1.0 - pole**2)], [1.0, -pole], fresh)[:, 5000:]
+        return rng.standard_normal((count, samples)) + 0.3 * slow
+
+    declared = runs(12, 1)[:, None]
+    model = noise_model(declared, 0, np.zeros(1), order=filter_taps(step_s))
+    power = np.mean([periodogram(model.whiten(run[None])[0]) for run in runs(20, 2)], axis=0)
+    at_Hz = np.fft.rfftfreq(samples, step_s)
+    for low_Hz, high_Hz in ((0.4, 0.8), (0.8, 2.0), (2.0, 5.0), (5.0, 20.0)):
+        band = power[(at_Hz > low_Hz) & (at_Hz < high_Hz)]
+        assert band.mean() == pytest.approx(1.0, abs=0.25)
 
 
 def test_noise_louder_than_declared_is_noticed_and_a_low_line_is_not_noise():

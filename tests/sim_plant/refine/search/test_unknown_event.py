@@ -17,6 +17,25 @@ def test_noise_has_no_beginning(seed: int) -> None:
     assert beginning(power(seed), STEP_S) is None
 
 
+@pytest.mark.parametrize("share", [3e-4, 1e-3])
+@pytest.mark.parametrize("channels", [3, 9])
+@pytest.mark.parametrize("seed", range(15))
+def test_spikes_in_noise_are_no_beginning(seed: int, channels: int, share: float) -> None:
+    """Of 15 to 20 standard deviations, in noise whose level is taken with them."""
+    rng = np.random.default_rng(seed)
+    left = rng.standard_normal((channels, 4000))
+    struck = rng.random(left.shape) < share
+    left[struck] += rng.uniform(15.0, 20.0, struck.sum()) * rng.choice([-1.0, 1.0], struck.sum())
+    assert beginning((left / left.std(axis=1, keepdims=True)) ** 2, STEP_S) is None
+
+
+def test_a_spike_hides_no_beginning() -> None:
+    loud = power(3)
+    loud[2, 2503:] *= 6.0
+    loud[4, 1200] = 1e6
+    assert beginning(loud, STEP_S) == pytest.approx(2503, abs=5)
+
+
 @pytest.mark.parametrize("onset", [1000, 2503, 4311])
 def test_what_grows_loud_begins_there_to_50_ms(onset: int) -> None:
     loud = power(3)
