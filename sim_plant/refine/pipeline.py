@@ -19,9 +19,10 @@ from sim_plant.refine.judge.refutation import (
     leaves_much,
     made_worse,
     refuted,
+    shows_something_else,
     takes_little,
 )
-from sim_plant.refine.judge.rest_shown import rest_shown
+from sim_plant.refine.judge.rest_shown import rest_in_floors, rest_shown
 from sim_plant.refine.lacking import limits_of
 from sim_plant.refine.model.asked import asked_by
 from sim_plant.refine.model.hypotheses import library
@@ -47,7 +48,8 @@ from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
 from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
 from sim_plant.refine.search.set_apart import has_large_wander
-from sim_plant.refine.search.unexplained import Unknown, line_or_broadband
+from sim_plant.refine.search.unexplained import Unknown, line_or_broadband, rings
+from sim_plant.refine.search.unknown_event import event_in
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -247,23 +249,38 @@ def without_imitations(
     """Return what is claimed without effects that can be imitations, one after the other.
 
     What an imitation explained has a cause that is not named. Where the record held out shows
-    surely more than noise without it, that is unknown, and the verdict says so. Beside an effect
-    that is never quite constant no spectral line is named: its changes have slow ones too.
+    surely more than noise without it, that is unknown, and the verdict says so. So does it where
+    most of what that record shows is something else than the effects, which are there.
     """
     said: list[str] = []
     while weak := imitating(judged, selection, evaluation, workers, progress):
         said.append(weak.said)
         progress(weak.said)
         selection, evaluation = weak.selection, weak.evaluation
-    if said and leaves_much(evaluation):
-        after, strength = rest_shown(judged.twin, evaluation)
-        stays = line_or_broadband([after], strength, strength)
-        if any(has_large_wander(accepted) for accepted in selection.accepted):
-            stays = Unknown(kind="broadband", strength=strength, coordinate={})
+    found = bool(selection.accepted) and not selection.unknown
+    if leaves_much(evaluation) and (said or (found and shows_something_else(evaluation))):
+        stays = stays_unknown(judged, selection, evaluation)
         said.append(f"unknown: what is left on {judged.record.path.name}: {stays.text}")
         progress(said[-1])
         selection = replace(selection, unknown=(stays,))
     return Claimed(selection=selection, evaluation=evaluation, said=tuple(said))
+
+
+def stays_unknown(judged: Recorded, selection: Selection, evaluation: Evaluation) -> Unknown:
+    """Return what is left on the record held out: what begins there, a spectral line, or neither.
+
+    Beside an effect that is never quite constant neither is named: its changes have moments and
+    slow lines of their own.
+    """
+    after, strength = rest_shown(judged.twin, evaluation)
+    if any(has_large_wander(accepted) for accepted in selection.accepted):
+        return Unknown(kind="broadband", strength=strength, coordinate={})
+    names, rest = rest_in_floors(evaluation)
+    event = event_in(judged.twin.declaration, names, rest**2, evaluation.first)
+    if event is None or rings([after], event[1]):
+        return line_or_broadband([after], strength, strength)
+    where = event[0] | {"held_out": judged.record.path.name}
+    return Unknown(kind="event", strength=event[1], coordinate=where)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

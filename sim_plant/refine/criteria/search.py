@@ -304,11 +304,12 @@ class UnexplainedCriteria:
         "a pair of channels above is moved by something other than noise",
         "36 records without an effect, of other code: the oddest pair has 10.2",
     )
-    coupling_bands: tuple[float, ...] = criterion(
-        (1.0 / 80.0, 1.0 / 40.0, 1.0 / 20.0, 1.0 / 10.0, 1.0 / 5.0, 2.0 / 5.0),
-        "of half the sample rate",
-        "edges of the bands in which channels are compared",
-        "below, tolerances move channels together (ADR 0016)",
+    coupling_bands_Hz: tuple[float, ...] = criterion(
+        (0.625, 1.25, 2.5, 5.0, 10.0, 20.0),
+        "Hz",
+        "edges of the bands in which channels are compared; bands beyond half the sample rate not",
+        "below, tolerances move channels together (ADR 0016), by zones and loops, not by samples; "
+        "1/80 to 2/5 of half of 100 Hz",
     )
     fewest_bins: int = criterion(
         16, "bins", "a band with fewer is not looked at for coupling", NOT_RECORDED

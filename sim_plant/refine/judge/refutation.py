@@ -15,20 +15,57 @@ STATES = ("_angle_rad", "_radius_m")
 """Ends of names of channels whose start differs from record to record: not judged here."""
 
 
-def refuted(evaluation: Evaluation) -> bool:
-    """Return whether the effects found leave most of what a record held out shows.
+REMAINDER_SHARE = CRITERIA.search.unexplained.remainder_share
 
-    Also where the line does not run there with them (``after`` is not finite): no web follows
-    some outlines on a smaller roll.
+
+def refuted(evaluation: Evaluation) -> bool:
+    """Return whether the effects found are not there in a record held out.
+
+    They leave most of what it shows, and it does not show their response: where it does, the rest
+    is something else, which only this record has. Also where the line does not run there with
+    them (``after`` is not finite): no web follows some outlines on a smaller roll.
+    """
+    if not np.isfinite(evaluation.after).all():
+        return True
+    return leaves_most(evaluation) and not shows(evaluation, evaluation.declared)
+
+
+def shows_something_else(evaluation: Evaluation) -> bool:
+    """Return whether effects that are there leave most of what a record held out shows."""
+    return leaves_most(evaluation) and not refuted(evaluation)
+
+
+def leaves_most(evaluation: Evaluation) -> bool:
+    """Return whether the effects found leave most of what a record held out shows.
 
     Equation: mean max(0, (after / floor)^2 - 1) > ``refuted_share`` mean max(0, (before /
     floor)^2 - 1), and the latter mean at least ``least_power``; over all channels but angles and
     radii, whose start differs from record to record  [own].
     """
-    if not np.isfinite(evaluation.after).all():
-        return True
     shown = _beyond_noise(evaluation, evaluation.before)
     return shown >= JUDGE.least_power and left(evaluation) > JUDGE.refuted_share * shown
+
+
+def shows(evaluation: Evaluation, without: Array) -> bool:
+    """Return whether a record shows what the effects change from the run ``without`` some.
+
+    Something else in the record, however strong, moves the slope only as far as it is like that
+    response. Equation: |b - 1| + ``slope_sd`` s < ``slope_off``, b = sum(r y) / sum(r^2) of record
+    y and response r (both less ``without``, in floors), s^2 = sum over blocks of
+    sum(r (y - b r))^2 / sum(r^2)^2  [least squares; sandwich of blocks, own].
+    """
+    judged = np.array([not name.endswith(STATES) for name in evaluation.channels])
+    floor, first = evaluation.floor[judged, np.newaxis], evaluation.first
+    y = (evaluation.measured - without)[judged, first:] / floor
+    response = (evaluation.amended - without)[judged, first:] / floor
+    power = float(np.sum(response**2))
+    if power == 0.0:
+        return False
+    slope = float(np.sum(response * y)) / power
+    products = np.sum(response * (y - slope * response), axis=0)
+    blocks = np.array_split(products, JUDGE.slope_blocks)
+    sd = float(np.sqrt(sum(np.sum(block) ** 2 for block in blocks))) / power
+    return abs(slope - 1.0) + JUDGE.slope_sd * sd < JUDGE.slope_off
 
 
 def left(evaluation: Evaluation) -> float:
@@ -45,13 +82,18 @@ def leaves_much(evaluation: Evaluation) -> bool:
 
 
 def takes_little(evaluation: Evaluation, without: Evaluation) -> bool:
-    """Return whether an effect takes less away than all of them leave.
+    """Return whether an effect takes so little away that it can be an imitation.
 
-    ``without`` is the record judged without it. Such an effect can be an imitation of what the
-    others' models leave: nothing on this record tells the two apart.
+    ``without`` is the record judged without it. It takes less than all effects leave, which may be
+    what the others' models have wrong: nothing on this record tells the two apart. But it stays
+    where the record shows its response and it takes more than those models can have wrong,
+    ``remainder_share`` of what all explain: then what is left is something else.
     """
-    taken = left(without) - left(evaluation)
-    return taken < JUDGE.taken_share * left(evaluation)
+    taken, rest = left(without) - left(evaluation), left(evaluation)
+    if taken >= JUDGE.taken_share * rest:
+        return False
+    explained = _beyond_noise(evaluation, evaluation.before) - rest
+    return taken <= REMAINDER_SHARE * explained or not shows(evaluation, without.amended)
 
 
 def _beyond_noise(evaluation: Evaluation, rms: Array) -> float:

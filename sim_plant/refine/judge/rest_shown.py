@@ -18,10 +18,21 @@ def rest_shown(twin: Twin, evaluation: Evaluation) -> tuple[tuple[SpectralLines,
     Channels count by their noise floor and without their mean; angles and radii, whose start
     differs from record to record, do not.
     """
-    first = evaluation.first
-    judged = np.array([not name.endswith(STATES) for name in evaluation.channels])
-    residual = (evaluation.measured - evaluation.amended)[judged, first:]
-    white: Array = residual / evaluation.floor[judged, np.newaxis]
+    _, white = rest_in_floors(evaluation)
     white = white - white.mean(axis=1, keepdims=True)
-    travel = travel_of(twin, evaluation.measured, Case(effects=evaluation.effects), first)
+    travel = travel_of(
+        twin, evaluation.measured, Case(effects=evaluation.effects), evaluation.first
+    )
     return tuple(spectra(travel, white)), left(evaluation) * white.size
+
+
+def rest_in_floors(evaluation: Evaluation) -> tuple[list[str], Array]:
+    """Return names and rest (channels, judged samples) of all channels but angles and radii.
+
+    In units of the noise floor of each.
+    """
+    names = [name for name in evaluation.channels if not name.endswith(STATES)]
+    judged = np.array([name in names for name in evaluation.channels])
+    rest = (evaluation.measured - evaluation.amended)[judged, evaluation.first :]
+    white: Array = rest / evaluation.floor[judged, np.newaxis]
+    return names, white

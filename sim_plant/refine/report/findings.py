@@ -153,9 +153,9 @@ def _onset(h: Hypothesis, values: Mapping[str, Value], fitted: Sequence[Fitted])
 
 
 def _beginning(where: Mapping[str, float | str], fitted: Sequence[Fitted]) -> Moment | None:
-    """Return when an unknown begins; None where it has no moment."""
+    """Return when an unknown begins; None where it has no moment in a record fitted."""
     at = int(where.get("record", 1)) - 1
-    if "from_s" not in where or at >= len(fitted):
+    if "from_s" not in where or "held_out" in where or at >= len(fitted):
         return None
     return Moment(record=fitted[at][0], time_s=float(where["from_s"]), number=at)
 

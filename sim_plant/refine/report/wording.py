@@ -235,6 +235,7 @@ def coordinate_text(
 ) -> str:
     """Return what is known of an unknown as text; ``begins`` names the record of an event.
 
+    One of a record held out names it itself.
     ``also`` are kinds and coordinates of spectral lines that the records do not tell from it.
     """
     if also:
@@ -243,7 +244,8 @@ def coordinate_text(
     if kind in ("time", "travel", "angle"):
         return _periodic_text(kind, where)
     if kind == "event":
-        record = f" of {begins.record}" if begins is not None else ""
+        name = where.get("held_out") if begins is None else begins.record
+        record = f" of {name}" if name else ""
         return (
             f"an event at {float(where['from_s']):.2f} s{record} in {where['zone']}, first seen "
             f"in {where['channel']}; ask what was done on the line then"

@@ -72,7 +72,10 @@ def least_likely_pair(
     of a band, g0 that of the noise   [exponential for g = g0, n large].
     """
     nyquist_Hz, best = 0.5 / sample_time_s, NO_COUPLING
-    for low, high in itertools.pairwise(UNEXPLAINED.coupling_bands):
+    for low_Hz, high_Hz in itertools.pairwise(UNEXPLAINED.coupling_bands_Hz):
+        if high_Hz > nyquist_Hz:
+            break
+        low, high = low_Hz / nyquist_Hz, high_Hz / nyquist_Hz
         bins = round((high - low) * (left.shape[1] // 2))
         if bins < UNEXPLAINED.fewest_bins:
             continue
@@ -84,15 +87,18 @@ def least_likely_pair(
         if score[one, other] > best.score:
             best = Coupling(
                 channels=(channels[one], channels[other]),
-                from_Hz=low * nyquist_Hz,
-                to_Hz=high * nyquist_Hz,
+                from_Hz=low_Hz,
+                to_Hz=high_Hz,
                 score=float(score[one, other]),
             )
     return best
 
 
 def _cross(values: Array, low: float, high: float) -> CrossPower:
-    """Return the cross power (channels, channels) of a band of (channels, samples)."""
+    """Return the cross power (channels, channels) of a band of (channels, samples).
+
+    ``low`` and ``high`` are shares of half the sample rate.
+    """
     window = np.hanning(values.shape[1])
     spectrum = np.fft.rfft((values - values.mean(axis=1, keepdims=True)) * window, axis=1)
     edges = np.round(np.array([low, high]) * (values.shape[1] // 2)).astype(int) + 1

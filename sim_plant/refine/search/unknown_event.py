@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from sim_plant.base.arrays import Array
@@ -23,23 +25,37 @@ def event_left(objective: Objective, fit: Fit) -> tuple[dict[str, float | str], 
         objective.pool.twins, objective.split(fit.residual), objective.whitening.noise, strict=True
     )
     for record, (twin, left, noise) in enumerate(rows):
-        step_s = twin.declaration.sample_time_s
-        power = left[noise.analogue] ** 2
-        at = beginning(power, step_s)
-        if at is None:
-            continue
-        after = power[:, at:]
         names = [n for n, use in zip(twin.channels, noise.analogue, strict=True) if use]
-        loudest = names[int(np.argmax(after.mean(axis=1)))]
-        where: dict[str, float | str] = {
-            "from_s": (noise.first + at) * step_s,
-            "zone": zone_of(twin.declaration, loudest),
-            "channel": loudest,
-        }
+        power = left[noise.analogue] ** 2
+        found = event_in(twin.declaration, names, power, noise.first)
+        if found is None:
+            continue
+        where, strength = found
         if len(objective.pool.twins) > 1:
             where["record"] = float(record + 1)
-        return where, float(np.sum(after - 1.0))
+        return where, strength
     return None
+
+
+def event_in(
+    line: Declaration, names: Sequence[str], power: Array, first: int
+) -> tuple[dict[str, float | str], float] | None:
+    """Return where and when power (channels, judged samples; noise: 1) begins, and how much.
+
+    ``first`` is the first judged sample.
+    """
+    step_s = line.sample_time_s
+    at = beginning(power, step_s)
+    if at is None:
+        return None
+    after = power[:, at:]
+    loudest = names[int(np.argmax(after.mean(axis=1)))]
+    where: dict[str, float | str] = {
+        "from_s": (first + at) * step_s,
+        "zone": zone_of(line, loudest),
+        "channel": loudest,
+    }
+    return where, float(np.sum(after - 1.0))
 
 
 def beginning(power: Array, step_s: float) -> int | None:

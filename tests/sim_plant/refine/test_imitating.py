@@ -12,7 +12,8 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.pipeline import Recorded, imitating, without_imitations
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.findings import verdict_of
-from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from sim_plant.refine.report.wording import coordinate_text
+from sim_plant.refine.search.selection import AcceptedEffect, Selection, without_accepted
 from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, one_peak, quiet
 
 SAMPLES = 2000
@@ -119,3 +120,46 @@ def test_without_an_imitation_what_is_left_is_no_unknown():
     selection = both_drags()
     found = without_imitations(held_out(), selection, evaluation, 1, quiet)
     assert (found.selection, found.evaluation, found.said) == (selection, evaluation, ())
+
+
+def beside_something_else(rest):
+    """A drag whose response is a sine of 1.7 Hz, shown by a record that has ``rest`` too."""
+    record = held_out(1.0)
+    response = 2.0 * np.sin(2.0 * np.pi * 1.7 * 0.01 * np.arange(SAMPLES))
+    measured = (record.record.columns["unwind_tension_N"] + response + rest)[None]
+    evaluation = replace(
+        of_both({}),
+        before=np.sqrt(np.mean(measured**2, axis=1)),
+        after=np.sqrt(np.mean((measured - response) ** 2, axis=1)),
+        measured=measured,
+        amended=response[None],
+    )
+    lone = without_accepted(both_drags(), 1)
+    return without_imitations(record, lone, evaluation, 1, quiet)
+
+
+def test_what_begins_in_the_record_held_out_is_unknown_beside_the_effect_that_it_shows():
+    found = beside_something_else(4.0 * (np.arange(SAMPLES) >= 1200))
+    (claimed,), (begins,) = found.selection.accepted, found.selection.unknown
+    assert claimed.hypothesis.location == "R5"
+    assert begins.kind == "event"
+    assert begins.coordinate["from_s"] == pytest.approx(12.0, abs=0.05)
+    assert begins.coordinate["held_out"] == "B"
+    verdict = verdict_of(found.selection, found.evaluation, "B", [("A", held_out().twin)])
+    assert verdict.answer == "unknown"
+    (told,) = verdict.unknown
+    assert told.begins is None  # no moment of the record fitted
+    assert "s of B in unwind_zone" in coordinate_text(told.kind, told.coordinate)
+
+
+def test_a_line_in_the_record_held_out_is_unknown_beside_the_effect_that_it_shows():
+    found = beside_something_else(4.0 * np.sin(2.0 * np.pi * 0.9 * 0.01 * np.arange(SAMPLES)))
+    (claimed,), (stays,) = found.selection.accepted, found.selection.unknown
+    assert claimed.hypothesis.location == "R5"
+    assert stays.kind == "time"
+    assert stays.coordinate["frequency_Hz"] == pytest.approx(0.9, abs=0.04)  # half a bin
+
+
+def test_little_beside_the_effect_is_no_unknown():
+    found = beside_something_else(0.5 * (np.arange(SAMPLES) >= 1200))
+    assert (found.selection.unknown, found.said) == ((), ())

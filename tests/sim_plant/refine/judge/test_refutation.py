@@ -11,8 +11,17 @@ from sim_plant.refine.judge.refutation import (
     leaves_much,
     made_worse,
     refuted,
+    shows,
+    shows_something_else,
     takes_little,
 )
+
+TIME_S = 0.01 * np.arange(4000)
+SINE = np.sin(2.0 * np.pi * 1.7 * TIME_S)
+"""Response of what was found: power 0.5, that of noise is 1."""
+STEP = 4.0 * (TIME_S > 20.0)
+DRIFT = 3.0 * np.sin(2.0 * np.pi * 0.02 * TIME_S)
+BURST = 12.0 * np.exp(-0.5 * ((TIME_S - 25.0) / 1.5) ** 2)
 
 CHANNELS = ("unwind_tension_N", "pull_roll_speed_m_s", "unwind_angle_rad")
 
@@ -105,3 +114,103 @@ def test_an_effect_that_takes_less_than_stays_may_be_an_imitation(with_it, witho
 def test_a_record_explained_down_to_its_noise_asks_no_effect_for_more():
     assert not leaves_much(evaluation((9.0, 9.0, 1.0), (1.2, 1.3, 1.0)))
     assert leaves_much(evaluation((9.0, 9.0, 1.0), (1.5, 1.5, 1.0)))
+
+
+def in_record(response, rest, seed=0, others=0.0):
+    """Return the evaluation of an effect whose response this is, with ``rest`` in the record too.
+
+    Noise of unit size; ``others`` is what the declared line itself has.
+    """
+    shape = (3, TIME_S.size)
+    declared = np.full(shape, others)
+    response = np.outer((1.0, 0.5, 0.0), response)
+    measured = declared + np.outer((1.0, 0.3, 0.0), rest)
+    measured = measured + np.random.default_rng(seed).standard_normal(shape)
+    return replace(
+        evaluation((1.0, 1.0, 1.0), (1.0, 1.0, 1.0)),
+        before=np.sqrt(np.mean((measured - declared) ** 2, axis=1)),
+        after=np.sqrt(np.mean((measured - declared - response) ** 2, axis=1)),
+        measured=measured,
+        declared=declared,
+        amended=declared + response,
+    )
+
+
+def with_it(response, rest, seed=0):
+    """The same where the record has the effect as it was found."""
+    bare = in_record(response, rest, seed, others=7.0)
+    there = bare.measured + bare.amended - bare.declared
+    return replace(
+        bare,
+        measured=there,
+        before=np.sqrt(np.mean((there - bare.declared) ** 2, axis=1)),
+        after=np.sqrt(np.mean((there - bare.amended) ** 2, axis=1)),
+    )
+
+
+@pytest.mark.parametrize("rest", [STEP, DRIFT, BURST], ids=["step", "drift", "burst"])
+@pytest.mark.parametrize("seed", range(5))
+def test_something_else_in_the_record_held_out_refutes_nothing_that_is_there(rest, seed):
+    there = with_it(2.0 * SINE, rest, seed)
+    assert np.mean(rest**2) > np.mean((2.0 * SINE) ** 2)  # it is the stronger one
+    assert shows(there, there.declared)
+    assert not refuted(there)
+    assert shows_something_else(there)
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("rest", [STEP, DRIFT, BURST, 2.0 * np.roll(SINE, 15)])
+def test_what_is_not_there_is_refuted_by_something_else(rest, seed):
+    """A sine a quarter of its turn further on is another one: 1.7 Hz, 0.15 s."""
+    assert refuted(in_record(SINE, rest, seed))
+
+
+@pytest.mark.parametrize("size", [0.4, 1.6, 2.5])
+def test_a_response_of_another_size_is_not_that_of_the_effect(size):
+    there = in_record(2.0 * SINE, 2.0 * size * SINE + STEP)
+    assert not shows(there, there.declared)
+
+
+def test_a_response_too_small_to_tell_is_not_shown():
+    """Of 400 sets of noise, alone, none shows it; where it is, some of a good size do."""
+    small = [in_record(0.02 * SINE, DRIFT, seed) for seed in range(400)]
+    assert not any(shows(each, each.declared) for each in small)
+
+
+def test_beside_nothing_else_there_is_nothing_else():
+    there = with_it(2.0 * SINE, 0.0 * STEP)
+    assert not refuted(there)
+    assert not shows_something_else(there)
+
+
+@pytest.mark.parametrize(
+    ("rest", "there", "little"),
+    [
+        (STEP, True, False),  # 1.4 of 7 left, of the size that it was found with
+        (STEP, False, True),  # not there
+        (0.4 * SINE + STEP, False, True),  # another size
+    ],
+)
+def test_a_weak_effect_stays_beside_something_else_where_the_record_shows_it(rest, there, little):
+    weak = 1.5 * np.sin(2.0 * np.pi * 0.9 * TIME_S)
+    strong = 3.0 * SINE
+    both = with_it(strong + weak, rest) if there else with_it(strong, rest)
+    amended = both.declared + np.outer((1.0, 0.5, 0.0), strong + weak)
+    both = replace(both, amended=amended, after=rms_of(both.measured - amended))
+    fewer = both.declared + np.outer((1.0, 0.5, 0.0), strong)
+    without = replace(both, amended=fewer, after=rms_of(both.measured - fewer))
+    assert takes_little(both, without) is little
+
+
+def rms_of(rest):
+    return np.sqrt(np.mean(rest**2, axis=1))
+
+
+def test_what_the_others_models_can_have_wrong_is_no_effect():
+    """A hundredth of what a strong effect explains, at another frequency, and something else."""
+    strong = 20.0 * SINE
+    weak = 2.0 * np.sin(2.0 * np.pi * 0.9 * TIME_S)
+    both = with_it(strong + weak, STEP)
+    fewer = both.declared + np.outer((1.0, 0.5, 0.0), strong)
+    without = replace(both, amended=fewer, after=rms_of(both.measured - fewer))
+    assert takes_little(both, without)

@@ -50,6 +50,27 @@ def test_a_push_that_reaches_two_channels_is_odd_in_its_band(shares):
     assert (found.from_Hz, found.to_Hz) == pytest.approx((2.5, 5.0))
 
 
+@pytest.mark.parametrize("faster", [1, 2, 10])
+def test_bands_are_frequencies_whatever_the_sample_rate(faster):
+    """A push at 0.3 to 0.6 Hz is that of tolerances, at 3 to 4.5 Hz it is odd."""
+    samples, step_s = faster * SAMPLES, STEP_S / faster
+    at_Hz = np.fft.rfftfreq(samples, step_s)
+
+    def pushed(low_Hz, high_Hz):
+        rng = np.random.default_rng(2)
+        spectrum = np.fft.rfft(rng.standard_normal(samples))
+        spectrum[(at_Hz < low_Hz) | (at_Hz > high_Hz)] = 0.0
+        push = np.fft.irfft(spectrum, samples)
+        left = noise_of_a_loop(1, samples) + np.outer((0.5, -0.5, 0.0), push / push.std())
+        noise = [noise_of_a_loop(100 + k, samples) for k in range(12)]
+        return least_likely_pair(left, noise, NAMES, step_s)
+
+    found = pushed(3.0, 4.5)
+    assert found.score > COUPLED
+    assert (found.from_Hz, found.to_Hz) == (2.5, 5.0)
+    assert pushed(0.3, 0.6).score < COUPLED
+
+
 def test_channels_that_no_longer_move_together_are_odd_as_well():
     left = noise_of_a_loop(1)
     left[1] = np.random.default_rng(3).standard_normal(SAMPLES)
