@@ -11,6 +11,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.load import LineFile
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.fit.start_angles import at_start_angles
 from sim_plant.refine.judge.holdout import Evaluation, evaluate
@@ -48,8 +49,10 @@ from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
 from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
 from sim_plant.refine.search.set_apart import has_large_wander
-from sim_plant.refine.search.unexplained import Unknown, line_or_broadband, rings
+from sim_plant.refine.search.unexplained import Unknown, line_or_broadband, rings, strongest_peak
 from sim_plant.refine.search.unknown_event import event_in
+
+LINE_CYCLES = CRITERIA.search.unexplained.spectral_line_cycles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -270,15 +273,19 @@ def stays_unknown(judged: Recorded, selection: Selection, evaluation: Evaluation
     """Return what is left on the record held out: what begins there, a spectral line, or neither.
 
     Beside an effect that is never quite constant neither is named: its changes have moments and
-    slow lines of their own.
+    slow lines of their own. Nor is a line of fewer cycles than ``spectral_line_cycles``: a drift
+    of the record has such lines at any coordinate.
     """
     after, strength = rest_shown(judged.twin, evaluation)
+    irregular = Unknown(kind="broadband", strength=strength, coordinate={})
     if any(has_large_wander(accepted) for accepted in selection.accepted):
-        return Unknown(kind="broadband", strength=strength, coordinate={})
+        return irregular
     names, rest = rest_in_floors(evaluation)
     event = event_in(judged.twin.declaration, names, rest**2, evaluation.first)
     if event is None or rings([after], event[1]):
-        return line_or_broadband([after], strength, strength)
+        spectrum, at, _ = strongest_peak([after])
+        sure = at * spectrum.extent >= LINE_CYCLES
+        return line_or_broadband([after], strength, strength) if sure else irregular
     where = event[0] | {"held_out": judged.record.path.name}
     return Unknown(kind="event", strength=event[1], coordinate=where)
 

@@ -160,6 +160,14 @@ def test_a_line_in_the_record_held_out_is_unknown_beside_the_effect_that_it_show
     assert stays.coordinate["frequency_Hz"] == pytest.approx(0.9, abs=0.04)  # half a bin
 
 
+def test_a_drift_of_the_record_held_out_is_no_line():
+    """One cycle in the record is less than the eight of a line."""
+    found = beside_something_else(4.0 * np.sin(2.0 * np.pi * 0.05 * 0.01 * np.arange(SAMPLES)))
+    (claimed,), (stays,) = found.selection.accepted, found.selection.unknown
+    assert claimed.hypothesis.location == "R5"
+    assert (stays.kind, dict(stays.coordinate)) == ("broadband", {})
+
+
 def test_little_beside_the_effect_is_no_unknown():
     found = beside_something_else(0.5 * (np.arange(SAMPLES) >= 1200))
     assert (found.selection.unknown, found.said) == ((), ())
