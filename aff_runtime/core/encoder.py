@@ -8,11 +8,13 @@ from enum import Enum
 STUCK_CHECK_RAD = 0.5  # of motion by the speed channel, over which the encoder is judged:
 STUCK_SHARE = 0.3  # of it, and an encoder that moved less is out of service,
 CREDIBLE_SHARE = 0.7  # of it, and one that moved more is back
-STOPS_SHARE = 0.02
-"""A speed that falls by more over those 0.5 rad may lag behind a stop, and judges nobody out.
+CHANGES_SHARE = 0.02
+"""A speed that changes by more over those 0.5 rad may lag behind the roll, or lead it, and judges
+nobody out.
 
 A speed that is filtered with tau coasts omega tau after a stop at omega, and has fallen by
-0.5 rad / (omega tau) over the first 0.5 rad: by 2 % where it coasts four turns.
+0.5 rad / (omega tau) over the first 0.5 rad: by 2 % where it coasts four turns. At a start the
+line runs on while a dancer's stroke or slack web feeds it, and the roll follows later.
 """
 TAIL_S = 2.0  # a stop so soon after an encoder went out of service was what held it
 STOOD_S = 1.0  # of standing, after which no law sends anything (``gate.RAMP_S`` is half of it)
@@ -88,7 +90,8 @@ class EncoderCheck:
             self.ratio = self._encoder_turn_rad / self._model_turn_rad
             self._encoder_turn_rad = self._model_turn_rad = 0.0
         if abs(self._model_rad) >= STUCK_CHECK_RAD:
-            self._decide(abs(speed_rad_s) < (1.0 - STOPS_SHARE) * self._first_rad_s)
+            change_rad_s = abs(abs(speed_rad_s) - self._first_rad_s)
+            self._decide(change_rad_s > CHANGES_SHARE * self._first_rad_s)
         return Verdict.BELIEVED if self.in_service else Verdict.OUT
 
     def _stand(self, gap_s: float) -> Verdict:
@@ -102,11 +105,11 @@ class EncoderCheck:
         self.begin()
         return Verdict.STOOD
 
-    def _decide(self, slows: bool) -> None:
+    def _decide(self, changes: bool) -> None:
         share = self._encoder_rad / self._model_rad
         self._encoder_rad = self._model_rad = 0.0
         if share > CREDIBLE_SHARE:
             self.in_service = True
-        elif share < STUCK_SHARE and self.in_service and not slows:
+        elif share < STUCK_SHARE and self.in_service and not changes:
             self.in_service = False
             self._out_s = 0.0

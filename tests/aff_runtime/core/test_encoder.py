@@ -78,6 +78,24 @@ def test_a_filtered_speed_that_lags_a_stop_leaves_the_encoder_in_service(tau_s):
     assert roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
 
 
+@pytest.mark.parametrize("late_s", [0.2, 0.4, 0.6])
+def test_a_roll_that_follows_the_line_late_at_a_start_keeps_its_encoder(late_s):
+    """Slack or a dancer's stroke feeds the line meanwhile: speed of the line, 0.5 m/s2 to 1 m/s."""
+
+    def ramp(at_s):
+        return min(max(0.0, 0.5 * at_s), OMEGA * RADIUS_M)
+
+    roll = Roll()
+    roll.steady(2.0)
+    before = roll.frame_rad
+    for _ in range(3):
+        roll.turn(0.5, stopping(0.5), lambda at_s: stopping(0.5)(at_s) * RADIUS_M)
+        roll.turn(5.0, lambda _: 0.0, lambda _: 0.0)
+        roll.turn(6.0, lambda at_s: ramp(at_s - late_s) / RADIUS_M, ramp)
+    assert roll.phase.source is Source.ENCODER
+    assert roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
+
+
 def test_an_encoder_that_a_late_speed_put_out_is_right_after_the_stop():
     roll = Roll()
     roll.steady(2.0)
