@@ -80,7 +80,7 @@ def test_a_filtered_speed_that_lags_a_stop_leaves_the_encoder_in_service(tau_s):
 
 @pytest.mark.parametrize("late_s", [0.2, 0.4, 0.6])
 def test_a_roll_that_follows_the_line_late_at_a_start_keeps_its_encoder(late_s):
-    """Slack or a dancer's stroke feeds the line meanwhile: speed of the line, 0.5 m/s2 to 1 m/s."""
+    """Slack or a dancer's stroke feeds the line meanwhile: the line at 0.5 m/s2 to 1 m/s."""
 
     def ramp(at_s):
         return min(max(0.0, 0.5 * at_s), OMEGA * RADIUS_M)
