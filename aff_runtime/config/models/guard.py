@@ -45,8 +45,9 @@ class Freshness(Section):
     )
     fault_after_ms: Milliseconds = key(
         "PLC heartbeat unmoved for this long: the output fades, the alarm latches. Raise it "
-        "when PLC_STALE trips on a healthy network. On Modbus a lost connection is replaced in "
-        "time where it is above five cycles.",
+        "when PLC_STALE trips on a healthy network. On Modbus five eighths of it are "
+        "waited for a late reply; a connection that is lost is replaced in time where it is 11 "
+        "cycles or more.",
         default=80.0,
         ge=5,
         le=290,

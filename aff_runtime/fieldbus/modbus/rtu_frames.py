@@ -1,15 +1,18 @@
 """Frames of Modbus RTU under the TCP transport: MBAP frames become serial ones and back.
 
-A serial frame has no transaction id, so a reply is given the id of the one request in flight.
+A serial frame has no transaction id, so a reply is given the id of the one request in flight. One
+request more may be without an answer, of another function: a reply names its function, and a
+device answers in the order in which it was asked.
 """
 
 from __future__ import annotations
 
 from typing import Final
 
-from aff_runtime.fieldbus.modbus.tcp_wire import SPOILT
+from aff_runtime.fieldbus.modbus.tcp_wire import LATE, SPOILT, UNHEARD
 
 MOST_BYTES: Final = 256
+_SILENT_TICKS: Final = 2  # a reply that is late by less than a cycle is waited for
 
 
 def crc16(data: bytes) -> int:
@@ -41,11 +44,15 @@ def reply_length(buffer: bytes) -> int:
 
 
 class RtuFraming:
-    """The one request in flight, and what has come of its reply."""
+    """The request in flight, what has come of its reply, and the request given up before it."""
 
     def __init__(self) -> None:
         self._head = b""
         self._buffer = b""
+        self._asked = 0
+        self._late = 0  # function of the request given up, whose reply may still come
+        self._overtaken = False  # that reply came, the one to the request in flight did not
+        self._silent_ticks = 0
 
     @property
     def wanted(self) -> int:
@@ -53,44 +60,69 @@ class RtuFraming:
         return max(1, reply_length(self._buffer) - len(self._buffer))
 
     def clear(self) -> None:
-        """Forget the request and what came."""
+        """Forget the requests and what came."""
         self._head = self._buffer = b""
+        self._late = self._silent_ticks = 0
+        self._overtaken = False
 
     def request(self, frame: bytes) -> bytes:
         """Return the serial frame of a request; what came before it is dropped."""
+        if self._head and not self._late:
+            self._late = self._asked
         self._buffer = b""
         self._head = frame[:4]
+        self._asked = frame[7]
+        self._silent_ticks = 0
+        self._overtaken = False
         return rtu_of(frame)
 
     def deliver(self, more: bytes, into: memoryview) -> int:
-        """Take bytes; return the length of a whole reply as MBAP, 0 none yet, SPOILT no reply."""
+        """Take bytes; return the length of a whole reply as MBAP, 0 none yet, SPOILT or LATE."""
         if not self._head:
             self._buffer = b""  # nobody asked
             return 0
         self._buffer += more
-        length = reply_length(self._buffer)
-        if length < 0 or len(self._buffer) > MOST_BYTES:
-            return self._spoilt()
-        if length == 0 or len(self._buffer) < length:
-            return 0
-        reply, self._buffer = self._buffer[:length], b""
-        body = reply[:-2]
-        if crc16(body) != int.from_bytes(reply[-2:], "little"):
-            return self._spoilt()
+        late = False
+        while True:
+            length = reply_length(self._buffer)
+            if length < 0 or length > MOST_BYTES or len(self._buffer) > 2 * MOST_BYTES:
+                return self._spoilt()
+            if length == 0 or len(self._buffer) < length:
+                return LATE if late else 0
+            reply, rest = self._buffer[:length], self._buffer[length:]
+            body = reply[:-2]
+            if crc16(body) != int.from_bytes(reply[-2:], "little"):
+                return self._spoilt()
+            if body[1] & 0x7F != self._late:
+                break
+            self._buffer, self._late = rest, 0
+            late = self._overtaken = True
         frame = self._head + len(body).to_bytes(2, "big") + body
-        self._head = b""
+        self.clear()
         into[: len(frame)] = frame
         return len(frame)
 
     def nothing_more(self) -> int:
-        """Judge what has come when a tick finds nothing new; SPOILT for a piece of a reply.
+        """Judge what has come when a tick finds nothing new; 0 to go on waiting.
 
-        No device pauses within a frame for longer than 1.5 characters (Modbus over Serial Line
-        V1.02, 2.5.1.1): a byte was lost, or the one that says how many follow was spoilt.
+        SPOILT for a piece of a reply: no device pauses within a frame for longer than 1.5
+        characters (Modbus over Serial Line V1.02, 2.5.1.1), so a byte was lost, or the one that
+        says how many follow was spoilt. SPOILT too when the reply to the request before came and
+        none to this one, which a device that was busy did not take. UNHEARD for a second tick
+        without anything, once: two requests of which nothing is known are a line that is gone.
         """
-        return self._spoilt() if self._buffer else 0
+        if self._buffer:
+            return self._spoilt()
+        if not self._head:
+            return 0
+        self._silent_ticks += 1
+        if self._overtaken:
+            return self._spoilt()
+        return UNHEARD if self._silent_ticks >= _SILENT_TICKS and not self._late else 0
 
     def _spoilt(self) -> int:
-        """End the request; what still comes is nobody's."""
+        """End the request; of two, the reply to the younger may still come."""
+        doubted = self._asked if self._late or self._overtaken else 0
         self.clear()
+        self._late = doubted
         return SPOILT

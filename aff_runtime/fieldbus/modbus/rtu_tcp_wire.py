@@ -15,7 +15,8 @@ class RtuTcpWire:
     """``Wire`` over a TCP connection that carries serial frames (device id, PDU, CRC).
 
     The bytes of a reply come in any pieces. A server may still send what a lost request had asked
-    for: what is there when a request leaves is thrown away.
+    for: what is there when a request leaves is thrown away, and what comes later is told by its
+    function (``RtuFraming``).
 
     Parameters
     ----------

@@ -16,6 +16,11 @@ from aff_runtime.base.errors import WireError
 CLOSED: Final = -1
 SPOILT: Final = -2
 """What came in answer to the request is no reply, and no other will come: it may be asked anew."""
+UNHEARD: Final = -3
+"""No reply for so long that it may be lost, and a late one would be told from the reply to another
+function: that one may be asked."""
+LATE: Final = -4
+"""The reply to the request before the last came, and was thrown away: the other side lives."""
 _NS_PER_MS: Final = 1_000_000
 _SELECT_LIMIT: Final = 1024
 _RESET_ON_CLOSE: Final = struct.pack("ii", 1, 0)
@@ -63,7 +68,10 @@ class Wire(Protocol):
         ...
 
     def receive(self, into: memoryview, wait_ns: int) -> int:
-        """Wait at most ``wait_ns`` and read once; bytes read, 0 for none yet, CLOSED or SPOILT."""
+        """Wait at most ``wait_ns`` and read once; bytes read, 0 for none yet, or what ended.
+
+        CLOSED, SPOILT, UNHEARD, or LATE.
+        """
         ...
 
     def close(self, *, abort: bool) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from enum import IntEnum
 from typing import Final
 
@@ -19,14 +18,16 @@ from aff_runtime.fieldbus.modbus.frames import (
     frame_length,
     transaction_id,
 )
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, SPOILT, Connecting, Wire
+from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, LATE, SPOILT, UNHEARD, Connecting, Wire
 
 _LAST_TID: Final = 0xFFFF
 _STALE_WINDOW: Final = 8
 _MOST_WAITING: Final = 64  # frames between two ticks, of which none was asked for
 _BUFFER_BYTES: Final = 1024
 _NO_WORDS: Final[list[int]] = []
-_RECONNECT_CYCLES: Final = 3  # dropped; an attempt; connected, heard once; heard twice: fresh
+_SILENT_SHARE: Final = 0.625  # of the time of the fault: 50 of 80 ms
+_SILENT_CYCLES: Final = 2.5  # at least: a reply that is two ticks late costs no connection
+_PROVEN_REPLIES: Final = 10  # good ones: the connection works, and what broke it is new
 _SPOILT: Final = (
     "the last reply came spoilt (wrong CRC or length): check wiring, termination, baud and parity"
 )
@@ -35,16 +36,11 @@ _SPOILT: Final = (
 def silence_before_reconnect(cycle_s: float, fault_after_s: float) -> float:
     """Return how long a reply may be outstanding before its connection is replaced, s.
 
-    At most five eighths of ``fault_after_s``, and so few cycles that the replacement is heard
-    before it: the heartbeat moved last a cycle before the request, and moves again
-    ``_RECONNECT_CYCLES`` after the drop. A cycle for which that is too late anyway waits as long
-    as a late reply still helps.
+    Five eighths of ``fault_after_s``: a reply that is late by less costs nothing, at any cycle. A
+    new connection is fresh three ticks after the drop (an attempt; heard once; heard twice),
+    which is before ``fault_after_s`` where that is 11 cycles or more.
     """
-    cycles = math.ceil(fault_after_s / cycle_s - 1e-9)
-    most = cycles - 2 - _RECONNECT_CYCLES
-    if most < 1:
-        return (max(cycles - 1, 1) - 0.5) * cycle_s
-    return min(0.625 * fault_after_s, (most - 0.5) * cycle_s)
+    return max(_SILENT_SHARE * fault_after_s, _SILENT_CYCLES * cycle_s)
 
 
 class _Link(IntEnum):
@@ -62,15 +58,17 @@ class ModbusTransport:
     - ``silence_before_reconnect_s`` without the reply, or any breach of protocol, drops the
       connection, never in the tick that asked; an exception reply does neither, nor does our
       own lateness. A dropped connection is reset, so no old command is delivered later.
-    - A reply that came SPOILT ends its request: the next tick asks anew.
+    - A reply that came SPOILT ends its request: the next tick asks anew. A request that is
+      UNHEARD (serial frames) is given up for a question whose reply has another function: a read
+      after a write, or the next write after a read.
     - On a wire that may lose frames (``Wire.lossy``) an unanswered request counts as lost when its
       tick is over: the next tick asks anew, under the next id. There a reply that nobody asked
       for is thrown away instead of ending the connection. The time of silence counts from the
       first request without an answer.
-    - Reconnecting moves one step per tick and waits for nothing. After a connection that served
-      for ``backoff_max_s`` or longer the first attempt comes at once; the pause before the
-      others doubles from ``backoff_min_s`` to ``backoff_max_s`` until a good reply. The tick
-      that starts an attempt is always NOT_CONNECTED, so a caller sees every reconnect.
+    - Reconnecting moves one step per tick and waits for nothing. After a connection that gave
+      ten good replies the first attempt comes at once; the pause before the others doubles from
+      ``backoff_min_s`` to ``backoff_max_s`` until a good reply. The tick that starts an attempt
+      is always NOT_CONNECTED, so a caller sees every reconnect.
     - A connection that replaces another one only reads (FC3) until a reply was good: a PLC that
       obeys and cannot be heard would otherwise hold a command anew, and its own watchdog would
       begin again, late.
@@ -81,9 +79,8 @@ class ModbusTransport:
     wire : the connection.
     clock : monotonic time, of the deadlines.
     function : FC23; FC16 then FC3; or FC3 alone, which writes nothing.
-    silence_before_reconnect_s : how long a reply may be outstanding, s; shorter than the
-        freshness fault, so that a dead connection is replaced before it, and much longer than a
-        pause of the PLC, whose late reply costs nothing.
+    silence_before_reconnect_s : how long a reply may be outstanding, s; a reply that is late by
+        less, as after a pause of the PLC, costs no connection (``silence_before_reconnect``).
     backoff_min_s, backoff_max_s : pause before an attempt, first and longest, s.
     connect_timeout_s : time one attempt may take, s.
 
@@ -123,13 +120,13 @@ class ModbusTransport:
         self._link = _Link.DOWN
         self._act_at_ns = clock.now_ns()  # DOWN: next attempt; CONNECTING: give up
         self._backoff_ns = self._backoff_min_ns
-        self._up_at_ns = self._act_at_ns
-        self._served = False  # a good reply on this connection
+        self._good = 0  # replies on this connection, counted up to the proof
         self._may_write = True
         self._tid = 0
         self._sent = 0  # requests on this connection, counted up to the stale window
         self._outstanding = False
         self._spoilt = False  # the reply to what is outstanding came, and is none
+        self._read_only = False  # in this tick: the reply to a write may still come
         self._sent_at_ns = self._act_at_ns
         self._buffer = bytearray(_BUFFER_BYTES)
         self._view = memoryview(self._buffer)
@@ -156,7 +153,8 @@ class ModbusTransport:
         began_ns = self._clock.now_ns()
         outcome = self._exchange(write_words, deadline_ns)
         if outcome is Outcome.OK:
-            self._served = self._may_write = True
+            self._good = min(self._good + 1, _PROVEN_REPLIES)
+            self._may_write = True
             self._why = ""
             self._backoff_ns = self._backoff_min_ns
             return outcome, self._reply
@@ -202,7 +200,6 @@ class ModbusTransport:
         state = self._wire.connecting()
         if state is Connecting.UP:
             self._link = _Link.UP
-            self._up_at_ns = now_ns
             self._may_write = self.connects == 0
             self.connects += 1
             return True
@@ -217,14 +214,14 @@ class ModbusTransport:
     def _disconnect(self, *, abort: bool) -> None:
         self._wire.close(abort=abort)
         self._link = _Link.DOWN
-        self._served = False
+        self._good = 0
         self._sent = 0
         self._filled = 0
         self._outstanding = self._spoilt = False
 
     def _drop(self) -> None:
         now_ns = self._clock.now_ns()
-        proven = self._served and now_ns - self._up_at_ns >= self._backoff_max_ns
+        proven = self._good >= _PROVEN_REPLIES
         self._disconnect(abort=True)
         self._act_at_ns = now_ns if proven else now_ns + self._backoff_ns
         if proven:
@@ -232,10 +229,10 @@ class ModbusTransport:
         self._backoff_ns = min(2 * self._backoff_ns, self._backoff_max_ns)
 
     def _exchange(self, words: list[int], deadline_ns: int) -> Outcome:
-        outcome = self._clear_late_replies()
+        outcome = self._clear_late_replies(deadline_ns)
         if outcome is not Outcome.OK:
             return outcome
-        if self._function is WireFunction.FC3 or not self._may_write:
+        if self._function is WireFunction.FC3 or not self._may_write or self._read_only:
             tid = self._next_tid()
             return self._round_trip(self._frames.read_request(tid), READ, deadline_ns)
         if not self._frames.fits(words):
@@ -254,15 +251,30 @@ class ModbusTransport:
         self._tid = self._tid + 1 if self._tid < _LAST_TID else 1
         return self._tid
 
-    def _clear_late_replies(self) -> Outcome:
-        """Take what arrived between ticks off the wire; OK when a request may be sent."""
+    def _clear_late_replies(self, deadline_ns: int) -> Outcome:
+        """Take what arrived between ticks off the wire; OK when a request may be sent.
+
+        After a reply that is LATE the next one is on its way, or was never asked for: it is given
+        half of the tick's time, so that the new request does not meet it on the line.
+        """
+        self._read_only = False
+        until_ns = 0
         for _ in range(_MOST_WAITING):
-            count = self._wire.receive(self._view[self._filled :], 0)
+            now_ns = self._clock.now_ns()
+            count = self._wire.receive(self._view[self._filled :], max(0, until_ns - now_ns))
             if count == CLOSED:
                 return Outcome.NOT_CONNECTED
             if count == SPOILT:
                 self._spoilt = True
                 return Outcome.OK
+            if count == UNHEARD:
+                return self._give_up()
+            if count == LATE:
+                self._sent_at_ns = now_ns
+                until_ns = now_ns + (deadline_ns - now_ns) // 2
+                continue
+            if count == 0 and now_ns < until_ns:
+                continue
             self._filled += count
             outcome = self._consume(0)
             if count == 0 or not self._wire.lossy:
@@ -273,6 +285,12 @@ class ModbusTransport:
         if outcome is Outcome.TIMEOUT and may_ask:
             return Outcome.OK
         return outcome
+
+    def _give_up(self) -> Outcome:
+        """Ask anew where the reply will have another function; OK when it will."""
+        self._read_only = self._asked != READ
+        writes = self._may_write and self._function is WireFunction.FC3_FC16
+        return Outcome.OK if self._read_only or writes else Outcome.TIMEOUT
 
     def _round_trip(self, frame: bytes, function: int, deadline_ns: int) -> Outcome:
         if self._clock.now_ns() >= deadline_ns:
@@ -294,7 +312,7 @@ class ModbusTransport:
             if count == SPOILT:
                 self._spoilt = True
                 return Outcome.TIMEOUT
-            if count == 0:
+            if count in (0, LATE):
                 continue
             self._filled += count
             outcome = self._consume(function)

@@ -53,13 +53,22 @@ def test_a_plc_that_pauses_for_40_ms_is_waited_for() -> None:
 
 def test_a_connection_that_served_is_replaced_at_once_but_only_once() -> None:
     rig = Rig().connected()
-    assert rig.outcomes(400) == [Outcome.OK] * 400  # 2 s, the longest back-off
+    assert rig.outcomes(9) == [Outcome.OK] * 9  # ten replies with the first one
     rig.wire.answer = silence
     silent = rig.outcomes(11)
     assert silent == [Outcome.TIMEOUT] * 11
     again = rig.outcomes(1 + 11 + 19)
     assert again == [Outcome.NOT_CONNECTED, *[Outcome.TIMEOUT] * 11, *[Outcome.NOT_CONNECTED] * 19]
     assert rig.transport.connects == 2
+
+
+def test_a_connection_that_hardly_served_is_replaced_after_the_pause() -> None:
+    rig = Rig().connected()
+    assert rig.outcomes(8) == [Outcome.OK] * 8  # nine replies with the first one
+    rig.wire.answer = silence
+    again = rig.outcomes(11 + 19)
+    assert again == [*[Outcome.TIMEOUT] * 11, *[Outcome.NOT_CONNECTED] * 19]
+    assert rig.transport.connects == 1
 
 
 def test_an_answer_between_misses_keeps_the_connection() -> None:
@@ -172,7 +181,7 @@ def test_close_with_a_reply_outstanding_resets_and_else_says_goodbye() -> None:
 
 def test_a_replaced_connection_writes_nothing_before_a_good_reply() -> None:
     rig = Rig().connected()
-    assert rig.outcomes(400) == [Outcome.OK] * 400  # 2 s, the longest back-off
+    assert rig.outcomes(9) == [Outcome.OK] * 9  # replaced at once
     asked: list[int] = []
 
     def half(request: bytes) -> Arrivals:

@@ -1,0 +1,151 @@
+"""No reply of a serial wire is taken for the answer to another question; in virtual time.
+
+The device does what a device on one line does: it answers in order, and may be slow, deaf while
+it is busy, or not understood. Every reply names the request that it answers.
+"""
+
+from __future__ import annotations
+
+from unittest.mock import patch
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from aff_runtime.base.signals import Outcome
+from aff_runtime.fieldbus.modbus import rtu_tcp_wire
+from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
+from aff_runtime.fieldbus.modbus.rtu_frames import rtu_of
+from aff_runtime.fieldbus.modbus.transport import ModbusTransport
+from tests.aff_runtime.fieldbus.fake_wire import Arrivals, FakeWire
+from tests.aff_runtime.fieldbus.modbus_rig import (
+    DEADLINE_NS,
+    MS,
+    PERIOD_NS,
+    READ_COUNT,
+    WORDS,
+    good,
+)
+from tests.doubles.virtual_clock import VirtualClock
+
+HABITS = st.sampled_from(("good", "slow", "lost", "not heard", "flipped"))
+SILENCE_NS = 50 * MS
+
+
+class Line:
+    """A transport on RTU over TCP, and the device; its habits last one request each."""
+
+    def __init__(self, function: WireFunction, deaf: bool = False) -> None:
+        self.clock = VirtualClock(10**9)
+        self.socket = FakeWire(self.clock, self._answer)
+        self.habits: list[tuple[str, int]] = []
+        self.deaf = deaf  # while busy
+        self._busy_until_ns = 0
+        with patch.object(rtu_tcp_wire, "TcpWire", lambda *_: self.socket):
+            wire = rtu_tcp_wire.RtuTcpWire("127.0.0.1", 4001)
+        frames = ModbusFrames(
+            device_id=1, read_start=0, read_count=READ_COUNT, write_start=100, write_count=2
+        )
+        self.transport = ModbusTransport(
+            frames=frames, wire=wire, clock=self.clock, function=function
+        )
+        assert self.outcomes(2) == [Outcome.NOT_CONNECTED, Outcome.OK]
+
+    def _answer(self, request: bytes) -> Arrivals:
+        habit, delay_ns = self.habits.pop(0) if self.habits else ("good", MS // 2)
+        now_ns = self.clock.now_ns()
+        busy = now_ns < self._busy_until_ns
+        if habit == "not heard" or (busy and self.deaf):
+            return []
+        length = (len(request) - 2).to_bytes(2, "big")
+        name = len(self.socket.requests).to_bytes(2, "big")
+        reply = bytearray(rtu_of(good(name + bytes(2) + length + request[:-2])))
+        wait_ns = delay_ns + max(0, self._busy_until_ns - now_ns)
+        if habit == "slow":
+            wait_ns += 10 * delay_ns
+        elif habit == "flipped":
+            reply[delay_ns % len(reply)] ^= 1 << delay_ns % 8
+        self._busy_until_ns = now_ns + wait_ns
+        return [] if habit == "lost" else [(wait_ns, bytes(reply))]
+
+    def tick(self) -> Outcome:
+        start_ns = self.clock.now_ns()
+        outcome, words = self.transport.transact(WORDS, start_ns + DEADLINE_NS)
+        assert self.clock.now_ns() <= start_ns + DEADLINE_NS
+        if outcome is Outcome.OK:
+            assert words == [len(self.socket.requests)] * READ_COUNT, "of the newest question"
+        self.clock.sleep_until_ns(start_ns + PERIOD_NS)
+        return outcome
+
+    def outcomes(self, ticks: int) -> list[Outcome]:
+        return [self.tick() for _ in range(ticks)]
+
+    def asked(self, since: int) -> list[int]:
+        return [request[1] for request in self.socket.requests[since:]]
+
+
+@settings(max_examples=300, deadline=None)
+@given(
+    st.sampled_from((WireFunction.FC23, WireFunction.FC3_FC16)),
+    st.booleans(),
+    st.lists(st.tuples(HABITS, st.integers(MS // 4, 4 * MS)), max_size=30),
+)
+def test_every_reading_answers_the_newest_question(
+    function: WireFunction, deaf: bool, habits: list[tuple[str, int]]
+) -> None:
+    line = Line(function, deaf)
+    line.habits = habits
+    for _ in range(20 * len(habits) + 20):
+        line.tick()
+        if line.transport.trouble:
+            line.clock.advance_ns(100 * MS)  # some of the pause before an attempt
+    line.clock.advance_ns(2000 * MS)
+    assert Outcome.OK in line.outcomes(20), "it recovers from whatever that was"
+
+
+@pytest.mark.parametrize("lost", ["lost", "not heard"])
+@pytest.mark.parametrize(
+    ("function", "which", "asked"),
+    [
+        (WireFunction.FC23, 0, [23, 3, 23]),
+        (WireFunction.FC3_FC16, 0, [16, 3, 16, 3]),
+        (WireFunction.FC3_FC16, 1, [16, 3, 16, 3, 16, 3]),
+    ],
+)
+def test_a_lost_frame_is_followed_by_a_question_of_another_function(
+    function: WireFunction, which: int, asked: list[int], lost: str
+) -> None:
+    line = Line(function)
+    line.habits = [*[("good", MS // 2)] * which, (lost, MS)]
+    since = len(line.socket.requests)
+    expected = [Outcome.TIMEOUT, Outcome.TIMEOUT, Outcome.OK, Outcome.OK]
+    assert (line.outcomes(4), line.asked(since)) == (expected, asked)
+
+
+def test_a_reader_waits_for_the_only_reply_that_there_is() -> None:
+    line = Line(WireFunction.FC3)
+    line.habits = [("slow", 4 * MS)]
+    since = len(line.socket.requests)
+    assert line.outcomes(9) == [Outcome.TIMEOUT] * 9  # 44 ms
+    assert line.asked(since) == [3]
+    assert line.tick() is Outcome.OK
+
+
+@pytest.mark.parametrize("deaf", [False, True])
+def test_a_reply_that_comes_after_the_second_question_is_thrown_away(deaf: bool) -> None:
+    line = Line(WireFunction.FC23, deaf)
+    line.habits = [("slow", MS), ("good", MS), ("good", MS // 2)]  # 11 ms; asked anew at 10 ms
+    since = len(line.socket.requests)
+    third = Outcome.TIMEOUT if deaf else Outcome.OK
+    assert line.outcomes(4) == [Outcome.TIMEOUT, Outcome.TIMEOUT, third, Outcome.OK]
+    assert line.asked(since) == [23, 3, 23]
+    assert line.socket.aborted == []
+
+
+def test_a_line_that_is_gone_is_asked_twice_and_then_replaced() -> None:
+    line = Line(WireFunction.FC23)
+    line.habits = [("lost", MS)] * 2
+    since = len(line.socket.requests)
+    assert line.outcomes(11) == [Outcome.TIMEOUT] * (SILENCE_NS // PERIOD_NS + 1)
+    assert line.asked(since) == [23, 3]
+    assert line.socket.aborted == [True]
