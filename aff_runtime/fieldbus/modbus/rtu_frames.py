@@ -107,12 +107,14 @@ class RtuFraming:
 
         SPOILT for a piece of a reply: no device pauses within a frame for longer than 1.5
         characters (Modbus over Serial Line V1.02, 2.5.1.1), so a byte was lost, or the one that
-        says how many follow was spoilt. SPOILT too when the reply to the request before came and
-        none to this one, which a device that was busy did not take. UNHEARD for a second tick
-        without anything, once: two requests of which nothing is known are a line that is gone.
+        says how many follow was spoilt. A byte or two are the noise of a line that turns round:
+        the reply may still come. SPOILT too when the reply to the request before came and none
+        to this one, which a device that was busy did not take. UNHEARD for a second tick without
+        anything, once: two requests of which nothing is known are a line that is gone.
         """
-        if self._buffer:
+        if reply_length(self._buffer):
             return self._spoilt()
+        self._buffer = b""
         if not self._head:
             return 0
         self._silent_ticks += 1

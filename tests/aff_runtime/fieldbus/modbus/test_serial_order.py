@@ -28,7 +28,7 @@ from tests.aff_runtime.fieldbus.modbus_rig import (
 )
 from tests.doubles.virtual_clock import VirtualClock
 
-HABITS = st.sampled_from(("good", "slow", "lost", "not heard", "flipped"))
+HABITS = st.sampled_from(("good", "slow", "lost", "not heard", "flipped", "noise"))
 SILENCE_NS = 50 * MS
 
 
@@ -61,12 +61,13 @@ class Line:
         name = len(self.socket.requests).to_bytes(2, "big")
         reply = bytearray(rtu_of(good(name + bytes(2) + length + request[:-2])))
         wait_ns = delay_ns + max(0, self._busy_until_ns - now_ns)
-        if habit == "slow":
+        if habit.startswith(("slow", "noise")):
             wait_ns += 10 * delay_ns
-        elif habit == "flipped":
+        if habit.endswith("flipped"):
             reply[delay_ns % len(reply)] ^= 1 << delay_ns % 8
         self._busy_until_ns = now_ns + wait_ns
-        return [] if habit == "lost" else [(wait_ns, bytes(reply))]
+        turning: Arrivals = [(MS // 8, bytes(1))] if habit == "noise" else []
+        return [] if habit == "lost" else [*turning, (wait_ns, bytes(reply))]
 
     def tick(self) -> Outcome:
         start_ns = self.clock.now_ns()
@@ -84,7 +85,7 @@ class Line:
         return [request[1] for request in self.socket.requests[since:]]
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(
     st.sampled_from((WireFunction.FC23, WireFunction.FC3_FC16)),
     st.booleans(),
@@ -95,10 +96,11 @@ def test_every_reading_answers_the_newest_question(
 ) -> None:
     line = Line(function, deaf)
     line.habits = habits
-    for _ in range(20 * len(habits) + 20):
+    for _ in range(8 * len(habits) + 20):
         line.tick()
         if line.transport.trouble:
             line.clock.advance_ns(100 * MS)  # some of the pause before an attempt
+    line.habits.clear()
     line.clock.advance_ns(2000 * MS)
     assert Outcome.OK in line.outcomes(20), "it recovers from whatever that was"
 
@@ -140,6 +142,23 @@ def test_a_reply_that_comes_after_the_second_question_is_thrown_away(deaf: bool)
     assert line.outcomes(4) == [Outcome.TIMEOUT, Outcome.TIMEOUT, third, Outcome.OK]
     assert line.asked(since) == [23, 3, 23]
     assert line.socket.aborted == []
+
+
+def test_noise_before_a_late_reply_does_not_end_its_request() -> None:
+    line = Line(WireFunction.FC23)
+    line.habits = [("noise", MS // 2)]  # 5.5 ms
+    since = len(line.socket.requests)
+    expected = [Outcome.TIMEOUT, Outcome.TIMEOUT, Outcome.OK]
+    assert (line.outcomes(3), line.asked(since)) == (expected, [23, 23])
+
+
+def test_a_late_reply_that_is_spoilt_leaves_the_one_to_the_second_question() -> None:
+    line = Line(WireFunction.FC23)
+    # asked anew at 10 ms, spoilt at 11, a third question at 15, the second's reply after it
+    line.habits = [("slow flipped", MS), ("good", 17 * MS // 4)]
+    since = len(line.socket.requests)
+    expected = [*[Outcome.TIMEOUT] * 3, Outcome.OK]
+    assert (line.outcomes(4), line.asked(since)) == (expected, [23, 3, 23])
 
 
 def test_a_line_that_is_gone_is_asked_twice_and_then_replaced() -> None:
