@@ -92,12 +92,16 @@ class Data:
         )
 
     async def trend(self, request: Request) -> Response:
-        """Return the curves of a group over a window."""
+        """Return the curves of a group over a window; of a group that is none, those there are.
+
+        A page that was opened before the line was known has none to choose from until then.
+        """
         say, asked = self._say_of(request), request.query_params
         try:
             read = self._kept.trends.wanted(asked.get("group", ""), asked.get("window", ""))
         except KeyError:
-            return refused(400, say(NO_SENSE))
+            there = {"ok": False, "text": say(NO_SENSE), "groups": self._kept.groups(say)}
+            return JSONResponse(there, 400)
         try:
             curves, flagged = await self._kept.store.ask(lambda c: _with_flags(c, read, say))
         except (sqlite3.Error, BlockingIOError):

@@ -5,6 +5,7 @@ import { ask, at, byId, number, part, put, words } from "/static/see.js";
 import { factorOf, inUnit, unitName } from "/static/units.js";
 
 const EVERY_MS = { "1min": 2000, "10min": 5000, "1h": 15000, "8h": 60000, "7d": 300000, "1y": 300000 };
+const UNKNOWN_MS = 1000; // until the screen knows the line, and with it what there is to choose
 const HIGH = 320;
 const MOST_ROWS = 60;
 const BAND = 8; // height of the states above the curves, pixels
@@ -178,6 +179,18 @@ function turn(curve, isShape) {
   for (const name of ["least", "mean", "largest"]) curve[name] = curve[name].map((v) => inUnit(v, unit));
 }
 
+/** What there is to choose from, where the page was made before the line was known. */
+function offer(groups) {
+  const before = byId("group").value;
+  const options = groups.map(([value, name]) => {
+    const one = part("option", "", name);
+    one.value = value;
+    return one;
+  });
+  byId("group").replaceChildren(...options);
+  if (groups.some(([value]) => value === before)) byId("group").value = before;
+}
+
 async function renew() {
   if (isAsking || document.hidden) return;
   isAsking = true;
@@ -185,12 +198,16 @@ async function renew() {
   const query = { group: byId("group").value, window: byId("window").value };
   const found = await ask("/data/trend", query);
   isAsking = false;
+  const isOther = found?.groups?.length > 0;
+  if (isOther) offer(found.groups);
   if (query.group !== byId("group").value || query.window !== byId("window").value) {
     renew();
   } else if (found?.ok) {
     answer = found.trend;
     for (const curve of answer.curves) turn(curve, query.group.startsWith("mm "));
     draw();
+  } else if (found?.groups && !isOther) {
+    put(byId("until"), words.nothing);
   } else {
     put(byId("until"), found?.text ?? words.failed);
   }
@@ -207,7 +224,7 @@ new MutationObserver(() => answer !== null && draw()).observe(root, {
 });
 // asked again while the line is heard: what is shown of a line that is not is crossed out with its age
 document.addEventListener("frame", (event) => {
-  const wait_ms = EVERY_MS[byId("window").value];
+  const wait_ms = byId("group").value ? EVERY_MS[byId("window").value] : UNKNOWN_MS;
   if (event.detail !== null && performance.now() - asked_ms > wait_ms) renew();
 });
 renew();

@@ -14,6 +14,7 @@ import pytest
 
 pytest.importorskip("pyarrow")
 
+from aff_hmi.watch import News
 from tests.aff_hmi.browser import staged
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_hmi.browser.staged import FOLLOWER, PASSWORD, Stage, moment
@@ -82,6 +83,24 @@ def test_no_line_is_drawn_where_nothing_was_kept_and_the_table_says_so(
     rows = page.page.locator("#table tbody tr").all_text_contents()
     assert len([row for row in rows if row.endswith("from here nothing was kept")]) == 2
     assert page.complaints == []
+    page.close()
+
+
+def test_trends_opened_before_the_line_is_known_are_shown_once_it_is(
+    chromium, stage: Stage
+) -> None:
+    page = Page(
+        chromium, f"{stage.url}trends", locale="en"
+    )  # no column was read from the ring yet
+    page.await_live()
+    count = "() => document.getElementById('group').options.length"
+    assert page.run(count) == 0
+    row = moment("ACTIVE").row
+    assert row is not None
+    stage.watch.news = News(columns=tuple(row.values), records=[tuple(row.values.values())])  # type: ignore[misc]
+    page.await_selector("#chart canvas")
+    assert page.run(count) > 0
+    assert page.run("() => document.getElementById('curves').children.length") > 0
     page.close()
 
 

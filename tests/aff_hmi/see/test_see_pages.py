@@ -96,6 +96,20 @@ def test_a_group_or_window_that_is_none_is_refused(keeping: Pressed, query: str)
     assert asked(keeping, f"/data/trend?{query}").status == 400
 
 
+def test_a_page_made_before_the_line_is_known_is_told_what_there_is_once_it_is(
+    keeping: Pressed,
+) -> None:
+    query = "/data/trend?group=&window=10min&lang=de"
+    assert '<option value="tension"' not in asked(keeping, "/trends").said["text"]
+    assert asked(keeping, query).said["groups"] == []
+    play(keeping)
+    body = asked(keeping, "/trends?lang=de").said["text"]
+    told = asked(keeping, query).said["groups"]
+    choice = body[body.index('id="group"') : body.index("</select>")]
+    assert [tuple(one) for one in told] == re.findall(r'value="([^"]+)"[^>]*>([^<]+)<', choice)
+    assert "tension" in [value for value, _ in told]
+
+
 def test_groups_are_named_in_the_page(keeping: Pressed) -> None:
     play(keeping)
     body = asked(keeping, "/trends?lang=de").said["text"]
