@@ -6,56 +6,54 @@ import logging
 from dataclasses import replace
 
 from aff_runtime.app.hand.audit import Audit, Entry
-from aff_runtime.app.supervisor.hand.quotas import Quota
-from aff_runtime.base.errors import RefusedError
+from aff_runtime.app.hand.audit_writer import AuditWriter
+from aff_runtime.app.hand.bucket import Bucket
+from aff_runtime.app.supervisor.hand.quotas import Shares
 from aff_runtime.base.ports import Clock
 
 LOG = logging.getLogger("aff_runtime")
 
 
 class AuditLines:
-    """Writes lines; of a flood of refusals the count alone: it pushes no other line out."""
+    """Writes lines; of a flood of refusals some, and how many: it pushes no other line out.
+
+    Each user of the socket and each account that it claims has a share of the refusals.
+    """
 
     def __init__(self, audit: Audit, clock: Clock) -> None:
-        self._audit = audit
-        self._lines = Quota(clock, per_s=0.1, burst=60.0)
-        self._unwritten = 0
-        self._fault = ""
+        self._writer = AuditWriter(audit, clock, without="nothing is done")
+        self._clock = clock
+        self._refusals: dict[int, Shares] = {}
 
     def write(self, entry: Entry, result: str, why: str = "") -> bool:
-        """Write a line; False when it cannot be."""
-        try:
-            number = self._audit.add(replace(entry, result=result, why=why))
-        except RefusedError as error:
-            if str(error) != self._fault:
-                self._fault = str(error)
-                LOG.error("the audit is not kept, nothing is done: %s", error)
-            return False
-        self._fault = ""
+        """Write a line; False when it cannot be: then it is in the log, and counted."""
+        number = self._writer.write(replace(entry, result=result, why=why))
         by = f" by {entry.account}" if entry.account else ""
         said = f" ({why})" if why else ""
-        kept = f"audit {number} {self._audit.newest[:12]}"
-        LOG.info("%s %s%s%s; %s", entry.what, result, by, said, kept)
-        return True
+        LOG.info("%s %s%s%s; %s", entry.what, result, by, said, self._writer.kept_as(number))
+        return number > 0
 
-    def refuse(self, entry: Entry, why: str) -> None:
-        """Write a refusal, or count it where there were too many."""
-        if self._unwritten == 0 and self._lines.take():
+    def refuse(self, entry: Entry, uid: int, why: str) -> None:
+        """Write a refusal, or count it where its user or account had too many."""
+        if uid not in self._refusals:
+            in_all = Bucket(self._clock, per_s=0.1, burst=300.0)
+            self._refusals[uid] = Shares(
+                self._clock, per_s=0.03, burst=60.0, in_all=in_all, kind=" refusals"
+            )
+        if self._refusals[uid].of(entry.account).take():
             self.write(entry, "refused", why)
-        else:
-            self._unwritten += 1
 
     def tend(self) -> None:
-        """Say how many refusals were not written, once another line may be."""
-        if self._unwritten and self._lines.take():
-            self._say_unwritten()
+        """Say how many lines were lost, and how many refusals not written, once there is room."""
+        self._writer.tend()
+        self._say_more(at_end=False)
 
     def close(self) -> None:
         """End it."""
-        if self._unwritten:
-            self._say_unwritten()
-        self._audit.close()
+        self._say_more(at_end=True)
+        self._writer.close()
 
-    def _say_unwritten(self) -> None:
-        count, self._unwritten = self._unwritten, 0
-        self.write(Entry(what="refused", result=""), "noted", f"{count} not written")
+    def _say_more(self, *, at_end: bool) -> None:
+        for uid, shares in self._refusals.items():
+            for why in shares.told(uid, at_end=at_end):
+                self.write(Entry(what="more", result=""), "noted", why)

@@ -117,7 +117,7 @@ class Commissioner:
             peer=str(peer),
         )
         if isinstance(opened, Refusal):
-            self._audit.refuse(said, opened.why)
+            self._audit.refuse(said, peer.uid, opened.why)
             return opened
         if not self._audit.write(said, "done"):
             self._people.close()
@@ -134,7 +134,7 @@ class Commissioner:
         if asked.do == "answer":
             return self._pass_on(worker, asked, held, peer)
         if worker.asked.do in AWAITED:
-            self._audit.refuse(_entry(asked, held, peer), Why.RUNNING)
+            self._audit.refuse(_entry(asked, held, peer), peer.uid, Why.RUNNING)
             return Refusal(why=Why.RUNNING, name=worker.asked.called)
         self._audit.write(_entry(asked, held, peer), "done")
         worker.stop()
@@ -144,7 +144,7 @@ class Commissioner:
         """Pass an answer on, once its question stands in the audit; the answer does not."""
         entry = _entry(asked, held, peer)
         if worker.asked.account != held.account:
-            self._audit.refuse(entry, Why.RUNNING)
+            self._audit.refuse(entry, peer.uid, Why.RUNNING)
             return Refusal(why=Why.RUNNING, name=worker.asked.called)
         question = worker.question
         if question is None or question.number != asked.number:
@@ -161,7 +161,7 @@ class Commissioner:
         if asked.do == "sign":
             against = await self._people.against(held.account, asked.password)
             if against is not None:
-                self._audit.refuse(_entry(asked, held, peer), against.why)
+                self._audit.refuse(_entry(asked, held, peer), peer.uid, against.why)
                 return against
             how = "password given for this signature"
         slot = self._long if asked.do in LONG else self._short

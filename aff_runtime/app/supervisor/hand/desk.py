@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging
 import selectors
 from collections import OrderedDict
 from collections.abc import Callable
@@ -12,6 +11,7 @@ from typing import Protocol
 
 from aff_runtime import __version__
 from aff_runtime.app.hand.audit import Audit, Entry
+from aff_runtime.app.hand.audit_writer import AuditWriter
 from aff_runtime.app.hand.may import Action, Circumstances, Code, Person, Place, Reason, Role, may
 from aff_runtime.app.hand.messages import (
     LOGIN_REFUSED,
@@ -30,14 +30,10 @@ from aff_runtime.app.report.command_counts import CommandTally, Result, Via
 from aff_runtime.app.supervisor.hand.entries import ServiceState, entry_of
 from aff_runtime.app.supervisor.hand.quotas import Limits, Quota
 from aff_runtime.app.supervisor.hand.visits import Caller, Visits
-from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
 
 REMEMBERED_NS = 5 * VALID_NS
-RETRY_NS = 1_000_000_000
-SHOWN_HASH = 12
-LOG = logging.getLogger("aff_runtime")
 
 BECAME = {Code.LATE: Result.LATE, Code.REPEATED: Result.REPEATED}
 
@@ -98,14 +94,11 @@ class HandDesk:
         self._clock = clock
         self._counts = counts
         self._rules = rules
-        self._audit = audit
+        self._audit = AuditWriter(audit, clock, without="no screen arms")
         self._service = service
         self._limits: dict[int, Limits] = {}
         self._ids: OrderedDict[str, int] = OrderedDict()
         self._bypass_due = False
-        self._audit_fault = ""
-        self._lost = 0  # lines that could not be written, and whose number is not yet either
-        self._retry_ns = 0
         self._visits = Visits(folder, selector, self._welcome, self._hear, is_private=is_private)
 
     @property
@@ -116,7 +109,7 @@ class HandDesk:
     @property
     def is_kept(self) -> bool:
         """Whether every line since the audit was opened is in it, or in a number that it tells."""
-        return not self._lost
+        return self._audit.is_kept
 
     def serve(self, key: selectors.SelectorKey) -> bool:
         """Do what a selector's event asks for; False when it is none of the hand's."""
@@ -127,18 +120,13 @@ class HandDesk:
         if self._bypass_due and any(one.bypasses.take() for one in self._limits.values()):
             self._bypass_due = False
             self._service.bypass()
-        now_ns = self._clock.now_ns()
-        if self._lost and now_ns >= self._retry_ns:
-            self._retry_ns = now_ns + RETRY_NS
-            self._tells_lost()
-        for uid, limits in self._limits.items():
-            for why in limits.told(uid):
-                self._write(Entry(what="more", result="noted", why=why))
+        self._audit.tend()
+        self._say_more(at_end=False)
 
     def close(self) -> None:
         """Send the screens away; the audit ends."""
         self._visits.close()
-        self._tells_lost()
+        self._say_more(at_end=True)
         self._audit.close()
 
     # --- one visitor ------------------------------------------------------------------------
@@ -274,40 +262,17 @@ class HandDesk:
         """Write what changes nothing; of a flood the count is written."""
         return self._write(entry) if quota.take() else 0
 
-    def _write(self, entry: Entry) -> int:
-        """Write one line, here and into the service's log; its number, 0 when it cannot be.
+    def _say_more(self, *, at_end: bool) -> None:
+        """Write how many lines of whom were left out."""
+        for uid, limits in self._limits.items():
+            for why in limits.told(uid, at_end=at_end):
+                self._write(Entry(what="more", result="noted", why=why))
 
-        What could not be written is in the log alone; how many stands in the audit, first of all,
-        once there is room again.
-        """
-        number = self._add(entry) if self._tells_lost() else 0
-        if not number:
-            self._lost += 1
-        kept = f"audit {number} {self._audit.newest[:SHOWN_HASH]}"
+    def _write(self, entry: Entry) -> int:
+        """Write one line, here and into the service's log; its number, 0 when it cannot be."""
+        number = self._audit.write(entry)
         who = f' by "{entry.account}" of a screen as it says' if entry.account else ""
         why = f" ({entry.why})" if entry.why else ""
-        where = kept if number else "not in the audit"
-        self._service.note(f"{entry.what} {entry.result}{who}{why}; {entry.peer}; {where}")
-        return number
-
-    def _tells_lost(self) -> bool:
-        """Put on record how many lines could not be written; False when that cannot be either."""
-        if not self._lost:
-            return True
-        said = f"{self._lost} lines could not be written"
-        number = self._add(Entry(what="lost", result="noted", why=said))
-        if number:
-            self._lost = 0
-            LOG.info("the audit is kept again: %s, says its line %d", said, number)
-        return number > 0
-
-    def _add(self, entry: Entry) -> int:
-        try:
-            number = self._audit.add(entry)
-        except RefusedError as error:
-            if str(error) != self._audit_fault:
-                self._audit_fault = str(error)
-                LOG.error("the audit is not kept, no screen arms: %s", error)
-            return 0
-        self._audit_fault = ""
+        kept = self._audit.kept_as(number)
+        self._service.note(f"{entry.what} {entry.result}{who}{why}; {entry.peer}; {kept}")
         return number

@@ -45,9 +45,12 @@ class Quota:
         """Count what is not written."""
         self._left_out += 1
 
-    def told(self, uid: int) -> str:
-        """Return the sentence of what was left out, once there is room for it; else nothing."""
-        if not self._left_out or not self._has_room():
+    def told(self, uid: int, *, at_end: bool = False) -> str:
+        """Return the sentence of what was left out, once there is room for it; else nothing.
+
+        At the end it is said without room, or it never would be.
+        """
+        if not self._left_out or not (at_end or self._has_room()):
             return ""
         count, self._left_out = self._left_out, 0
         return f"{count} more{self._whose} of uid {uid}, not written one by one"
@@ -96,10 +99,10 @@ class Shares:
             )
         return self._of[account]
 
-    def told(self, uid: int) -> Iterator[str]:
+    def told(self, uid: int, *, at_end: bool = False) -> Iterator[str]:
         """Return the sentences of what was left out, of those for which there is room."""
         for quota in self._of.values():
-            if why := quota.told(uid):
+            if why := quota.told(uid, at_end=at_end):
                 yield why
 
 
@@ -125,9 +128,9 @@ class Limits:
         )
         self.strangers = Quota(clock, per_s=0.02, burst=20.0, whose=" refused logins")
 
-    def told(self, uid: int) -> Iterator[str]:
+    def told(self, uid: int, *, at_end: bool = False) -> Iterator[str]:
         """Return the sentences of what was left out."""
         for shares in (self.lines, self.logins, self.presses):
-            yield from shares.told(uid)
-        if why := self.strangers.told(uid):
+            yield from shares.told(uid, at_end=at_end)
+        if why := self.strangers.told(uid, at_end=at_end):
             yield why

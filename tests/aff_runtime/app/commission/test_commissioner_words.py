@@ -2,16 +2,32 @@
 
 import asyncio
 import json
+import logging
 
 from aff_runtime.app.commission.answers import State
 from aff_runtime.app.commission.client import ask, exchanged
 from aff_runtime.app.commission.listening import Listener
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.worker import CUT
+from aff_runtime.app.hand.audit import verify
+from aff_runtime.app.hand.audit_writer import RETRY_NS
+from aff_runtime.base.errors import RefusedError
 from tests.aff_runtime.app.commission import made_jobs
 from tests.aff_runtime.app.commission.made_jobs import say
-from tests.aff_runtime.app.commission.made_line import PERSON
+from tests.aff_runtime.app.commission.made_line import PEER, PERSON, Line
 from tests.aff_runtime.app.commission.said import plain
+
+MORE = f"{{count}} more refusals of carl, of uid {PEER.uid}, not written one by one"
+
+
+async def guessed(line, account, count):
+    said = {"account": account, "password": "guessed", "over": False, **PERSON}
+    for _ in range(count):
+        assert not (await line.ask("open", **said))["ok"]
+
+
+def full(entry):
+    raise RefusedError("No space left on device")
 
 
 def test_of_an_answer_the_question_stands_in_the_audit_and_not_what_was_said(line, monkeypatch):
@@ -54,18 +70,44 @@ def test_an_answer_that_cannot_be_put_on_record_is_not_passed_on(line, monkeypat
 
 
 def test_of_a_flood_of_refusals_sixty_are_written_and_then_their_number(line, clock):
-    said = {"account": "carl", "password": "guessed", "over": False, **PERSON}
-
-    async def flooded(count):
-        for _ in range(count):
-            assert not (await line.ask("open", **said))["ok"]
-
-    asyncio.run(flooded(500))
+    asyncio.run(guessed(line, "carl", 500))
     assert line.rows() == [("commissioning opened", "refused")] * 60
-    clock.advance_ns(10 * 10**9)  # a tenth of a line a second
-    asyncio.run(flooded(1))
-    assert line.rows()[60:] == [("refused", "noted")]
-    assert line.whys()[60:] == ["441 not written"]
+    clock.advance_ns(34 * 10**9)  # 0.03 lines a second: room for one
+    asyncio.run(line.ask("state"))
+    assert line.rows()[60:] == [("more", "noted")]
+    assert line.whys()[60:] == [MORE.format(count=440)]
+
+
+def test_a_flood_of_one_account_takes_no_line_of_another(line):
+    asyncio.run(guessed(line, "carl", 500))
+    asyncio.run(guessed(line, "cleo", 5))
+    assert line.rows() == [("commissioning opened", "refused")] * 65
+
+
+def test_what_was_not_written_is_said_at_the_end(line, clock, tmp_path):
+    asyncio.run(guessed(line, "carl", 70))
+    line.commissioner.close()
+    assert line.whys()[60:] == [MORE.format(count=10)]
+    (tmp_path / "other").mkdir()
+    line.commissioner = Line(tmp_path / "other", clock).commissioner  # for the fixture to close
+
+
+def test_refusals_on_a_full_disk_are_in_the_log_and_their_number_in_the_audit(
+    line, clock, monkeypatch, caplog
+):
+    caplog.set_level(logging.INFO, "aff_runtime")
+    with monkeypatch.context() as broken:
+        broken.setattr(line.audit, "add", full)
+        asyncio.run(guessed(line, "carl", 7))
+    assert line.audit.last == 0
+    lost = [one for one in caplog.messages if one.endswith("; not in the audit")]
+    assert len(lost) == 7
+    assert "No space left on device" in caplog.text
+    clock.advance_ns(RETRY_NS)
+    asyncio.run(line.ask("state"))
+    assert line.rows() == [("lost", "noted")]
+    assert line.whys() == ["7 lines could not be written"]
+    assert verify(line.audit.path).last == 1
 
 
 def test_wrong_signatures_are_refusals_too(line, clock):
@@ -81,9 +123,9 @@ def test_wrong_signatures_are_refusals_too(line, clock):
         ("commissioning opened", "done"),
         *[("commissioning: sign 4", "refused")] * 60,
     ]
-    clock.advance_ns(10 * 10**9)
+    clock.advance_ns(34 * 10**9)
     asyncio.run(line.ask("state"))
-    assert line.whys()[-1] == "440 not written"
+    assert line.whys()[-1] == MORE.format(count=440)
 
 
 def test_a_screen_finds_it_at_its_socket_and_others_say_what_they_like(line):

@@ -115,3 +115,12 @@ def test_a_hand_that_was_taken_over_says_from_whom(stand: Stand) -> None:
     said = Notice(what="hand taken over", account="bert", place=Place.PANEL, other="anna")
     stand.say(stand.client(), said)
     assert stand.rows()[0]["why"] == "from anna"
+
+
+def test_what_was_left_out_is_said_when_the_service_ends(tmp_path: Path) -> None:
+    stand = Stand(tmp_path)
+    client = stand.client()
+    flood(stand, client, "login", "anna", count=30)
+    assert len(stand.rows()) == 20
+    stand.close()
+    assert stand.rows()[-1]["why"].startswith("10 more logins of anna, of uid ")
