@@ -10,6 +10,7 @@ from pathlib import Path
 
 from aff_hmi.press_desk import PressDesk
 from aff_hmi.reason import explained
+from aff_hmi.refused import RefusedPresses
 from aff_hmi.sessions import Session, Sessions
 from aff_hmi.watch import Seen
 from aff_hmi.words import N_, Say
@@ -57,6 +58,7 @@ class Hand:
     Attributes
     ----------
     accounts, sessions : who may log in, who has. ``desk`` : the way to the service.
+    refused : says to it what this screen refuses itself.
     """
 
     def __init__(
@@ -74,6 +76,7 @@ class Hand:
         self.accounts = Accounts(accounts)
         self.sessions = Sessions(self.accounts, clock, self._note, wall)
         self.desk = PressDesk(socket, clock)
+        self.refused = RefusedPresses(self._say, clock)
         self._of_nobody: dict[tuple[Place, Say], str] = {}
         self._texts: dict[tuple[object, ...], str] = {}
         self._moments: deque[Moment] = deque(maxlen=KEPT_MOMENTS)
@@ -85,6 +88,7 @@ class Hand:
         """Take note of what the frame of this number shows."""
         self._of_nobody.clear()
         self.sessions.sweep()
+        self.refused.tend()
         age_s = seen.tick_age_s
         is_fresh = seen.writer_lives and age_s is not None and age_s < FRESH_S
         self._state = seen.row.state if seen.row is not None and is_fresh else None
@@ -95,6 +99,11 @@ class Hand:
         self._remote = seen.row is not None and seen.row.is_remote
         shown = self._state.name if self._state is not None else ""
         self._moments.append(Moment(number=number, made_ns=self._clock.now_ns(), state=shown))
+
+    def close(self) -> None:
+        """Say to the service what is left to say, and leave."""
+        self.refused.close()
+        self.desk.close()
 
     def valid_until_ns(self, number: int, state: str) -> int:
         """Return until when a press counts that saw this state in this frame; 0: not at all."""
@@ -153,6 +162,10 @@ class Hand:
     def _note(self, what: str, session: Session) -> None:
         """Have what nobody pressed put into the audit."""
         self.desk.notice(Notice(what=what, account=session.account.name, place=session.place))
+
+    def _say(self, notice: Notice) -> None:
+        """Have what was refused here put into the audit."""
+        self.desk.notice(notice)
 
     def _circumstances(self) -> Circumstances:
         rules, held = self.desk.rules, self.sessions.holder()

@@ -34,7 +34,6 @@ from aff_hmi.gate import is_by_tls
 from aff_hmi.hand import Hand
 from aff_hmi.lesser_presses import LesserPresses
 from aff_hmi.listening import HTTP_PORT, HTTPS_PORT, LOOPBACK, host_and_port
-from aff_hmi.refused import RefusedPresses
 from aff_hmi.see.alarm_desk import AlarmDesk
 from aff_hmi.session_presses import SessionPresses
 from aff_hmi.sessions import Session
@@ -88,7 +87,6 @@ class HandRoutes:
         self._clock = clock
         self._say_of = say_of
         self._doorkeeper = Doorkeeper(hand.accounts, clock)
-        self._refused = RefusedPresses(hand.desk.notice, clock)
         self._answers: dict[str, Answering] = {
             "/login": self._login,
             "/logout": self._logout,
@@ -169,7 +167,8 @@ class HandRoutes:
     def _refuse(self, status: int, reason: Reason, asked: Asked) -> Response:
         """Refuse a request; where it is a press of the hand, that is put on record."""
         account = asked.session.account.name if asked.session is not None else NOBODY
-        self._refused.note(str(asked.said.get("action", "")), reason.code, account, asked.place)
+        action = str(asked.said.get("action", ""))
+        self._hand.refused.note(action, reason.code, account, asked.place)
         return because(status, reason, asked.say)
 
     def _is_free(self, path: str, said: Said, place: Place) -> bool:

@@ -178,9 +178,9 @@ def _run(options: argparse.Namespace, place: Listening) -> int:
         asyncio.run(serve(watch, hand, kept, commission, place, options.language, ready, alive))
     finally:
         watch.close()
-        kept.close()
         if hand is not None:
-            hand.desk.close()
+            hand.close()  # what it says last is history too
+        kept.close()
         notifier.close()
     return 0
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,7 +19,9 @@ from aff_runtime.base.ports import Clock
 RETRY_NS = 500_000_000
 PATIENCE_S = 3.0
 MOST_HELD = 64  # notices that wait until the service hears us
+CLOSE_NS, CLOSE_LOOK_NS = 2_000_000_000, 50_000_000  # for what waits when the screen ends
 NOTICES_PER_S, AT_ONCE = 20.0, 40.0  # who says more than 50 packets a second is sent away
+LOG = logging.getLogger("aff_hmi")
 
 
 class PressDesk:
@@ -85,14 +88,34 @@ class PressDesk:
         is_press = notice.what == PRESS_REFUSED
         self.told(f"{notice.action}: refused" if is_press else notice.what, notice.account)
         if len(self._held) >= MOST_HELD:
-            self._held.popleft()
-            self._unsaid += 1
+            self._unsaid += 1 + self._held.popleft()[1].more
         self._held.append((self._clock.now_ns(), notice))
         self._say_held()
 
     def close(self) -> None:
-        """Leave."""
+        """Leave; what waits is said while the service hears us, what cannot be is in the log."""
+        until_ns = self._clock.now_ns() + CLOSE_NS
+        if self._held and self._client is None:
+            self._connect()
+        self._hear_all()
+        self._say_held()
+        while self._held and self._client is not None and self._clock.now_ns() < until_ns:
+            self._clock.sleep_until_ns(self._clock.now_ns() + CLOSE_LOOK_NS)
+            self._hear_all()
+            self._say_held()
+        for since_ns, notice in self._held:
+            self._log(notice, (self._clock.now_ns() - since_ns) // 1_000_000_000)
+        self._held.clear()
         self._leave("")
+
+    @staticmethod
+    def _log(notice: Notice, ago_s: int) -> None:
+        """Put into the screen's log what the service was not told."""
+        parts = (notice.action, notice.code, f"from {notice.other}" if notice.other else "")
+        more = f"{notice.more} before it" if notice.more else ""
+        what = "; ".join(part for part in (notice.what, *parts, more) if part)
+        where = f'by "{notice.account}", {notice.place}'
+        LOG.warning("not in the audit, no service hears it: %s %s, %d s ago", what, where, ago_s)
 
     def _connect(self) -> None:
         try:

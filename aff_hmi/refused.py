@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable
 
 from aff_runtime.app.hand.bucket import Bucket
@@ -16,6 +15,8 @@ PER_S, AT_ONCE = 1.0, 10.0
 class RefusedPresses:
     """Says who wanted what, from where, and why not; of a flood of one account some, and how many.
 
+    The last of a flood is said once there is room, though nothing follows it.
+
     Parameters
     ----------
     note : says it to the service.
@@ -25,24 +26,38 @@ class RefusedPresses:
         self._note = note
         self._clock = clock
         self._buckets: dict[str, Bucket] = {}  # no more than there are accounts
-        self._unsaid: Counter[str] = Counter()
+        self._unsaid: dict[str, Notice] = {}  # the last of each, with how many were before it
 
     def note(self, action: str, code: Code, account: str, place: Place) -> None:
         """Say one; what is no action of the hand is no press."""
         if action not in BY_HAND:
             return
+        before = self._unsaid.pop(account, None)
+        said = Notice(
+            what=PRESS_REFUSED,
+            account=account,
+            place=place,
+            action=Action(action),
+            code=code,
+            more=before.more + 1 if before is not None else 0,
+        )
+        if self._has_room(account):
+            self._note(said)
+        else:
+            self._unsaid[account] = said
+
+    def tend(self) -> None:
+        """Say the last of a flood that has ended."""
+        for account in [one for one in self._unsaid if self._has_room(one)]:
+            self._note(self._unsaid.pop(account))
+
+    def close(self) -> None:
+        """Say what is left: there is no later."""
+        for said in self._unsaid.values():
+            self._note(said)
+        self._unsaid.clear()
+
+    def _has_room(self, account: str) -> bool:
         if account not in self._buckets:
             self._buckets[account] = Bucket(self._clock, per_s=PER_S, burst=AT_ONCE)
-        if not self._buckets[account].take():
-            self._unsaid[account] += 1
-            return
-        self._note(
-            Notice(
-                what=PRESS_REFUSED,
-                account=account,
-                place=place,
-                action=Action(action),
-                code=code,
-                more=self._unsaid.pop(account, 0),
-            )
-        )
+        return self._buckets[account].take()

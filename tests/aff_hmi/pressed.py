@@ -55,6 +55,9 @@ class Service:
     def notice(self, notice: Notice) -> None:
         self.said.append(notice)
 
+    def close(self) -> None:
+        pass
+
     @property
     def commands(self) -> list[Command]:
         return [one for one in self.said if isinstance(one, Command)]

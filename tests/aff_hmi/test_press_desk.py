@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from aff_hmi import press_desk
-from aff_hmi.press_desk import MOST_HELD, RETRY_NS, PressDesk
+from aff_hmi.press_desk import CLOSE_LOOK_NS, CLOSE_NS, MOST_HELD, RETRY_NS, PressDesk
 from aff_runtime.app.hand.may import Action, Place, Role
 from aff_runtime.app.hand.messages import Answer, Notice
 from aff_runtime.base.errors import WireError
@@ -191,3 +191,52 @@ def test_a_flood_of_notices_does_not_have_the_screen_sent_away(stand: Stand) -> 
     answer = play(desk, stand, lambda: desk.press(stand.command(Action.BYPASS)))
     assert answer.ok  # type: ignore[attr-defined]
     desk.close()
+
+
+class Turning(VirtualClock):
+    """A clock during whose sleep a service has its turn."""
+
+    def __init__(self, stand: Stand) -> None:
+        super().__init__(1)
+        self.stand = stand
+
+    def sleep_until_ns(self, deadline_ns: int) -> None:
+        self.stand.clock.advance_ns(deadline_ns - self.now_ns())
+        super().sleep_until_ns(deadline_ns)
+        self.stand.round()
+
+
+def test_what_waits_when_the_screen_ends_is_said_before_it_leaves(stand: Stand) -> None:
+    clock = Turning(stand)
+    desk = PressDesk(stand.path, clock)
+    for n in range(MOST_HELD):  # more than the pace lets through at once
+        desk.notice(Notice(what="hand taken", account=f"n{n}", place=Place.PANEL))
+    desk.close()
+    stand.round()
+    assert [name for name, _ in heard(stand)] == [f"n{n}" for n in range(MOST_HELD)]
+    assert clock.now_ns() < CLOSE_NS
+
+
+def test_what_no_service_hears_is_in_the_screens_log(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    clock = VirtualClock(1)
+    desk = PressDesk(tmp_path / "run" / "hand.sock", clock)
+    desk.notice(Notice(what="hand taken over", account="bert", place=Place.PANEL, other="anna"))
+    clock.advance_ns(7 * 10**9)
+    before_ns = clock.now_ns()
+    desk.close()
+    (line,) = caplog.messages
+    assert line.endswith('hand taken over; from anna by "bert", panel, 7 s ago')
+    assert clock.now_ns() == before_ns  # nobody is there to be waited for
+
+
+def test_a_service_that_lets_nobody_in_is_waited_for_in_vain_but_not_for_ever(
+    stand: Stand, caplog: pytest.LogCaptureFixture
+) -> None:
+    clock = VirtualClock(1)
+    desk = PressDesk(stand.path, clock)
+    desk.notice(Notice(what="logout", account="anna", place=Place.PANEL))
+    desk.close()
+    assert 0 <= clock.now_ns() - CLOSE_NS < 2 * CLOSE_LOOK_NS
+    assert 'logout by "anna", panel, 2 s ago' in caplog.text

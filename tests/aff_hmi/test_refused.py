@@ -111,3 +111,32 @@ def test_of_a_flood_of_one_account_some_are_said_and_how_many_more() -> None:
     clock.advance_ns(round(1e9 / PER_S))
     presses.note("arm", Code.ROLE, "vera", Place.PANEL)
     assert (said[-1].account, said[-1].more) == ("vera", 100 - AT_ONCE)
+
+
+def test_the_end_of_a_flood_is_said_without_another_press() -> None:
+    clock, said = VirtualClock(1), list[Notice]()
+    presses = RefusedPresses(said.append, clock)
+    for _ in range(100):
+        presses.note("arm", Code.ROLE, "vera", Place.PANEL)
+    presses.tend()
+    assert len(said) == AT_ONCE
+    clock.advance_ns(round(1e9 / PER_S))
+    presses.tend()
+    assert len(said) == AT_ONCE + 1
+    assert (said[-1].account, said[-1].code, said[-1].more) == ("vera", Code.ROLE, 99 - AT_ONCE)
+    clock.advance_ns(100 * round(1e9 / PER_S))
+    presses.tend()
+    assert len(said) == AT_ONCE + 1
+
+
+def test_a_screen_says_it_with_its_frames_and_at_its_end(at: Pressed) -> None:
+    browser = armed(at)
+    for _ in range(15):
+        browser.act("arm", frame=at.frame + 5)
+    assert len(refused(at)) == AT_ONCE
+    later(at, round(1e9 / PER_S))
+    assert [one.more for one in refused(at)[int(AT_ONCE) :]] == [4]
+    for _ in range(3):
+        browser.act("arm", frame=at.frame + 5)
+    at.hand.close()
+    assert [one.more for one in refused(at)[int(AT_ONCE) :]] == [4, 2]
