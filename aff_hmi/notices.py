@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
@@ -11,6 +10,7 @@ from urllib.parse import quote
 from aff_hmi.condition import LASTS_S, RANK, ROLLS, TIMING, Condition
 from aff_hmi.upkeep import upkeep
 from aff_hmi.watch import Seen
+from aff_hmi.wire_sentences import told
 from aff_hmi.words import N_, Say, figures_in
 from aff_runtime.app.report.alarm_table import PRIORITIES, Priority
 from aff_runtime.app.report.block_status import SHAPE, SHAPE_WHY, WHY, WORDS
@@ -23,12 +23,6 @@ from aff_runtime.telemetry.recorder_messages import RecorderReport
 FACTS_OLD_S = 2.0
 MOST = 8
 FEW = 3
-OF_WIRE = (
-    N_("no reply within {seconds} s"),
-    N_("no connection within {seconds} s"),
-    N_("closed by the other side"),
-    N_("a reply broke the protocol"),
-)
 ENCODER_S = 5.0  # a glitch is over sooner
 
 
@@ -147,15 +141,16 @@ def _service(seen: Seen) -> Iterator[Condition]:
             page=TIMING,
         )
     for number, trouble in enumerate(facts.wire[:2]):
-        text, values = _of_wire(trouble)
+        said = told(trouble)
+        is_radius = said.trouble.is_radius
         yield Condition(
-            key=f"WIRE {number}",
+            key=f"RADIUS {said.values['roll']}" if is_radius else f"WIRE {number}",
             rank=low,
-            name="WIRE",
-            text=text,
-            values=values,
-            to_do=N_("check cable, switch and PLC"),
-            page=TIMING,
+            name=said.name,
+            text=said.trouble.text,
+            values=said.values,
+            to_do=said.trouble.to_do,
+            page=ROLLS if is_radius else TIMING,
         )
     for text in facts.status.config_differs[:1]:
         if seen.row is None or seen.row.alarm != 10:  # the alarm of that name says it too
@@ -169,15 +164,6 @@ def _service(seen: Seen) -> Iterator[Condition]:
                 delay_s=LASTS_S,
             )
     yield from _recorder(facts.status.recorder)
-
-
-def _of_wire(trouble: str) -> tuple[str, dict[str, str]]:
-    """Return what is wrong with the wire as a sentence of the catalogues with its values."""
-    for sentence in OF_WIRE:
-        found = re.fullmatch(sentence.replace("{seconds}", r"(?P<seconds>[0-9.e-]+)"), trouble)
-        if found is not None:
-            return sentence, found.groupdict()
-    return "{text}", {"text": printable(trouble, 200)}
 
 
 def _recorder(recorder: RecorderReport | None) -> Iterator[Condition]:

@@ -15,6 +15,7 @@ from aff_hmi.see.alarm import Alarm
 from aff_hmi.see.events import Entry, Kind, insert, newest, prune
 from aff_hmi.see.store import Store
 from aff_hmi.watch import News, Seen
+from aff_hmi.wire_sentences import told
 from aff_hmi.words import N_
 from aff_runtime.app.door.messages import Facts
 from aff_runtime.app.report.alarm_table import PRIORITIES
@@ -221,7 +222,8 @@ class Journal:
         for said in [one for one in now.shapes if one not in before.shapes]:
             self.add(Kind.ROLL, "SHAPE", "{said}", said=said)
         for said in [one for one in now.wire if one not in before.wire][:2]:
-            self.add(service, "WIRE", "{said}", said=said)
+            what = told(said)
+            self.add(service, what.name, what.trouble.text, **what.values)
 
     def _consoles(self, notes: tuple[OperatorNote, ...]) -> None:
         """Tell who commanded what on the console; also what came before this screen began."""

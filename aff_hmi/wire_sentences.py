@@ -1,0 +1,177 @@
+"""What ails the wire, as the service says it: each sentence with its values and its own advice.
+
+A control process writes English sentences with numbers and names in them. Each is found again by
+its pattern; what is in none stays English, whole, with the advice of a wire.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache
+
+from aff_hmi.words import N_
+from aff_runtime.base.printable import printable
+
+CHECK_CABLE = N_("check cable, switch and PLC")
+CHECK_NODE = N_("check this device: power, wiring, node id and what its display says")
+MEND_RADIUS = N_("mend the scale of this word, or the range of the roll in the site file")
+NUMBERS = {"seconds": r"[0-9.e-]+", "function": r"\d+", "code": r"\d+", "node": r"\d+"}
+LONGEST = 200
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Trouble:
+    """One kind of trouble.
+
+    Attributes
+    ----------
+    text, to_do : what it is and what to do, English.
+    heard : pattern of the service's sentence, ``{name}`` for a value; empty: ``text`` is it.
+    is_radius : it is of a reading, not of the wire.
+    """
+
+    text: str
+    to_do: str = CHECK_CABLE
+    heard: str = ""
+    is_radius: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Told:
+    """A trouble with its values; ``name`` : as an alarm has it."""
+
+    trouble: Trouble
+    values: dict[str, str]
+
+    @property
+    def name(self) -> str:
+        """Of a reading that is not taken, or of the wire that brings them."""
+        return "RADIUS" if self.trouble.is_radius else "WIRE"
+
+
+EXCEPTIONS = {
+    2: (
+        N_("the PLC refuses function {function} with exception 2, illegal data address"),
+        N_("it has no such registers; compare the map and address_base"),
+    ),
+    3: (
+        N_("the PLC refuses function {function} with exception 3, illegal data value"),
+        N_("it does not serve so many registers at once: map fewer, or closer together"),
+    ),
+    4: (
+        N_("the PLC refuses function {function} with exception 4, server device failure"),
+        N_("read the PLC's own log"),
+    ),
+    5: (
+        N_("the PLC refuses function {function} with exception 5, acknowledge: it takes its time"),
+        N_("a cyclic exchange needs another server"),
+    ),
+    6: (
+        N_("the PLC refuses function {function} with exception 6, server device busy"),
+        N_("its scan or another client keeps it: lengthen cycle_ms, or take the other away"),
+    ),
+    8: (
+        N_("the PLC refuses function {function} with exception 8, memory parity error"),
+        N_("the device is defective: exchange it"),
+    ),
+    10: (
+        N_("the PLC refuses function {function} with exception 10, gateway path unavailable"),
+        N_("check device_id and the gateway's table of devices"),
+    ),
+    11: (
+        N_(
+            "the PLC refuses function {function} with exception 11, gateway target does not "
+            "respond"
+        ),
+        N_("check power, line and device_id of the device behind the gateway"),
+    ),
+}  # codes and their names as in the MODBUS Application Protocol V1.1b3, section 7
+RADII = (
+    N_(
+        "{roll}: {signal} is below radius_min_m {low} m: not taken, the last one within, "
+        "{radius} m, stays"
+    ),
+    N_(
+        "{roll}: {signal} is above radius_max_m {high} m: not taken, the last one within, "
+        "{radius} m, stays"
+    ),
+    N_("{roll}: {signal} is below radius_min_m {low} m: not taken, no radius is known"),
+    N_("{roll}: {signal} is above radius_max_m {high} m: not taken, no radius is known"),
+)
+OF_NODES = (
+    N_("{device} (node {node}): not heard yet"),
+    N_("{device} (node {node}): heartbeat lost"),
+    N_("{device} (node {node}): did not start"),
+    N_("{device} (node {node}): booted"),
+    N_("{device} (node {node}): no answer to SDO {object}"),
+    N_("{device} (node {node}): SDO {object} refused with {abort}"),
+    N_("{device} (node {node}): {object} reads back {value}"),
+    N_("{device} (node {node}): SDO {object}: answer {answer}"),
+    N_("{device} (node {node}): NMT state {state}"),
+    N_("{device} (node {node}): EMCY {emergency}"),
+    N_("{device} (node {node}): an error is left, error register {register}"),
+)
+TROUBLES = (
+    Trouble(text=N_("no reply within {seconds} s")),
+    Trouble(text=N_("no connection within {seconds} s")),
+    Trouble(text=N_("closed by the other side")),
+    Trouble(text=N_("a reply broke the protocol")),
+    Trouble(
+        heard="the last reply came spoilt (wrong CRC or length): {rest}",
+        text=N_("the last reply came spoilt (wrong CRC or length)"),
+        to_do=N_("check wiring, termination, baud and parity"),
+    ),
+    Trouble(
+        heard="the PLC does not know function 23 (exception 1): {rest}",
+        text=N_("the PLC does not know function 23 (exception 1)"),
+        to_do=N_("write function: fc3_fc16 into the site file"),
+    ),
+    Trouble(
+        heard="the PLC does not know function {function} (exception 1), which it must",
+        text=N_("the PLC does not know function {function} (exception 1), which it must"),
+        to_do=N_("see the device's manual"),
+    ),
+    *(
+        Trouble(
+            heard=f"the PLC refuses function {{function}} with exception {code} ({{rest}})",
+            text=text,
+            to_do=to_do,
+        )
+        for code, (text, to_do) in EXCEPTIONS.items()
+    ),
+    Trouble(
+        heard="the PLC refuses function {function} with exception {code} ({rest})",
+        text=N_(
+            "the PLC refuses function {function} with exception {code}, which is not in the "
+            "standard"
+        ),
+        to_do=N_("see the device's manual"),
+    ),
+    *(
+        Trouble(heard=f"{one}; {{rest}}", text=one, to_do=MEND_RADIUS, is_radius=True)
+        for one in RADII
+    ),
+    *(Trouble(text=one, to_do=CHECK_NODE) for one in OF_NODES),
+)
+OTHER = Trouble(text="{said}")
+
+
+def told(sentence: str) -> Told:
+    """Return what a sentence of the service says; what is in no pattern is its own text."""
+    for trouble in TROUBLES:
+        if found := _pattern(trouble.heard or trouble.text).fullmatch(sentence):
+            values = {name: printable(text, LONGEST) for name, text in found.groupdict().items()}
+            return Told(trouble=trouble, values=values)
+    return Told(trouble=OTHER, values={"said": printable(sentence, LONGEST)})
+
+
+@cache
+def _pattern(heard: str) -> re.Pattern[str]:
+    parts = re.split(r"\{(\w+)\}", heard)
+    return re.compile(
+        "".join(
+            f"(?P<{part}>{NUMBERS.get(part, '.+?')})" if number % 2 else re.escape(part)
+            for number, part in enumerate(parts)
+        )
+    )

@@ -1,0 +1,116 @@
+"""What the service says of its wire is told in German, each with its own advice."""
+
+from __future__ import annotations
+
+import re
+
+import pytest
+
+pytest.importorskip("starlette")
+
+from aff_hmi.notices import notices_of
+from aff_hmi.see.alarm_part import event_line
+from aff_hmi.see.events import Wanted, select
+from aff_hmi.see.kept import Kept
+from aff_hmi.wire_sentences import CHECK_CABLE, CHECK_NODE, MEND_RADIUS, OTHER, TROUBLES, told
+from aff_hmi.words import say_in
+from aff_runtime.core.params import RollParams
+from aff_runtime.core.phase import RollPhase
+from aff_runtime.fieldbus.modbus.frames import exception_text
+from tests.aff_hmi.moments import facts, seen
+from tests.doubles.virtual_clock import VirtualClock
+
+STANDARD = (1, 2, 3, 4, 5, 6, 8, 10, 11)  # MODBUS Application Protocol V1.1b3, section 7
+
+
+def shown(sentence: str, language: str = "de") -> tuple[str, str, str]:
+    (one,) = notices_of(seen(facts=facts(wire=(sentence,))), "ACTIVE", say_in(language))
+    return one.name, one.text, one.to_do
+
+
+@pytest.mark.parametrize("function", [3, 16, 23])
+@pytest.mark.parametrize("code", [*STANDARD, 7, 9, 171])
+def test_every_exception_of_the_service_has_its_words_its_code_and_its_advice(
+    code: int, function: int
+) -> None:
+    sentence = exception_text(code, function)
+    name, text, to_do = shown(sentence)
+    assert name == "WIRE"
+    assert f"Funktion {function}" in text
+    assert re.findall(r"Ausnahme (\d+)", text) == [str(code)]
+    assert to_do not in ("", say_in("de")(CHECK_CABLE))
+    generic = "im Handbuch des Geräts nachsehen"
+    assert (to_do == generic) == (code not in STANDARD or (code == 1 and function != 23))
+    assert f"function {function}" in shown(sentence, "en")[1]
+
+
+def radius_note(read_m: float, known_m: float | None) -> str:
+    """Return what the service's own phase says of a reading."""
+    roll = RollParams(name="unwind", radius="unwind_radius_m", radius_min_m=0.1, radius_max_m=0.3)
+    phase = RollPhase(roll, {"unwind_radius_m": 0})
+    for radius_m in (known_m, read_m):
+        if radius_m is not None:
+            phase.step((radius_m,), 0.005, True)
+    return phase.radius_note()
+
+
+BELOW, ABOVE = "liegt unter radius_min_m 0,1 m", "liegt über radius_max_m 0,3 m"
+STAYS, NONE = "es bleibt der letzte im Bereich, 0,25 m", "es ist kein Radius bekannt"
+
+
+@pytest.mark.parametrize(
+    ("read_m", "known_m", "where", "what"),
+    [
+        (0.09, 0.25, BELOW, STAYS),
+        (0.31, 0.25, ABOVE, STAYS),
+        (0.09, None, BELOW, NONE),
+        (0.31, None, ABOVE, NONE),
+    ],
+)
+def test_a_radius_outside_its_range_is_no_fault_of_a_cable(
+    read_m: float, known_m: float | None, where: str, what: str
+) -> None:
+    german = f"unwind: unwind_radius_m {where}: nicht übernommen, {what}"
+    assert shown(radius_note(read_m, known_m)) == ("RADIUS", german, say_in("de")(MEND_RADIUS))
+
+
+@pytest.mark.parametrize(
+    ("device", "said", "german"),
+    [
+        ("drive", "no answer to SDO 0x6007:00", "keine Antwort auf SDO 0x6007:00"),
+        ("a (node 1)", "heartbeat lost", "Lebenszeichen verloren"),
+        (
+            "pull",
+            "SDO 0x1017:00 refused with 0x06090030",
+            "SDO 0x1017:00 abgelehnt mit 0x06090030",
+        ),
+    ],
+)
+def test_a_node_that_is_missing_is_named_with_what_it_lacks(
+    device: str, said: str, german: str
+) -> None:
+    sentence = f"{device} (node 3): {said}"
+    assert shown(sentence) == ("WIRE", f"{device} (Knoten 3): {german}", say_in("de")(CHECK_NODE))
+
+
+def test_what_is_in_no_pattern_stays_whole_as_a_wires() -> None:
+    said = "192.168.7.10:502: No route to host"
+    assert shown(said) == ("WIRE", said, say_in("de")(CHECK_CABLE))
+    assert told(said).trouble is OTHER
+
+
+def test_every_text_keeps_only_values_that_its_pattern_brings() -> None:
+    places = re.compile(r"\{(\w+)\}")
+    for one in TROUBLES:
+        assert set(places.findall(one.text)) <= set(places.findall(one.heard or one.text))
+
+
+def test_the_events_tell_it_in_the_readers_language_too() -> None:
+    kept = Kept(None, VirtualClock(1))
+    kept.journal.look(seen(facts=facts()))
+    kept.journal.look(seen(facts=facts(wire=(radius_note(0.31, 0.25),))))
+    entries = kept.store.now(lambda c: select(c, Wanted()))
+    found = [event_line(one, say_in("de")) for one in entries]
+    kept.close()
+    (line,) = [one for one in found if one.name == "RADIUS"]
+    assert "liegt über radius_max_m 0,3 m" in line.text
