@@ -9,9 +9,10 @@ from aff_runtime.base.order_columns import STATE
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.blocks.block import HarmonicBlock
 from aff_runtime.core.blocks.sharing import gain_share
+from aff_runtime.core.blocks.slot import Slot
 from aff_runtime.core.gate import ANGLE_FADE_S, RAMP_S, AngleGate, SpeedGate
 from aff_runtime.core.law import ActuatorLaw, Inputs
-from aff_runtime.core.monitor import OrderMonitor, Trend
+from aff_runtime.core.monitor import Trend
 from aff_runtime.core.order_status import Column, column_names, column_values
 from aff_runtime.core.params import ActuatorParams
 from aff_runtime.core.phase import Quality, RollPhase
@@ -38,67 +39,6 @@ SILENT = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
 RATIO_EPS = 1e-9  # a limit ratio this close to 1 is none
 BlockKind = Callable[[int, float, float], HarmonicBlock]
 """Order, settling time (s) and limit of amplitude to a block."""
-
-
-class Slot:
-    """One block with its roll, its monitor and what is known about its present frequency.
-
-    Attributes
-    ----------
-    at : index of its roll among those of the bank.
-    response : P at the order's frequency, high-pass of the residual included.
-    passed : what that high-pass lets through of the order, its size.
-    bound_rad : of the error of P's phase.
-    rate_1_s, share : adaptation rate lam, and how much of it the blocks that it meets leave, 0..1.
-    scale : factor from weight to output: the roll's speed, or 1.
-    fade : share of the output that goes out by its frequency, 0..1.
-    """
-
-    __slots__ = (
-        "at",
-        "block",
-        "bound_rad",
-        "fade",
-        "monitor",
-        "passed",
-        "phase",
-        "rate_1_s",
-        "response",
-        "roll",
-        "scale",
-        "share",
-    )
-
-    def __init__(
-        self, roll: str, at: int, phases: Mapping[str, RollPhase], block: HarmonicBlock
-    ) -> None:
-        self.roll = roll
-        self.at = at
-        self.phase = phases[roll]
-        self.block = block
-        self.monitor = OrderMonitor()
-        self.response = 0j
-        self.passed = 1.0
-        self.bound_rad = math.pi
-        self.rate_1_s = 0.0
-        self.share = 0.0
-        self.scale = 1.0
-        self.fade = 0.0
-
-    @property
-    def omega_rad_s(self) -> float:
-        """How fast the order's angle turns, rad/s."""
-        return self.block.order * self.phase.omega_rad_s
-
-    @property
-    def name(self) -> str:
-        """Roll and order, as in the record."""
-        return f"{self.roll}_{self.block.order}x"
-
-    @property
-    def phase_deg(self) -> float:
-        """Angle of the weight, deg."""
-        return math.degrees(math.atan2(self.block.weight.imag, self.block.weight.real))
 
 
 class Bank:

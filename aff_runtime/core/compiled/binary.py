@@ -128,7 +128,7 @@ class Arithmetic(Protocol):
         limit_m: float,
         dt_s: float,
     ) -> None:
-        """``ShapeLaw._newton``."""
+        """``NewtonSteps.step``."""
         ...
 
     def send(

@@ -12,7 +12,6 @@ import numpy.typing as npt
 from aff_runtime.base.order_columns import RESPONSE_RATIO, STATE
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.bandwidth import band_of
-from aff_runtime.core.compiled.binary import chosen, holding
 from aff_runtime.core.gate import RAMP_S, SpeedGate
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
@@ -30,12 +29,11 @@ from aff_runtime.core.shape.confidence import ResponseConfidence
 from aff_runtime.core.shape.filter import LoopFilter
 from aff_runtime.core.shape.kalman import ShapeFilter
 from aff_runtime.core.shape.monitor import ShapeMonitor
+from aff_runtime.core.shape.newton import NewtonSteps
 from aff_runtime.core.shape.profile import ShapeProfile
 from aff_runtime.core.shape.sending import Sending
 from aff_runtime.core.shape.wish import wish_of
 
-NEWTON_TURNS = 0.5  # time constant of a weight, turns of its roll
-RATIO_FROM, RATIO_TO = 1.0 / 3.0, 3.0  # |1 + d| outside counts as this in the rate of a step
 IMBALANCE_DRIFT = 0.1  # process noise of an imbalance over that of a shape
 ABSURD = 1e6  # no error and no reference is that large
 CHECK_TICKS = 100  # from one check of the filter, and for orders that meet, to the next
@@ -74,7 +72,6 @@ class ShapeLaw:
         self._p = params
         self._drive = drive
         self._cycle_s = cycle_s
-        self._response = response
         self._keys = params.orders
         self._own = phases[drive.roll]
         lead_s = 0.5 * cycle_s + params.transport_s
@@ -99,25 +96,29 @@ class ShapeLaw:
         self._gate = SpeedGate(params.active_above_m_s)
         self.weight = state.array("law.weight_m", dtype=np.complex128, of_roll=True)
         self._sent = state.array("law.sent_m", dtype=np.complex128, of_roll=True)
-        self._move = np.zeros(count, dtype=np.complex128)
         self._signal_per_m = state.array("law.signal_per_m")
-        self._step_1_s = np.zeros(count)
+        self._newton = NewtonSteps(
+            self.weight,
+            self.filter,
+            turn_s=self.basis.turn_s,
+            monitor=self.monitor,
+            held=None if response is None else self.confidence.held,
+            limit_m=params.shape.weight_limit_m,
+        )
         self._tension_N = drive.tension_N
         self._ticks = 0
         self._binds = False
         self.adapting = False
-        self._compiled, weight, found = chosen(), self.weight, self.filter
-        self._held = holding(weight, self._step_1_s, found.deviation, found.response_ratio)
         bounds = PeakBound(self.basis.order, self._roll_of, drive.roll)
         own = drive.roll
         self.allocation = OutputAllocation(state, self.basis.order, self._roll_of, own, bounds)
         self._sending = Sending(
             self.basis,
             bounds,
-            weight_m=weight,
+            weight_m=self.weight,
             factor=self.allocation.factor,
             sent_m=self._sent,
-            step_1_s=self._step_1_s,
+            step_1_s=self._newton.step_1_s,
             shares=[part.share for part in self._sharing()],
         )
 
@@ -169,7 +170,7 @@ class ShapeLaw:
         if inputs.fresh or not may_learn:  # a tick without news says nothing about learning
             self.adapting = may_learn and good
         if not (may_learn and good):
-            self._step_1_s[:] = 0.0
+            self._newton.stay()
             if inputs.applied_ratio == 0.0 and gate == 1.0 and good and self.availability.known:
                 self.monitor.listen(error, self._loop.read()[0], self.basis.turn_s, dt_s)
             return
@@ -185,7 +186,7 @@ class ShapeLaw:
             self.filter.check()
         if self._binds:
             np.abs(phi, out=self._signal_per_m)
-        self._newton(dt_s)
+        self._newton.step(dt_s)
 
     def _start_anew(self, columns: npt.NDArray[np.bool_]) -> None:
         """Forget columns that lost their effect, and what was learned of P: it led them astray."""
@@ -193,38 +194,8 @@ class ShapeLaw:
         self._sent[columns] = 0.0
         self.filter.forget(columns, response=True)
 
-    def _newton(self, dt_s: float) -> None:
-        calm, held = self.monitor.calm, self.confidence.held
-        limit = self._p.shape.weight_limit_m
-        if self._compiled is not None:
-            self._compiled.newton_step(
-                self._held,
-                self.basis.turn_s,
-                None if calm else self.monitor.rest_turns,
-                None if self._response is None else held,
-                *(NEWTON_TURNS, RATIO_FROM, RATIO_TO, limit, dt_s),
-            )
-            return
-        ratio, move = self.filter.response_ratio, self._move
-        np.multiply(ratio, self.weight, out=move)
-        move += self.filter.deviation
-        size = np.abs(ratio)
-        share = -np.expm1(-dt_s / (NEWTON_TURNS * self.basis.turn_s))
-        share *= np.maximum(size, 1e-9) / np.minimum(np.maximum(size, RATIO_FROM), RATIO_TO)
-        move *= share
-        move /= ratio
-        if not calm:
-            move[self.monitor.resting] = 0.0
-        if self._response is not None:
-            move[held] = 0.0
-        self.weight -= move
-        if np.vdot(self.weight, self.weight).real > limit * limit:
-            self.weight *= limit / np.maximum(np.abs(self.weight), limit)
-        np.abs(move, out=self._step_1_s)
-        self._step_1_s *= 1.0 / dt_s
-
     def _allocate(self, headroom: Headroom, dt_s: float) -> None:
-        moving = self.weight, self._step_1_s, self._others()
+        moving = self.weight, self._newton.step_1_s, self._others()
         wish = wish_of(self.basis, *moving, self._signal_per_m)
         self.allocation.step(headroom, wish, dt_s)
 

@@ -21,7 +21,7 @@ from tests.aff_runtime.core.shape_site import DRIVE, GAIN_N_S_M, Phase, actuator
 pytestmark = pytest.mark.skipif(chosen() is None, reason="no binary was built")
 CLOSE = 1e-12
 TICKS = 450
-OF_A_COLUMN = ("weight", "_sent", "_signal_per_m", "_step_1_s")
+OF_A_COLUMN = ("weight", "_sent", "_signal_per_m")
 
 
 @dataclass(slots=True)
@@ -128,6 +128,7 @@ def numbers(law: ShapeLaw) -> Iterator[tuple[str, np.ndarray]]:
     """Everything that a law keeps from tick to tick."""
     yield from law.state._arrays.items()
     yield from ((name, getattr(law, name)) for name in OF_A_COLUMN)
+    yield "step", law._newton.step_1_s
     yield from (("state", law.filter.state), ("covariance", law.filter.covariance))
     yield from (("ring", law._loop._ring), ("tails", law._loop._tails), ("phi", law._loop._out))
     yield from (("turns", law.basis._turns), ("noted", law.filter._turn_s))
