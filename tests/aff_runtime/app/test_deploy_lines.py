@@ -116,10 +116,7 @@ def installed(tmp_path: Path) -> Path:
     (package / "__pycache__" / "module.pyc").write_bytes(b"cache")
     (opt / "venv" / "bin").mkdir()
     (opt / "venv" / "bin" / "python").symlink_to(sys.executable)
-    functions = (DEPLOY / "install.sh").read_text()
-    begin = functions.index("# Every file of an environment")
-    end = functions.index("# What of an environment is not")
-    script = f'{functions[begin:end]}listed "$1/venv" > "$1/installed.sha256"'
+    script = f'. {DEPLOY}/environments.sh; listed "$1/venv" > "$1/installed.sha256"'
     subprocess.run(["sh", "-c", script, "sh", str(opt)], check=True)
     return tmp_path
 
