@@ -13,7 +13,7 @@ from aff_runtime.app.commission.settings_form import (
 )
 from aff_runtime.app.commission.settings_views import SaidOfSetting
 from aff_runtime.base.errors import AffError, RefusedError
-from aff_runtime.config.loader import load_site
+from aff_runtime.config.loader import load_site, read_site
 from tests.parameter_records import CONFIG
 
 FILE = CONFIG / "euclid_blocks.yaml"
@@ -141,3 +141,21 @@ def test_settings_of_a_block_say_of_which_roll_they_are(site) -> None:
     for number, roll in enumerate(blocks):
         assert rolls[f"actuators.unwind.blocks[{number}]"] == roll
     assert {rolls[path] for path in ("line", "actuators.unwind", "gateway")} == {""}
+
+
+def test_a_roll_whose_name_says_nothing_is_told_in_the_form_which_way_it_winds(tmp_path) -> None:
+    head, tail = TEXT.split("\nrolls:\n")
+    rolls = tail.replace("  unwind:\n", "  aufwickler:\n", 1).replace(
+        "roll: unwind", "roll: aufwickler"
+    )
+    path = tmp_path / FILE.name
+    path.write_text(f"{head}\nrolls:\n{rolls}", encoding="utf-8")
+    reading, text = read_site(path), path.read_text(encoding="utf-8")
+    assert "Write winding" in {one.path: one.text for one in reading.warnings}["rolls.aufwickler"]
+    found = {one.path: one for part in sections(reading.site, text) for one in part.settings}
+    one = found["rolls.aufwickler.winding"]
+    assert (one.kind, one.choices, one.can_edit) == ("choice", ("unwind", "rewind"), True)
+    path.write_text(text_with_edits(reading.site, text, f"{one.path}: rewind"), encoding="utf-8")
+    told = read_site(path)
+    assert told.site.rolls["aufwickler"].winding == "rewind"
+    assert "rolls.aufwickler" not in {one.path for one in told.warnings}
