@@ -18,7 +18,7 @@ from aff_hmi.see.alarm_part import event_line
 from aff_hmi.see.flags import Flag, flags
 from aff_hmi.see.kept import Kept
 from aff_hmi.see.trend_part import trend_part
-from aff_hmi.see.trends import Curves
+from aff_hmi.see.trends import WINDOWS, Curves
 from aff_hmi.words import N_, Say
 
 MOST_IN_FILE = 10_000
@@ -94,14 +94,16 @@ class Data:
     async def trend(self, request: Request) -> Response:
         """Return the curves of a group over a window; of a group that is none, those there are.
 
-        A page that was opened before the line was known has none to choose from until then.
+        A page that was opened before the line was known has none to choose from until then: it
+        asks for no group, which is no wrong request.
         """
         say, asked = self._say_of(request), request.query_params
+        group, window = asked.get("group", ""), asked.get("window", "")
         try:
-            read = self._kept.trends.wanted(asked.get("group", ""), asked.get("window", ""))
+            read = self._kept.trends.wanted(group, window)
         except KeyError:
             there = {"ok": False, "text": say(NO_SENSE), "groups": self._kept.groups(say)}
-            return JSONResponse(there, 400)
+            return JSONResponse(there, 200 if not group and window in WINDOWS else 400)
         try:
             curves, flagged = await self._kept.store.ask(lambda c: _with_flags(c, read, say))
         except (sqlite3.Error, BlockingIOError):

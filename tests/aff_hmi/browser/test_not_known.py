@@ -101,6 +101,7 @@ def test_trends_opened_before_the_line_is_known_are_shown_once_it_is(
     page.await_selector("#chart canvas")
     assert page.run(count) > 0
     assert page.run("() => document.getElementById('curves').children.length") > 0
+    assert page.complaints == []
     page.close()
 
 

@@ -101,7 +101,8 @@ def test_a_page_made_before_the_line_is_known_is_told_what_there_is_once_it_is(
 ) -> None:
     query = "/data/trend?group=&window=10min&lang=de"
     assert '<option value="tension"' not in asked(keeping, "/trends").said["text"]
-    assert asked(keeping, query).said["groups"] == []
+    reply = asked(keeping, query)
+    assert (reply.status, reply.said["ok"], reply.said["groups"]) == (200, False, [])
     play(keeping)
     body = asked(keeping, "/trends?lang=de").said["text"]
     told = asked(keeping, query).said["groups"]
