@@ -171,9 +171,9 @@ class Effect:
         every drive, drives that a tension loop trims, load cells (one by one, and
         all), the web, zones.
     accepts : every parameter; the keys are the only ones a declaration may give.
-    traced : the parameters tracing fits; others keep their default or one of their ``tries``.
+    fitted : the parameters tracing fits; others keep their default or one of their ``tries``.
     fitted_later : parameters fitted once the effect is there, where the record tells them.
-    traced_per_place : more of them where a location names several places (an S-wrap, ``all``),
+    fitted_per_place : more of them where a location names several places (an S-wrap, ``all``),
         ``{k}`` standing for the number of each but the first.
     apply : returns arrays with the effect added at the index of its place; the arrays given may
         be changed in place.
@@ -211,14 +211,14 @@ class Effect:
     place: PlaceKind
     candidates: Candidates
     accepts: Mapping[str, Parameter]
-    traced: tuple[str, ...]
+    fitted: tuple[str, ...]
     apply: Apply
     text: str
     shows: Signature | None
     remedy: str
     onset: Onset | None = None
     fitted_later: tuple[str, ...] = ()
-    traced_per_place: tuple[str, ...] = ()
+    fitted_per_place: tuple[str, ...] = ()
     forms: tuple[Form, ...] = ()
     run_out: RunOut | None = None
     experiment: Experiment | None = None

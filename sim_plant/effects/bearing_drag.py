@@ -69,7 +69,7 @@ EFFECT = Effect(
         "from_s": FROM,
         "hold_s": HOLD,
     },
-    traced=("constant_N_m",),
+    fitted=("constant_N_m",),
     apply=apply,
     limits=limits,
     text="a bearing turns hard: tension steps across the roller, with a slope over speed",

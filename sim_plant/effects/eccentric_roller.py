@@ -47,7 +47,7 @@ EFFECT = Effect(
             default=0.0, unit="kg", typical=5.0, low=0.0, high=1e4, linear=True, role="shape"
         ),
     },
-    traced=("cos_m", "sin_m"),
+    fitted=("cos_m", "sin_m"),
     quadratures=(PAIR,),
     apply=apply,
     text="a roller turns off its centre: ripple once per turn in both its spans",

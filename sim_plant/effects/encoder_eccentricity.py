@@ -54,7 +54,7 @@ EFFECT = Effect(
             tries=(0.0, 1.0),
         ),
     },
-    traced=("cos", "sin"),
+    fitted=("cos", "sin"),
     quadratures=(PAIR,),
     apply=apply,
     text="an encoder off its centre: its speed wobbles once per turn while the roller runs even",

@@ -28,7 +28,7 @@ EFFECT = Effect(
             default=0.0, unit="N", typical=2.0, low=-200.0, high=200.0, linear=True
         ),
     },
-    traced=("gain", "offset_N"),
+    fitted=("gain", "offset_N"),
     apply=apply,
     text="a load cell reads a wrong scale or zero: the loop holds the reading, not the tension",
     shows=None,

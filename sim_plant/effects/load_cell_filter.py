@@ -48,7 +48,7 @@ EFFECT = Effect(
         "corner_Hz": Parameter(default=0.0, unit="Hz", typical=3.0, low=0.0, high=200.0),
         "lag_s": Parameter(default=0.0, unit="s", typical=0.02, low=-0.1, high=2.0, linear=True),
     },
-    traced=("lag_s",),
+    fitted=("lag_s",),
     apply=apply,
     limits=limits,
     beside=beside,

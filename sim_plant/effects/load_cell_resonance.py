@@ -39,7 +39,7 @@ EFFECT = Effect(
             default=0.05, unit="1", typical=0.05, low=0.001, high=1.0, role="shape"
         ),
     },
-    traced=("frequency_Hz", "damping"),
+    fitted=("frequency_Hz", "damping"),
     apply=apply,
     text="a load cell rings on its mounts: one frequency is amplified in its reading",
     shows=None,

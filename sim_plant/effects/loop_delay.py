@@ -43,7 +43,7 @@ EFFECT = Effect(
             known_to="drive tick",  # scans and ticks are not in step: a correction waits up to one
         )  # the step is a whole number of any usual drive tick
     },
-    traced=("delay_s",),
+    fitted=("delay_s",),
     apply=apply,
     text="corrections reach their drive late: the tension loop rings more",
     shows=None,

@@ -62,8 +62,8 @@ EFFECT = Effect(
             for name in (pair.cos, pair.sin)
         },
     },
-    traced=("cos_N", "sin_N", "frequency_Hz"),
-    traced_per_place=("cos_{k}_N", "sin_{k}_N"),
+    fitted=("cos_N", "sin_N", "frequency_Hz"),
+    fitted_per_place=("cos_{k}_N", "sin_{k}_N"),
     quadratures=(PAIR, *OTHERS),
     pairs="cells",
     apply=apply,

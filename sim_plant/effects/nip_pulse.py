@@ -81,7 +81,7 @@ EFFECT = Effect(
         "amplitude_N": amplitude("N", 30.0, 5000.0),
         "angle_rad": angle(),
     },
-    traced=("cos_N", "sin_N", "nip_radius_m"),
+    fitted=("cos_N", "sin_N", "nip_radius_m"),
     quadratures=(PAIR,),
     apply=apply,
     text="a nip roller presses unevenly: its driven roller is braked once per turn of the nip",

@@ -377,7 +377,7 @@ EFFECT = Effect(
         ),
         **_components(),
     },
-    traced=tuple(name for pair in PAIRS[:TRACED_ORDER] for name in (pair.cos, pair.sin)),
+    fitted=tuple(name for pair in PAIRS[:TRACED_ORDER] for name in (pair.cos, pair.sin)),
     quadratures=PAIRS,
     apply=apply,
     limits=limits,

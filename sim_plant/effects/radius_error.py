@@ -35,7 +35,7 @@ EFFECT = Effect(
     accepts={
         "ratio": Parameter(default=1.0, unit="1", typical=1.002, low=0.8, high=1.25, linear=True)
     },
-    traced=("ratio",),
+    fitted=("ratio",),
     apply=apply,
     text="a drive believes a wrong radius or gear ratio: its roller runs fast or slow",
     shows=None,

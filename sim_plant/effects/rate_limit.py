@@ -82,7 +82,7 @@ EFFECT = Effect(
             tries=(LOOP, "correction", "reference"),
         ),
     },
-    traced=("slew_m_s2",),
+    fitted=("slew_m_s2",),
     apply=apply,
     text="a drive ramps its reference or its correction, or a tension loop its output: "
     "fast changes come out slower",

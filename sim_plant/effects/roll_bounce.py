@@ -74,7 +74,7 @@ EFFECT = Effect(
         "cosn_kg_m": component("kg m", 0.02, 2.0),
         "sinn_kg_m": component("kg m", 0.02, 2.0),
     },
-    traced=("cos1_kg_m", "sin1_kg_m", "cosn_kg_m", "sinn_kg_m", "frequency_Hz", "damping"),
+    fitted=("cos1_kg_m", "sin1_kg_m", "cosn_kg_m", "sinn_kg_m", "frequency_Hz", "damping"),
     fitted_later=("mass_kg",),  # how far a step of tension moves the roll tells it
     quadratures=(FIRST, OTHER),
     apply=apply,

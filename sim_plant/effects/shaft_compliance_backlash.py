@@ -60,7 +60,7 @@ EFFECT = Effect(
             default=0.5, unit="1", typical=0.5, low=0.05, high=0.95, role="shape"
         ),
     },
-    traced=("compliance_rad_N_m", "backlash_rad"),
+    fitted=("compliance_rad_N_m", "backlash_rad"),
     apply=apply,
     text="a drive shaft twists or has play: the motor runs ahead of its roller",
     shows=None,

@@ -48,7 +48,7 @@ EFFECT = Effect(
         "from_s": FROM,
         "hold_s": HOLD,
     },
-    traced=("slope_s_m", "threshold_m_s"),
+    fitted=("slope_s_m", "threshold_m_s"),
     apply=apply,
     text="the web slips on a driven roller above a speed: the tension it holds drops",
     shows=None,

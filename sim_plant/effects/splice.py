@@ -82,7 +82,7 @@ EFFECT = Effect(
             known_to="sample",
         ),
     },
-    traced=(),
+    fitted=(),
     apply=apply,
     text="from a splice on the web is another one: tensions change zone by zone as it passes",
     shows=None,

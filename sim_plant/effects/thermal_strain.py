@@ -50,7 +50,7 @@ EFFECT = Effect(
         "rise_s": RISE,
         "hold_s": HOLD,
     },
-    traced=("strain",),
+    fitted=("strain",),
     apply=apply,
     text="the web is warmer in a zone: it is longer without being pulled",
     shows=None,

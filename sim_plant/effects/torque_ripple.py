@@ -65,7 +65,7 @@ EFFECT = Effect(
         "amplitude_N_m": amplitude("N m", 0.2, 50.0),
         "angle_rad": angle(),
     },
-    traced=("cos_N_m", "sin_N_m"),
+    fitted=("cos_N_m", "sin_N_m"),
     quadratures=(PAIR,),
     apply=apply,
     text="a drive pushes unevenly over its turn: ripple at a fixed number per turn of that roller",

@@ -42,7 +42,7 @@ EFFECT = Effect(
         "cos_kg_m": component("kg m", 1e-3, 0.2),
         "sin_kg_m": component("kg m", 1e-3, 0.2),
     },
-    traced=("cos_kg_m", "sin_kg_m"),
+    fitted=("cos_kg_m", "sin_kg_m"),
     quadratures=(PAIR,),
     apply=apply,
     text="a measuring roller shakes its own cell once per turn, as speed squared",

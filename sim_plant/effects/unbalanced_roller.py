@@ -44,7 +44,7 @@ EFFECT = Effect(
         "cos_kg_m": component("kg m", 2e-3, 2.0),
         "sin_kg_m": component("kg m", 2e-3, 2.0),
     },
-    traced=("cos_kg_m", "sin_kg_m"),
+    fitted=("cos_kg_m", "sin_kg_m"),
     quadratures=(PAIR,),
     apply=apply,
     text="a body is heavier on one side: a torque once per turn that does not grow with speed",

@@ -37,7 +37,7 @@ EFFECT = Effect(
             tries=(0.1, 0.3, 1.0, 3.0),
         ),
     },
-    traced=("ratio", "time_s"),
+    fitted=("ratio", "time_s"),
     apply=apply,
     text="the web relaxes: tension creeps back after every change of strain",
     shows=None,

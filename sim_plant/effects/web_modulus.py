@@ -26,7 +26,7 @@ EFFECT = Effect(
     accepts={
         "factor": Parameter(default=1.0, unit="1", typical=0.9, low=0.3, high=3.0, linear=True)
     },
-    traced=("factor",),
+    fitted=("factor",),
     apply=apply,
     text="the web is stiffer or softer than declared: draw zones hold another tension",
     shows=None,

@@ -47,7 +47,7 @@ EFFECT = Effect(
             default=0.0, unit="1", typical=0.001, low=-0.02, high=0.02, linear=True
         )
     },
-    traced=("strain",),
+    fitted=("strain",),
     apply=apply,
     limits=limits,
     text="the roll was wound tighter or looser: it turns at another speed for the same web",

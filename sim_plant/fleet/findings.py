@@ -86,7 +86,7 @@ def findings_of(result: LookResult) -> Iterator[Finding]:
 
 def _effect(plain: Finding, found: EffectFinding, alike: Ambiguity | None) -> Finding:
     effect, place = BY_NAME[found.place.effect], found.place.location
-    number = next((q.amplitude for q in effect.quadratures if q.amplitude), effect.traced[0])
+    number = next((q.amplitude for q in effect.quadratures if q.amplitude), effect.fitted[0])
     low, high = found.interval95.get(number, (math.nan, math.nan))
     to_do, sure = effect.words(found.parameters)[1].format(place=place), "named"
     if alike is not None:

@@ -113,7 +113,7 @@ def _sizes(effect: Effect, chance: random.Random) -> dict[str, Value]:
     first = effect.quadratures[:1]
     by_angle = bool(first and first[0].amplitude)
     strong = [name for name, one in effect.accepts.items() if one.role == "strength"]
-    names = (first[0].amplitude, first[0].angle) if by_angle else (effect.traced or strong)
+    names = (first[0].amplitude, first[0].angle) if by_angle else (effect.fitted or strong)
     wanted = [name for name in names if not by_angle or name not in pairs]
     return {name: _drawn(effect.accepts[name], chance) for name in wanted}
 

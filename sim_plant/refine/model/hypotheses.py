@@ -166,19 +166,19 @@ def hypothesis(
     effect: Effect,
     location: str,
     choice: Sequence[tuple[str, Value]] = (),
-    traced: Sequence[str] | None = None,
+    fitted: Sequence[str] | None = None,
     line: Declaration | None = None,
 ) -> Hypothesis:
     """Return one hypothesis; ``choice`` fixes options and replaces values to start from.
 
-    ``traced`` are the parameters to fit in place of those that the effect names. With ``line`` the
+    ``fitted`` are the parameters to fit in place of those that the effect names. With ``line`` the
     bounds are narrowed to what is possible at this place of this line.
     """
     picked = dict(choice)
-    wanted = list(traced or effect.traced)
-    if line is not None and not traced and effect.traced_per_place:
+    wanted = list(fitted or effect.fitted)
+    if line is not None and not fitted and effect.fitted_per_place:
         places = len(places_of(line, effect, location, effect.name))
-        wanted += [n.format(k=k) for k in range(1, places) for n in effect.traced_per_place]
+        wanted += [n.format(k=k) for k in range(1, places) for n in effect.fitted_per_place]
     names = [n for n in wanted if n in effect.accepts and effect.accepts[n].role != "option"]
     names.sort(key=lambda n: effect.accepts[n].role != "strength")
     fixed = tuple((n, v) for n, v in picked.items() if n not in names)
@@ -248,7 +248,7 @@ def library(
     known = [
         hypothesis(effect, location, choice, line=line)
         for effect in CATALOGUE
-        if effect.name not in without and effect.traced
+        if effect.name not in without and effect.fitted
         for location in candidate_locations(line, effect)
         for choice in variants(effect)
         if _possible(line, effect, location, choice)

@@ -113,7 +113,7 @@ def stages_of_orders(effect: Effect) -> list[tuple[str, ...]]:
     And so on, each order once, up to the last that the effect has; a cosine and a sine of each.
     """
     pairs = effect.quadratures
-    ends = [sum(1 for pair in pairs if pair.cos in effect.traced)]
+    ends = [sum(1 for pair in pairs if pair.cos in effect.fitted)]
     while 0 < ends[-1] < len(pairs):
         ends.append(min(2 * ends[-1], len(pairs)))
     return [

@@ -71,8 +71,8 @@ def test_a_location_that_does_not_exist_is_refused(row: Effect) -> None:
 @pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
 def test_what_tracing_reads_is_consistent(row: Effect) -> None:
     forms = row.onset.forms if row.onset is not None else ()
-    assert {*row.traced, *(name for form in forms for name in form)} <= set(row.accepts)
-    assert row.traced or forms
+    assert {*row.fitted, *(name for form in forms for name in form)} <= set(row.accepts)
+    assert row.fitted or forms
     if row.onset is not None:
         assert row.onset.moment in row.accepts
         assert {name for name, _ in (*row.onset.fixed, *row.onset.grid)} <= set(row.accepts)
@@ -128,9 +128,9 @@ def test_names_beside_the_parameters_are_names_of_parameters(row: Effect) -> Non
     for name in row.fitted_later:  # the one try is what it is until a record tells
         assert row.accepts[name].role == "shape"
         assert len(row.accepts[name].tries) == 1
-        assert name not in row.traced
+        assert name not in row.fitted
     if row.profiles is not None:
-        assert {row.profiles.size, row.profiles.age} <= set(row.accepts) - set(row.traced)
+        assert {row.profiles.size, row.profiles.age} <= set(row.accepts) - set(row.fitted)
     if row.name_in_version_1:
         assert set(row.accepts) <= set(BY_NAME[row.name_in_version_1].accepts)
 
@@ -153,7 +153,7 @@ def test_a_parameter_called_linear_moves_the_record_in_proportion(
     place = candidate_locations(euclid(), row)[-1]
     parameter = row.accepts[name]
     beside = {k: p.tries[0] for k, p in row.accepts.items() if p.tries and p.role != "strength"}
-    short = SHORT if row.traced else PASSING
+    short = SHORT if row.fitted else PASSING
     reference = (
         run(effect(row.name, place, **beside), **short) if beside or short != SHORT else bare
     )

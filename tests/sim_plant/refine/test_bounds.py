@@ -76,7 +76,7 @@ def test_a_bearing_drags_no_more_than_the_web_at_its_tension_can_turn():
 
 @pytest.mark.parametrize(("roll", "low", "high"), [("unwind", 0.0, 0.05), ("rewind", -0.05, 0.0)])
 def test_a_roll_that_unwinds_was_never_smaller_and_one_that_winds_up_never_larger(roll, low, high):
-    h = hypothesis(BY_NAME["out_of_round_roll"], roll, traced=("unwound_m",), line=LINE)
+    h = hypothesis(BY_NAME["out_of_round_roll"], roll, fitted=("unwound_m",), line=LINE)
     assert (h.low, h.high) == ((low,), (high,))
 
 

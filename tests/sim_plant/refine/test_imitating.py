@@ -18,7 +18,7 @@ from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, one_peak, q
 
 SAMPLES = 2000
 DRAGS = [
-    hypothesis(BY_NAME["bearing_drag"], place, traced=("constant_N_m", "from_s"), line=LINE)
+    hypothesis(BY_NAME["bearing_drag"], place, fitted=("constant_N_m", "from_s"), line=LINE)
     for place in ("R5", "R7")
 ]
 

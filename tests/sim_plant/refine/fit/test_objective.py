@@ -65,7 +65,7 @@ def snapshot(objective):
 
 
 def filtered(lag_s):
-    h = hypothesis(BY_NAME["load_cell_filter"], "R9", traced=("lag_s",))
+    h = hypothesis(BY_NAME["load_cell_filter"], "R9", fitted=("lag_s",))
     return Case(effects=(h.added([lag_s]),))
 
 

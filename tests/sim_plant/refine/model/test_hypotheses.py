@@ -14,7 +14,7 @@ LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
 
 def test_every_effect_is_tried_and_one_can_be_left_out():
     names = {h.effect.name for h in library(LINE)}
-    assert names == {effect.name for effect in CATALOGUE if effect.traced}
+    assert names == {effect.name for effect in CATALOGUE if effect.fitted}
     assert "slip" not in {h.effect.name for h in library(LINE, ["slip"])}
 
 
