@@ -11,13 +11,13 @@ from aff_runtime.base.printable import printable
 from aff_runtime.base.refinement import Lacking, RecordLacks
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration
-from sim_plant.refine.model.record_match import limits, twin_of
-from sim_plant.refine.model.run_limits import lines_of, run_limits, shared
+from sim_plant.refine.model.record_match import record_caveats, twin_of
+from sim_plant.refine.model.run_caveats import lines_of, run_caveats, shared
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Recording
-from sim_plant.refine.report.announce import holdout_limits, shared_angle
+from sim_plant.refine.report.announce import holdout_caveats, shared_angle
 from sim_plant.refine.report.folder import check_apart
 from sim_plant.refine.report.outcome import Plan
 
@@ -40,14 +40,14 @@ def lacking(plan: Plan, line: Declaration) -> Lacking:
             found.append(record)
             rows.append(_row(record, twin, is_held=is_held))
     together = _given_twice(fitted, held) or shared(fitted, held)
-    together += [*shared_angle(fitted), *holdout_limits(held), *lines_of((*fitted, *held))]
+    together += [*shared_angle(fitted), *holdout_caveats(held), *lines_of((*fitted, *held))]
     return Lacking(records=tuple(rows), together=tuple(together))
 
 
-def limits_of(known: Sequence[tuple[Recording, Twin]]) -> list[str]:
+def caveats_of(known: Sequence[tuple[Recording, Twin]]) -> list[str]:
     """Return what cannot be claimed from records and their twins, each sentence once."""
-    said = [text for _, twin in known for text in limits(twin)]
-    said += [text for record, twin in known for text in run_limits(record, twin)]
+    said = [text for _, twin in known for text in record_caveats(twin)]
+    said += [text for record, twin in known for text in run_caveats(record, twin)]
     return list(dict.fromkeys(said))
 
 
@@ -60,7 +60,7 @@ def _row(record: Recording, twin: Twin, *, is_held: bool) -> RecordLacks:
         speed_m_s=_ends(twin.speed_m_s),
         tension_N=_ends(twin.tension_N),
         radius_m=twin.declaration.initial_radii_m.unwind,
-        lacks=tuple(text.removeprefix(own) for text in limits_of([(record, twin)])),
+        lacks=tuple(text.removeprefix(own) for text in caveats_of([(record, twin)])),
         said=tuple(map(printable, record.findings)),
     )
 

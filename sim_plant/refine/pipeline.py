@@ -24,11 +24,11 @@ from sim_plant.refine.judge.refutation import (
     takes_little,
 )
 from sim_plant.refine.judge.rest_shown import rest_in_floors, rest_shown
-from sim_plant.refine.lacking import limits_of
+from sim_plant.refine.lacking import caveats_of
 from sim_plant.refine.model.asked import asked_by
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_limits import lines_of, shared
+from sim_plant.refine.model.run_caveats import lines_of, shared
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case, Twin
@@ -36,7 +36,7 @@ from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.aff_block import started_blocks, write_block
 from sim_plant.refine.report.amend import write_amended
-from sim_plant.refine.report.announce import announce, holdout_limits, shared_angle
+from sim_plant.refine.report.announce import announce, holdout_caveats, shared_angle
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
 from sim_plant.refine.report.outcome import Begun, Outcome, Plan
@@ -81,12 +81,12 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     check_folder(plan)
     site = SiteFile.read(plan.site) if plan.site is not None else None
     fitted, held = read_all(plan, line.declaration)
-    limits = limits_of([(f.record, f.twin) for f in fitted])
-    limits += shared_angle([f.record for f in fitted])
-    limits += holdout_limits([h.record for h in held])
+    caveats = caveats_of([(f.record, f.twin) for f in fitted])
+    caveats += shared_angle([f.record for f in fitted])
+    caveats += holdout_caveats([h.record for h in held])
     records = tuple(recorded.record for recorded in (*fitted, *held))
-    limits += [*shared([r.record for r in fitted], [h.record for h in held]), *lines_of(records)]
-    announce(limits, records, progress)
+    caveats += [*shared([r.record for r in fitted], [h.record for h in held]), *lines_of(records)]
+    announce(caveats, records, progress)
     selection = find(fitted, plan.without, plan.workers, progress)
     if selection.corrections:
         progress(f"{len(selection.corrections)} declared numbers estimated anew with the effects")
@@ -95,13 +95,13 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     evaluation = judge(judged, selection, plan.workers, progress, held_out=bool(held))
     against = denied(selection, evaluation) if held else ""
     if against:
-        limits.append(not_confirmed(selection, judged.record, against))
-        progress(limits[-1])
+        caveats.append(not_confirmed(selection, judged.record, against))
+        progress(caveats[-1])
         selection, evaluation = withdrawn(selection), as_declared(evaluation)
     if held:
         claimed = without_imitations(judged, selection, evaluation, plan.workers, progress)
         selection, evaluation = claimed.selection, claimed.evaluation
-        limits += claimed.said
+        caveats += claimed.said
     verdict = verdict_of(
         selection,
         evaluation,
@@ -113,7 +113,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         line=line,
         declared=fitted[0].twin.declaration,
         records=records,
-        limits=tuple(limits),
+        caveats=tuple(caveats),
         selection=selection,
         evaluation=evaluation,
         verdict=verdict,

@@ -7,7 +7,7 @@ __all__ = [
     "nuisances",
     "parameter_effects",
     "record_match",
-    "run_limits",
+    "run_caveats",
     "run_match",
     "simulation_pool",
     "site_match",

@@ -257,7 +257,7 @@ def _compare_angle(record: Recording, name: str, expected: Array) -> None:
         )
 
 
-def limits(twin: Twin) -> list[str]:
+def record_caveats(twin: Twin) -> list[str]:
     """Return what cannot be claimed from this record, as sentences."""
     sentences = []
     angles = [c for c in twin.channels if c.endswith("_angle_rad")]

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterable, Sequence
 from sim_plant.refine.records.recording import Recording
 
 
-def holdout_limits(held: Sequence[Recording]) -> list[str]:
+def holdout_caveats(held: Sequence[Recording]) -> list[str]:
     """Return what the number of held-out records keeps from being claimed, as sentences."""
     if not held:
         return ["no held-out record: the error after is that of the record fitted"]
@@ -31,10 +31,10 @@ def shared_angle(fitted: Sequence[Recording]) -> list[str]:
 
 
 def announce(
-    limits: Iterable[str], records: Iterable[Recording], progress: Callable[[str], None]
+    caveats: Iterable[str], records: Iterable[Recording], progress: Callable[[str], None]
 ) -> None:
     """Say what cannot be claimed and what was found about every record."""
-    for text in limits:
+    for text in caveats:
         progress(f"cannot be claimed: {text}")
     for record in records:
         for text in record.findings:

@@ -72,7 +72,7 @@ class Outcome:
     ----------
     line : the line file.
     declared : the line as it was when the first record fitted began: its effects as they stood.
-    limits : what cannot be claimed, as sentences.
+    caveats : what cannot be claimed, as sentences.
     begun : where what was found, or is unknown, begins; None where nothing has a moment.
     proposal : the site file with the AFF blocks, where one was given and there are blocks.
     """
@@ -81,7 +81,7 @@ class Outcome:
     line: LineFile
     declared: Declaration
     records: tuple[Recording, ...]
-    limits: tuple[str, ...]
+    caveats: tuple[str, ...]
     selection: Selection
     evaluation: Evaluation
     verdict: Verdict

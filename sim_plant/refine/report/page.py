@@ -137,7 +137,7 @@ def next_of(outcome: Outcome) -> str:
         {b.roll: actuators_for(b.roll, outcome.line.declaration) for b in blocks_of(outcome)},
         above_noise(judged, channels_by_error(judged)),
         [row.name for row in shifts_of(outcome) if row.is_outside],
-        outcome.limits,
+        outcome.caveats,
     )
 
 
@@ -197,7 +197,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         verdict=verdict,
         rows=error_rows(judged),
         command=command,
-        limits=outcome.limits,
+        caveats=outcome.caveats,
         records=outcome.records,
         held=outcome.plan.holdout,
         judged=outcome.judged.path.name,

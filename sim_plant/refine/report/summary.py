@@ -46,7 +46,7 @@ def summary(outcome: Outcome) -> Summary:
             )
             for row in error_rows(judged)
         ),
-        limits=outcome.limits,
+        limits=outcome.caveats,
         judged_on=outcome.judged.path.name,
         held_out=bool(held),
         site_said=outcome.proposal.said if outcome.proposal is not None else (),

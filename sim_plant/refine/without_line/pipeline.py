@@ -11,7 +11,7 @@ from jinja2 import Environment, PackageLoader
 from scipy.interpolate import make_interp_spline
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.report.announce import announce, holdout_limits
+from sim_plant.refine.report.announce import announce, holdout_caveats
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
 from sim_plant.refine.report.verdict import ChannelError
 from sim_plant.refine.search.candidate import Progress
@@ -46,7 +46,7 @@ NO_TRAVEL = (
 NO_INPUTS = "no inputs are declared: nothing is explained but zero, drift and lines"
 
 
-def limits_of(declaration: RecordDeclaration) -> list[str]:
+def caveats_of(declaration: RecordDeclaration) -> list[str]:
     """Return what cannot be claimed without a line, as sentences."""
     sentences = ["no line declaration: no place can be named, a line is named by its coordinate"]
     if declaration.travel_speed is None:
@@ -94,8 +94,8 @@ def refine_records(
     everything = [s.record for s in stamped]
     records, held = everything[: len(plan.records)], everything[len(plan.records) :]
     check_apart(records, held)
-    limits = [*limits_of(declaration), *holdout_limits(held)]
-    announce(limits, everything, progress)
+    caveats = [*caveats_of(declaration), *holdout_caveats(held)]
+    announce(caveats, everything, progress)
     at = len(records) if held else 0
     outputs = [
         _output(declaration, name, stamped[: len(records)], stamped[at], progress)
@@ -117,7 +117,7 @@ def refine_records(
     verdict = RecordVerdict(
         unknown=tuple(machine),
         clocks=(*(x for x in lines if x.clock), *clocks(items)),
-        not_claimed=(*limits, *(text for o in outputs for text in o.refused)),
+        not_claimed=(*caveats, *(text for o in outputs for text in o.refused)),
         holdout=str((plan.holdout or plan.records)[0]),
         general=tuple(x for o in outputs for x in o.found),
         residual_rms={o.name: _error(o, left) for o, left in zip(outputs, left_over, strict=True)},

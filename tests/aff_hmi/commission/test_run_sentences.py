@@ -18,16 +18,16 @@ from aff_hmi.words import say_in
 from aff_runtime.app.commission import maintenance_jobs, refine_jobs
 from aff_runtime.app.commission.refine_views import AskedOf, RefinedRow, RefinedView
 from aff_runtime.base.refinement import Summary
-from sim_plant.refine.model import record_match, run_limits
+from sim_plant.refine.model import record_match, run_caveats
 from sim_plant.refine.report import announce
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 LACKS: tuple[Any, ...] = (
-    record_match.limits,
-    run_limits.run_limits,
-    run_limits.lines_of,
-    run_limits._cost,
-    announce.holdout_limits,
+    record_match.record_caveats,
+    run_caveats.run_caveats,
+    run_caveats.lines_of,
+    run_caveats._cost,
+    announce.holdout_caveats,
 )
 AGAINST = (
     refine_jobs.NO_LINE,

@@ -8,7 +8,12 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
 from sim_plant.line.declaration import DriveSpeed, RollAngle, RollRadius
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.model.record_match import declaration_for, limits, sidecar_of, twin_of
+from sim_plant.refine.model.record_match import (
+    declaration_for,
+    record_caveats,
+    sidecar_of,
+    twin_of,
+)
 from sim_plant.refine.records.recording import Recording
 from tests import quick_yaml
 
@@ -154,7 +159,7 @@ def test_a_correction_of_a_number_that_no_line_has_is_refused_with_its_file(tmp_
 
 
 def test_one_speed_only_is_said():
-    assert any("one speed only" in text for text in limits(twin_of(LINE, record())))
+    assert any("one speed only" in text for text in record_caveats(twin_of(LINE, record())))
 
 
 @pytest.mark.parametrize("name", ["line_speed_ref_m_s", "unwind_tension_N"])

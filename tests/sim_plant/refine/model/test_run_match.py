@@ -10,7 +10,7 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_limits import run_limits
+from sim_plant.refine.model.run_caveats import run_caveats
 from sim_plant.refine.model.run_match import mean_over_row, run_on_line
 from sim_plant.refine.records.recording import Recording
 from sim_plant.servers.map_file import load_plc_map
@@ -159,7 +159,7 @@ def test_without_one_the_speed_stands_in_at_the_level_of_a_driven_rollers_turns(
     assert record.columns["line_speed_ref_m_s"] == pytest.approx(
         np.full(ROWS, SPEED_M_S), rel=1e-9
     )
-    (text,) = [t for t in run_limits(record, twin_of(LINE, record)) if "speed reference" in t]
+    (text,) = [t for t in run_caveats(record, twin_of(LINE, record)) if "speed reference" in t]
     assert "at which of several like idlers of a zone an effect sits is not told" in text
 
 

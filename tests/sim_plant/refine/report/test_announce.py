@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.records.recording import Recording
-from sim_plant.refine.report.announce import announce, holdout_limits, shared_angle
+from sim_plant.refine.report.announce import announce, holdout_caveats, shared_angle
 
 
 def record(name, *findings):
@@ -22,11 +22,11 @@ def record(name, *findings):
     ],
 )
 def test_the_number_of_held_out_records_limits_what_can_be_claimed(held, said):
-    assert holdout_limits([record(name) for name in held]) == [said]
+    assert holdout_caveats([record(name) for name in held]) == [said]
 
 
 def test_one_held_out_record_limits_nothing():
-    assert holdout_limits([record("h.csv")]) == []
+    assert holdout_caveats([record("h.csv")]) == []
 
 
 def test_several_fitted_records_have_one_start_angle_and_the_page_says_so():
@@ -36,7 +36,7 @@ def test_several_fitted_records_have_one_start_angle_and_the_page_says_so():
     assert said.endswith("give one of them, and hold another out")
 
 
-def test_limits_are_said_first_then_what_is_odd_about_each_record():
+def test_caveats_are_said_first_then_what_is_odd_about_each_record():
     said = []
     announce(["one speed only"], [record("a.csv", "2 spikes"), record("b.csv")], said.append)
     assert said == ["cannot be claimed: one speed only", "a.csv: 2 spikes"]

@@ -69,7 +69,7 @@ def outcome(folder, accepted=(), corrections=None, after=(1.0, 1.0, 9.0)):
         line=load_line(LINE_FILE),
         declared=LINE,
         records=(record("a.csv", 0.5, 1.0), record("b.csv", 0.7, 1.4)),
-        limits=("a wrong scale of a load cell",),
+        caveats=("a wrong scale of a load cell",),
         selection=selection,
         evaluation=judged,
         verdict=verdict_of(selection, judged, "b.csv"),

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_limits import lines_of, run_limits, shared
+from sim_plant.refine.model.run_caveats import lines_of, run_caveats, shared
 from sim_plant.refine.model.run_match import run_on_line
 from tests.sim_plant.refine.model.made_run import LINE, ROWS, actuator, run
 
@@ -45,7 +45,7 @@ def test_windows_of_one_run_that_overlap_are_named_and_others_are_not():
 def test_what_the_window_lacks_is_said_with_what_it_costs():
     thin = LINE.model_copy(update={"web": LINE.web.model_copy(update={"thickness_m": 1e-5})})
     record = run_on_line(thin, run({"t_ref_N": np.full(ROWS, 88.0)}))
-    said = " | ".join(run_limits(record, twin_of(thin, record)))
+    said = " | ".join(run_caveats(record, twin_of(thin, record)))
     assert "no step of the tension reference" in said
     assert "not recorded: pullroll_tension_N, r3_tension_N" in said
     # no tension between the follower and the pull roll, nor between that and the rewind
@@ -64,7 +64,7 @@ def test_a_delay_that_is_not_recorded_is_said_by_whatever_name_the_actuator_has(
     record = run(columns, actuators={name: actuator(suffix=suffix, roll=roll)})
     known = {name: False}
     record = run_on_line(LINE, replace(record, run=replace(record.run, delivery_known=known)))
-    said = [text for text in run_limits(record, twin_of(LINE, record)) if "acted is not" in text]
+    said = [text for text in run_caveats(record, twin_of(LINE, record)) if "acted is not" in text]
     assert [text.split(": ")[1] for text in said] == [
         f"when a correction of {name} acted is not recorded, the usual delay is taken"
     ]

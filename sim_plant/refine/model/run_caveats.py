@@ -19,7 +19,7 @@ from sim_plant.refine.records.recording import Recording
 MODEL = CRITERIA.model
 
 
-def run_limits(record: Recording, twin: Twin) -> list[str]:
+def run_caveats(record: Recording, twin: Twin) -> list[str]:
     """Return what this part of a run lacks, as sentences; none for a record that is no run's."""
     if record.run is None:
         return []
