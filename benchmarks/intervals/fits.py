@@ -101,7 +101,7 @@ def fitted(case: Case, folder: Path) -> tuple[Objective, Selection] | None:
         rejected=(),
     )
     return objective, Selection(
-        nominal=nominal, fit=fit, travels=(), before=(), after=(), accepted=(accepted,)
+        nominal=nominal, fit=fit, record_axes=(), before=(), after=(), accepted=(accepted,)
     )
 
 

@@ -15,7 +15,8 @@ from sim_plant.refine.fit.start_angles import costs_of
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel
-from sim_plant.refine.spectra.onset_filter import best_moments, moment_axis, parts_of, resampled
+from sim_plant.refine.spectra.moment_axis import moment_axis, parts_of, resampled
+from sim_plant.refine.spectra.onset_filter import best_moments
 
 EVENTS = CRITERIA.search.events
 FINEST = (-0.02, -0.01, 0.0, 0.01, 0.02)

@@ -8,7 +8,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.judge.refutation import STATES, left
 from sim_plant.refine.model.twin import Case, Twin
-from sim_plant.refine.spectra.coordinates import spectra, travel_of
+from sim_plant.refine.spectra.coordinates import axes_of, spectra
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 
@@ -20,10 +20,8 @@ def rest_shown(twin: Twin, evaluation: Evaluation) -> tuple[tuple[SpectralLines,
     """
     _, white = rest_in_floors(evaluation)
     white = white - white.mean(axis=1, keepdims=True)
-    travel = travel_of(
-        twin, evaluation.measured, Case(effects=evaluation.effects), evaluation.first
-    )
-    return tuple(spectra(travel, white)), left(evaluation) * white.size
+    axes = axes_of(twin, evaluation.measured, Case(effects=evaluation.effects), evaluation.first)
+    return tuple(spectra(axes, white)), left(evaluation) * white.size
 
 
 def rest_in_floors(evaluation: Evaluation) -> tuple[list[str], Array]:

@@ -31,7 +31,7 @@ from sim_plant.refine.report.verdict import (
     Verdict,
 )
 from sim_plant.refine.search.selection import AcceptedEffect, Ranges, Selection
-from sim_plant.refine.spectra.onset_filter import moment_axis
+from sim_plant.refine.spectra.moment_axis import moment_axis
 
 Fitted = tuple[str, Twin]
 """A record that was fitted: its file name, and its twin."""

@@ -162,7 +162,7 @@ class Shown:
 
 def overlays(outcome: Outcome) -> list[Shown]:
     """Return what begins where it does, and the record judged where it is worst."""
-    judged, step_s = outcome.evaluation, outcome.selection.travels[0].sample_time_s
+    judged, step_s = outcome.evaluation, outcome.selection.record_axes[0].sample_time_s
     shown = []
     if outcome.begun is not None:
         at, found = outcome.begun.moment, outcome.begun.evaluation
@@ -183,7 +183,7 @@ def _span(record: str, part: slice, step_s: float) -> str:
 def write_report(outcome: Outcome, command: str, amended: Path | None, block: Path | None) -> Path:
     """Write ``report.html``; return its path."""
     judged, selection = outcome.evaluation, outcome.selection
-    verdict, step_s = outcome.verdict, selection.travels[0].sample_time_s
+    verdict, step_s = outcome.verdict, selection.record_axes[0].sample_time_s
     is_amended, shifts = outcome.is_amended, shifts_of(outcome)
     template = Environment(
         loader=PackageLoader("sim_plant.refine.report", "."), autoescape=True

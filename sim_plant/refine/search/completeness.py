@@ -10,7 +10,7 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import sure_fall
 from sim_plant.refine.search.unexplained import strongest_peak
-from sim_plant.refine.spectra.coordinates import Travel, is_periodic, periodic_support, spectra
+from sim_plant.refine.spectra.coordinates import RecordAxes, is_periodic, periodic_support, spectra
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 COMPLETENESS = CRITERIA.search.completeness
@@ -26,18 +26,20 @@ def sure_excess(objective: Objective) -> float:
     return COMPLETENESS.sure_sd * objective.cost_standard_deviation
 
 
-def remaining_spectra(objective: Objective, fit: Fit, travels: Sequence[Travel]) -> Spectra:
+def remaining_spectra(
+    objective: Objective, fit: Fit, record_axes: Sequence[RecordAxes]
+) -> Spectra:
     """Return the spectra of free spectral lines in a fit's residual, per record.
 
     Coarse words are left out: their steps pass at a rate of their own, a spectral line that no
     effect causes.
     """
-    rows = zip(travels, objective.split(fit.residual), objective.whitening.noise, strict=True)
-    return tuple(tuple(spectra(travel, part[noise.analogue])) for travel, part, noise in rows)
+    rows = zip(record_axes, objective.split(fit.residual), objective.whitening.noise, strict=True)
+    return tuple(tuple(spectra(axes, part[noise.analogue])) for axes, part, noise in rows)
 
 
 def explains_own_spectral_lines(
-    objective: Objective, base: Fit, before: Spectra, travels: Sequence[Travel], fit: Fit
+    objective: Objective, base: Fit, before: Spectra, record_axes: Sequence[RecordAxes], fit: Fit
 ) -> bool:
     """Return whether the effects that ``fit`` adds to ``base`` explain their own spectral lines.
 
@@ -47,16 +49,16 @@ def explains_own_spectral_lines(
     """
     chi2_reduction = base.cost - fit.cost
     fresh = fit.hypotheses[len(base.hypotheses) :]
-    periodic = [h for h in fresh if periodic_support(h, travels[0], before[0]) is not None]
+    periodic = [h for h in fresh if periodic_support(h, record_axes[0], before[0]) is not None]
     if not periodic:
         sure = objective.excess(base.cost, base.residual) - sure_excess(objective)
         peak = strongest_peak(before)[2] - NOISE_PEAK
         needed = max(COMPLETENESS.explained_share * peak, COMPLETENESS.fair_share * sure)
         return sure_fall(objective, base, fit) > needed
-    left = remaining_spectra(objective, fit, travels)
+    left = remaining_spectra(objective, fit, record_axes)
     for h in periodic:
-        peak = _strongest_support(h, travels, before)
-        rest = _strongest_support(h, travels, left)
+        peak = _strongest_support(h, record_axes, before)
+        rest = _strongest_support(h, record_axes, left)
         partly = (
             chi2_reduction < COMPLETENESS.explained_share * (peak - NOISE_PEAK)
             or rest > COMPLETENESS.left_share * peak
@@ -67,17 +69,17 @@ def explains_own_spectral_lines(
 
 
 def left_at_own_line(
-    objective: Objective, fit: Fit, travels: Sequence[Travel], h: Hypothesis
+    objective: Objective, fit: Fit, record_axes: Sequence[RecordAxes], h: Hypothesis
 ) -> float:
     """Return how much of the spectral line of one of its effects a fit leaves (chi2).
 
     Less what noise leaves in the mean; 0 of an effect without a line, or where no more is left.
     """
-    if not travels or not is_periodic(h):
+    if not record_axes or not is_periodic(h):
         return 0.0
-    left = remaining_spectra(objective, fit, travels)
+    left = remaining_spectra(objective, fit, record_axes)
     noise = max(line.degrees for record in left for line in record)
-    return max(0.0, _strongest_support(h, travels, left) - noise)
+    return max(0.0, _strongest_support(h, record_axes, left) - noise)
 
 
 def leaves_much(objective: Objective, base: Fit, fit: Fit) -> bool:
@@ -89,6 +91,8 @@ def leaves_much(objective: Objective, base: Fit, fit: Fit) -> bool:
     return left > COMPLETENESS.twins_left_share * (base.cost - fit.cost)
 
 
-def _strongest_support(h: Hypothesis, travels: Sequence[Travel], spectra: Spectra) -> float:
-    rows = zip(travels, spectra, strict=True)
-    return max(periodic_support(h, travel, record) or 0.0 for travel, record in rows)
+def _strongest_support(
+    h: Hypothesis, record_axes: Sequence[RecordAxes], spectra: Spectra
+) -> float:
+    rows = zip(record_axes, spectra, strict=True)
+    return max(periodic_support(h, axes, record) or 0.0 for axes, record in rows)

@@ -19,7 +19,7 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import Candidate, bic_penalty
 from sim_plant.refine.search.screening import sensitivities
-from sim_plant.refine.spectra.coordinates import Travel, wavenumbers_1_m
+from sim_plant.refine.spectra.coordinates import RecordAxes, wavenumbers_1_m
 
 DEGENERACY = CRITERIA.search.degeneracy
 
@@ -27,7 +27,7 @@ DEGENERACY = CRITERIA.search.degeneracy
 def better_pair(
     objective: Objective,
     fit: Fit,
-    travel: Travel,
+    axes: RecordAxes,
     chosen: Hypothesis,
     candidates: Sequence[Candidate],
 ) -> tuple[EffectAt, ...]:
@@ -37,7 +37,7 @@ def better_pair(
     are first looks at ``fit``.
     """
     alone = [c for c in candidates if c.hypothesis.key == chosen.key]
-    others = [c.hypothesis for c in candidates if same_wavenumbers(travel, chosen, c.hypothesis)]
+    others = [c.hypothesis for c in candidates if same_wavenumbers(axes, chosen, c.hypothesis)]
     others = others[: DEGENERACY.most_places]
     if not alone or len(others) < 2:
         return ()
@@ -50,7 +50,7 @@ def better_pair(
     return tuple(others[k].key for k in pair) if best > alone[0].score else ()
 
 
-def same_wavenumbers(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
+def same_wavenumbers(axes: RecordAxes, chosen: Hypothesis, h: Hypothesis) -> bool:
     """Return whether ``h`` is the same effect elsewhere with the same spectral lines of travel."""
     if h.effect.name != chosen.effect.name or h.location == chosen.location:
         return False
@@ -60,7 +60,7 @@ def same_wavenumbers(travel: Travel, chosen: Hypothesis, h: Hypothesis) -> bool:
         or "all" in (h.location, chosen.location)
     ):
         return False
-    ours, theirs = (np.array(wavenumbers_1_m(x, travel)) for x in (chosen, h))
+    ours, theirs = (np.array(wavenumbers_1_m(x, axes)) for x in (chosen, h))
     return ours.shape == theirs.shape and bool(
         np.all(abs(theirs / ours - 1.0) < DEGENERACY.same_coordinate_share)
     )

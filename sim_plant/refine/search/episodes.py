@@ -22,13 +22,13 @@ from sim_plant.refine.model.hypotheses import Hypothesis, StartValues
 from sim_plant.refine.search.candidate import Candidate
 from sim_plant.refine.search.distinct_events import moment_of
 from sim_plant.refine.search.shifted_responses import lasting_response
-from sim_plant.refine.spectra.onset_filter import Axis, later
+from sim_plant.refine.spectra.moment_axis import MomentAxis, shifted
 
 EVENTS = CRITERIA.search.events
 
 
 def ended_again(
-    objective: Objective, axis: Axis, shown: Sequence[Candidate], residual: Array
+    objective: Objective, axis: MomentAxis, shown: Sequence[Candidate], residual: Array
 ) -> list[Candidate]:
     """Return the best episode of the record for each place in ``shown``.
 
@@ -100,12 +100,12 @@ def _best_pair(
     record = h.record or 0
     step_s = objective.pool.twins[record].declaration.sample_time_s
 
-    def shifted(shift_s: float) -> list[Array]:
+    def begun_later(shift_s: float) -> list[Array]:
         moved = list(change)
-        moved[record] = later(change[record], round(shift_s / step_s))
+        moved[record] = shifted(change[record], round(shift_s / step_s))
         return moved
 
-    columns = objective.whitened_all([shifted(float(s)) for s in (*begins, *ends)])
+    columns = objective.whitened_all([begun_later(float(s)) for s in (*begins, *ends)])
     inner = objective.projector.inner(residual, columns)
     at = begins.size
     return _best_of_pairs(inner, begins, ends, slice(None, at), slice(at, None))[:2]

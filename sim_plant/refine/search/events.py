@@ -25,13 +25,8 @@ from sim_plant.refine.search.episodes import best_episodes, ended_again
 from sim_plant.refine.search.like_idlers import LikeIdlers
 from sim_plant.refine.search.screening import sensitivities, sure_look
 from sim_plant.refine.search.shifted_responses import hypothesis_beginning_at, response_begun_at
-from sim_plant.refine.spectra.onset_filter import (
-    Axis,
-    best_moments,
-    moment_axis,
-    parts_of,
-    resampled,
-)
+from sim_plant.refine.spectra.moment_axis import MomentAxis, moment_axis, parts_of, resampled
+from sim_plant.refine.spectra.onset_filter import best_moments
 
 EVENTS = CRITERIA.search.events
 Start = tuple[float, ...]
@@ -58,7 +53,9 @@ def event_candidates(
         noise = objective.whitening.noise[record]
         white = white[noise.analogue]  # steps of coarse words wander, like an event
         units = {onset.unit for h in group if (onset := h.effect.onset) is not None}
-        axes: dict[str, Axis] = {unit: moment_axis(twin, noise.first, unit) for unit in units}
+        axes: dict[str, MomentAxis] = {
+            unit: moment_axis(twin, noise.first, unit) for unit in units
+        }
         on_grid = {unit: resampled(white, a.moments, a.grid) for unit, a in axes.items()}
         seen = [
             c
@@ -139,7 +136,7 @@ def _by_matched_filter(
     objective: Objective,
     fit: Fit,
     h: Hypothesis,
-    axes: Mapping[str, Axis],
+    axes: Mapping[str, MomentAxis],
     on_grid: Mapping[str, Array],
 ) -> list[Candidate]:
     """Return the best moments of one effect, by a response simulated once per part of the axis."""
@@ -170,7 +167,7 @@ def _weighed_at_their_moments(
     objective: Objective,
     group: Sequence[Hypothesis],
     seen: Sequence[Candidate],
-    axes: Mapping[str, Axis],
+    axes: Mapping[str, MomentAxis],
     residual: Array,
 ) -> list[Candidate]:
     """Return what the matched filter found, each response weighed at its own moment.
@@ -203,7 +200,7 @@ def _weighed_at_their_moments(
 
 
 def _over_the_record(
-    objective: Objective, axis: Axis, shown: Sequence[Candidate], residual: Array
+    objective: Objective, axis: MomentAxis, shown: Sequence[Candidate], residual: Array
 ) -> Candidate:
     """Return the best moment of the places in ``shown``, on a wide grid, then on a closer one."""
     places = {c.hypothesis.key: c.hypothesis for c in reversed(shown)}.values()
@@ -218,7 +215,10 @@ def _over_the_record(
 
 
 def _shifted(
-    objective: Objective, axis: Axis, looks: Sequence[tuple[Hypothesis, float]], residual: Array
+    objective: Objective,
+    axis: MomentAxis,
+    looks: Sequence[tuple[Hypothesis, float]],
+    residual: Array,
 ) -> list[Candidate]:
     """Return candidates of ``looks`` (effect, moment in s), by the nearest responses simulated."""
     found: list[Candidate] = []

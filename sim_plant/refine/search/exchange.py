@@ -48,7 +48,7 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
                 fit = other
         there = fit.hypotheses[k].key
         known_to = max(
-            margin, left_at_own_line(objective, fit, selection.travels, fit.hypotheses[k])
+            margin, left_at_own_line(objective, fit, selection.record_axes, fit.hypotheses[k])
         )
         alike = [place for place, other in tried if other.cost < fit.cost + known_to]
         # missing effects had favoured the first place; those still missing may favour the other
@@ -74,7 +74,7 @@ def with_rivals_at_own_line(objective: Objective, selection: Selection) -> Selec
     """
     (found,) = selection.accepted
     h = found.hypothesis
-    known_to = left_at_own_line(objective, selection.fit, selection.travels, h)
+    known_to = left_at_own_line(objective, selection.fit, selection.record_axes, h)
     behind = [
         place
         for place, score in found.rejected

@@ -59,7 +59,7 @@ from sim_plant.refine.search.selection import (
 from sim_plant.refine.search.set_apart import JudgedApart, own_spectral_lines, set_apart, wander_of
 from sim_plant.refine.search.unexplained import Unknown, what_is_left
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders, with_radii, with_resonances
-from sim_plant.refine.spectra.coordinates import is_periodic, rolls_along, travel_of
+from sim_plant.refine.spectra.coordinates import axes_of, is_periodic, rolls_along
 
 ACCEPTANCE = CRITERIA.search.acceptance
 
@@ -85,9 +85,11 @@ def forward_selection(
         free_terms = (*free_terms, *fresh)
         named = ", ".join(u.text for u in fresh)
         progress(f"no effect explains {named}: searching beside a free term")
-        travels = selection.travels
-        conditioned = conditioned_on(objective, [free_term_basis(free_terms, t) for t in travels])
-        rest = [h for h in library if not explained_by_free_term(h, free_terms, travels[0])]
+        record_axes = selection.record_axes
+        conditioned = conditioned_on(
+            objective, [free_term_basis(free_terms, t) for t in record_axes]
+        )
+        rest = [h for h in library if not explained_by_free_term(h, free_terms, record_axes[0])]
         taken_up = sum(term.strength for term in free_terms)
         further = select(conditioned, rest, progress, without, chi2_of_free_terms=taken_up)
         more = [u for u in further.unknown if not any(u.same_roll_as(t) for t in free_terms)]
@@ -119,7 +121,7 @@ def select(
             selection,
             fit=fit,
             accepted=(*selection.accepted, *(e.accepted for e in extensions)),
-            after=remaining_spectra(objective, fit, selection.travels),
+            after=remaining_spectra(objective, fit, selection.record_axes),
         )
         quiet = at_noise_floor(selection, objective.expected_cost, sure_excess(objective))
         if quiet and not own_spectral_lines(selection):
@@ -154,18 +156,18 @@ def looked_over(objective: Objective, selection: Selection, progress: Progress) 
     if selection.fit.hypotheses == before:
         return selection
     near, fit = joint_refit(objective, selection.fit)
-    return replace(selection, fit=fit, after=remaining_spectra(near, fit, selection.travels))
+    return replace(selection, fit=fit, after=remaining_spectra(near, fit, selection.record_axes))
 
 
 def _nothing_yet(objective: Objective, nominal: Fit, chi2_of_free_terms: float) -> Selection:
     """Return the selection without an effect."""
     rows = zip(objective.pool.twins, objective.measured, objective.whitening.noise, strict=True)
-    travels = tuple(travel_of(twin, y, nominal.case, noise.first) for twin, y, noise in rows)
-    spectra = remaining_spectra(objective, nominal, travels)
+    record_axes = tuple(axes_of(twin, y, nominal.case, noise.first) for twin, y, noise in rows)
+    spectra = remaining_spectra(objective, nominal, record_axes)
     return Selection(
         nominal=nominal,
         fit=nominal,
-        travels=travels,
+        record_axes=record_axes,
         before=spectra,
         after=spectra,
         chi2_of_free_terms=chi2_of_free_terms,
@@ -202,7 +204,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
         selection,
         fit=rest,
         accepted=tuple(selection.accepted[k] for k in kept),
-        after=remaining_spectra(objective, rest, selection.travels),
+        after=remaining_spectra(objective, rest, selection.record_axes),
     )
     return classified(objective, periodic)
 
@@ -212,7 +214,7 @@ def classified(objective: Objective, selection: Selection) -> Selection:
     apart = set_apart(objective, selection, at_spectral_lines=False)
     weigh, seen = (objective, selection) if apart is None else (apart.objective, apart.selection)
     fit = seen.fit
-    unknown = what_is_left(weigh, selection.nominal, fit, selection.travels, seen.after)
+    unknown = what_is_left(weigh, selection.nominal, fit, selection.record_axes, seen.after)
     excess = weigh.excess(fit.cost, fit.residual)
     nominal_excess = selection.nominal.cost - objective.expected_cost
     if not unknown and imitates(selection.accepted, excess, nominal_excess):
@@ -234,11 +236,11 @@ def next_extensions(
     effect that leaves much of its own spectral line may be half of a pair: a second effect that
     is not periodic (a delay, a filter) can have changed how the line answers the first.
     """
-    library = with_aliases(library, selection.travels, selection.after)
-    library = with_orders(library, selection.travels, selection.after)
-    library = with_radii(library, selection.travels, selection.after)
-    library = with_resonances(library, selection.travels)
-    periodic, others = by_periodic_support(library, selection.travels, selection.after)
+    library = with_aliases(library, selection.record_axes, selection.after)
+    library = with_orders(library, selection.record_axes, selection.after)
+    library = with_radii(library, selection.record_axes, selection.after)
+    library = with_resonances(library, selection.record_axes)
+    periodic, others = by_periodic_support(library, selection.record_axes, selection.after)
     resonant = [h for h in periodic if h.effect.resonant]
     plain = [h for h in periodic if not h.effect.resonant]
     cost = selection.fit.cost
@@ -296,7 +298,7 @@ def _second_of_pair(
     """
     name, body = half.hypothesis.effect.name, half.hypothesis.location
     progress(f"trying a second effect beside {name}")
-    after = remaining_spectra(objective, half.fit, selection.travels)
+    after = remaining_spectra(objective, half.fit, selection.record_axes)
     with_half = replace(selection, fit=half.fit, after=after)
     alike = [h for h in periodic if h.effect.name == name and not rolls_along(h)]
     beside = [h for h in periodic if h.effect.name != name and h.location == body]
@@ -350,7 +352,7 @@ def best_of(
     extension = accept(judged, scored, candidates, progress)
     if extension is None or extension.accepted.score >= ACCEPTANCE.beyond_doubt:
         return extension
-    pair = better_pair(objective, base, selection.travels[0], extension.hypothesis, candidates)
+    pair = better_pair(objective, base, selection.record_axes[0], extension.hypothesis, candidates)
     if pair:
         progress(f"  as well told by {' and '.join(map(str, pair))} together")
     return also_explained_by(extension, pair)
@@ -391,5 +393,5 @@ def _explains_own_spectral_lines(
     if apart is not None:
         return apart.explains_own_spectral_lines(fit)
     return explains_own_spectral_lines(
-        objective, selection.fit, selection.after, selection.travels, fit
+        objective, selection.fit, selection.after, selection.record_axes, fit
     )

@@ -12,7 +12,7 @@ from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.unexplained import Unknown
 from sim_plant.refine.spectra.coordinates import (
     TWO_PI,
-    Travel,
+    RecordAxes,
     is_periodic,
     orders_of,
     radius_at,
@@ -26,21 +26,21 @@ PERIODIC_KINDS = frozenset(FREE_TERMS.harmonics)
 """Coordinates of spectral lines."""
 
 
-def free_term_basis(lines: Sequence[Unknown], travel: Travel) -> Array:
+def free_term_basis(lines: Sequence[Unknown], axes: RecordAxes) -> Array:
     """Return orthonormal columns (judged samples, terms) of spectral lines and their harmonics.
 
     Each may grow with speed, and change slowly with time: that takes up a coordinate that is a
     fraction of a bin off, and a resonance that the line's speed crosses. One at a low whole order
     of a roll frees all low orders of that roll; whole is what the slow changes reach from there.
     """
-    nyquist = 0.5 / travel.sample_time_s
-    half_turn = np.linspace(0.0, np.pi, travel.time_s.size)
+    nyquist = 0.5 / axes.sample_time_s
+    half_turn = np.linspace(0.0, np.pi, axes.time_s.size)
     slow = np.cos(np.outer(np.arange(1, FREE_TERMS.half_waves + 1), half_turn))
-    weights = np.vstack([speed_weights(travel.speed_m_s), slow])
+    weights = np.vstack([speed_weights(axes.speed_m_s), slow])
     columns: list[Array] = []
     for item in lines:
-        coordinate, first = _coordinate_of(item, travel)
-        rate = float(np.max(np.abs(np.gradient(coordinate, travel.sample_time_s))))
+        coordinate, first = _coordinate_of(item, axes)
+        rate = float(np.max(np.abs(np.gradient(coordinate, axes.sample_time_s))))
         for n in range(1, FREE_TERMS.harmonics[item.kind] + 1):
             if n * first * rate > nyquist:
                 break
@@ -51,25 +51,25 @@ def free_term_basis(lines: Sequence[Unknown], travel: Travel) -> Array:
     return kept
 
 
-def explained_by_free_term(h: Hypothesis, lines: Sequence[Unknown], travel: Travel) -> bool:
+def explained_by_free_term(h: Hypothesis, lines: Sequence[Unknown], axes: RecordAxes) -> bool:
     """Return whether a hypothesis shows at the coordinate of a free term, or at its harmonics.
 
     A free term takes up almost all that is there: no effect is claimed for the rest of it.
     """
-    return is_periodic(h) and any(_meets(h, item, travel) for item in lines)
+    return is_periodic(h) and any(_meets(h, item, axes) for item in lines)
 
 
-def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:
+def _meets(h: Hypothesis, item: Unknown, axes: RecordAxes) -> bool:
     where = item.coordinate
-    in_time = shown_Hz(h, travel)
+    in_time = shown_Hz(h, axes)
     if item.kind == "angle":
-        _, first = _coordinate_of(item, travel)
-        shows = orders_of(h, radius_at(h, travel)) if h.location == where["roll"] else []
+        _, first = _coordinate_of(item, axes)
+        shows = orders_of(h, radius_at(h, axes)) if h.location == where["roll"] else []
     elif item.kind == "time":
         first, shows = float(where["frequency_Hz"]), [] if in_time is None else [in_time]
     else:
         first = float(where["wavenumber_1_m"])
-        shows = [] if h.location == "all" else wavenumbers_1_m(h, travel)
+        shows = [] if h.location == "all" else wavenumbers_1_m(h, axes)
     ratios = [at / first for at in shows]
     return any(
         1 <= round(r) <= FREE_TERMS.harmonics[item.kind]
@@ -78,15 +78,15 @@ def _meets(h: Hypothesis, item: Unknown, travel: Travel) -> bool:
     )
 
 
-def _coordinate_of(item: Unknown, travel: Travel) -> tuple[Array, float]:
+def _coordinate_of(item: Unknown, axes: RecordAxes) -> tuple[Array, float]:
     """Return a coordinate (samples,), in s, m or turns, and the fundamental in cycles per unit."""
     where = item.coordinate
     if item.kind == "time":
-        return travel.time_s, float(where["frequency_Hz"])
+        return axes.time_s, float(where["frequency_Hz"])
     if item.kind == "travel":
-        return travel.travel_m, float(where["wavenumber_1_m"])
-    names = [r.name for r in travel.declaration.rollers]
-    turns: Array = travel.angles_rad[names.index(str(where["roll"]))] / TWO_PI
+        return axes.travel_m, float(where["wavenumber_1_m"])
+    names = [r.name for r in axes.declaration.rollers]
+    turns: Array = axes.angles_rad[names.index(str(where["roll"]))] / TWO_PI
     order = float(where["order"])
     off_cycles = abs(order - round(order)) * float(np.ptp(turns))
     among = round(order) <= FREE_TERMS.harmonics[item.kind]

@@ -21,7 +21,7 @@ from sim_plant.refine.search.candidate import (
     sure_part,
 )
 from sim_plant.refine.search.like_idlers import LikeIdlers
-from sim_plant.refine.spectra.coordinates import Travel, periodic_support
+from sim_plant.refine.spectra.coordinates import RecordAxes, periodic_support
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 SCREENING = CRITERIA.search.screening
@@ -29,7 +29,7 @@ SCREENING = CRITERIA.search.screening
 
 def by_periodic_support(
     hypotheses: Sequence[Hypothesis],
-    travels: Sequence[Travel],
+    record_axes: Sequence[RecordAxes],
     spectra: Sequence[Sequence[SpectralLines]],
 ) -> tuple[list[Hypothesis], list[Hypothesis]]:
     """Return periodic hypotheses whose spectral line a record has, and those not periodic."""
@@ -42,7 +42,7 @@ def by_periodic_support(
         least = max(alone + degrees, SCREENING.strongest_share * strongest)
         if h.effect.resonant:
             least = SCREENING.resonance_share * strongest
-        support = [periodic_support(h, t, s) for t, s in zip(travels, spectra, strict=True)]
+        support = [periodic_support(h, t, s) for t, s in zip(record_axes, spectra, strict=True)]
         known = [value for value in support if value is not None]
         if not known:
             others.append(h)

@@ -14,7 +14,7 @@ from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import Spectra
 from sim_plant.refine.search.unexplained import Unknown, line_or_broadband
-from sim_plant.refine.spectra.coordinates import Travel, is_periodic, orders_of
+from sim_plant.refine.spectra.coordinates import RecordAxes, is_periodic, orders_of
 
 ACCEPTANCE = CRITERIA.search.acceptance
 Ranges = Mapping[str, tuple[float, float]]
@@ -61,7 +61,7 @@ class Selection:
     Attributes
     ----------
     nominal, fit : without effects, and with those accepted.
-    travels : coordinates of every record.
+    record_axes : time, travel and angles of every record.
     before, after : spectra of free spectral lines in what ``nominal`` and ``fit`` leave.
     accepted : effects of ``fit``, in order.
     unknown : what no effect explains.
@@ -75,7 +75,7 @@ class Selection:
 
     nominal: Fit
     fit: Fit
-    travels: tuple[Travel, ...]
+    record_axes: tuple[RecordAxes, ...]
     before: Spectra
     after: Spectra
     accepted: tuple[AcceptedEffect, ...] = ()

@@ -58,7 +58,7 @@ class JudgedApart:
         """Return whether ``fit`` explains a fair share of what is left apart from the lines."""
         base = self.selection
         return explains_own_spectral_lines(
-            self.objective, base.fit, base.after, base.travels, self.re_evaluated_fit(fit)
+            self.objective, base.fit, base.after, base.record_axes, self.re_evaluated_fit(fit)
         )
 
 
@@ -90,7 +90,7 @@ def set_apart(
         selection,
         nominal=_under(target, selection.nominal, quick=False),
         fit=fit,
-        after=remaining_spectra(target, fit, selection.travels),
+        after=remaining_spectra(target, fit, selection.record_axes),
         wander_is_free=bool(wander),
     )
     return JudgedApart(objective=target, selection=judged)
@@ -113,7 +113,7 @@ def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Obj
     free = any(terms is not None for terms in objective.whitening.basis)
     if free or not spectral or ACCEPTANCE.explained_share * explained <= ACCEPTANCE.score:
         return None
-    basis = [free_term_basis(spectral, travel) for travel in selection.travels]
+    basis = [free_term_basis(spectral, axes) for axes in selection.record_axes]
     return conditioned_on(objective, basis)
 
 
@@ -129,16 +129,16 @@ def own_spectral_lines(selection: Selection) -> Sequence[Unknown]:
     with it), and each order of the effect that is not among them: a fine one, or one that is not
     whole. The fine ones of a profile are its own and are left.
     """
-    bodies = [roller.name for roller in selection.travels[0].declaration.rollers]
+    bodies = [roller.name for roller in selection.record_axes[0].declaration.rollers]
     spectral: list[Unknown] = []
     for accepted in selection.accepted:
         h = accepted.hypothesis
-        in_time = shown_Hz(h, selection.travels[0])
+        in_time = shown_Hz(h, selection.record_axes[0])
         if in_time is not None:
             spectral.append(_spectral_line("time", {"frequency_Hz": in_time}))
         elif orders_of(h, 1.0) and h.location in bodies:
             spectral.append(_spectral_line("angle", {"roll": h.location, "order": 1.0}))
-            roller = selection.travels[0].declaration.rollers[bodies.index(h.location)]
+            roller = selection.record_axes[0].declaration.rollers[bodies.index(h.location)]
             spectral += [
                 _spectral_line("angle", {"roll": h.location, "order": order})
                 for order in orders_of(h, roller.radius_m)

@@ -9,11 +9,11 @@ from sim_plant.effects.onset import HOLD_S
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis, with_number
 from sim_plant.refine.search.screening import responses_of
-from sim_plant.refine.spectra.onset_filter import Axis, later, parts_of
+from sim_plant.refine.spectra.moment_axis import MomentAxis, parts_of, shifted
 
 
 def response_begun_at(
-    objective: Objective, axis: Axis, h: Hypothesis, moment: float
+    objective: Objective, axis: MomentAxis, h: Hypothesis, moment: float
 ) -> list[Array]:
     """Return the response to an effect that begins at ``moment``, s: the nearest one, shifted.
 
@@ -23,12 +23,12 @@ def response_begun_at(
     nearest = min((part.middle for part in parts_of(axis)), key=lambda m: abs(m - moment))
     change = list(responses_of(objective, hypothesis_beginning_at(h, nearest))[0])
     sample_s = objective.pool.twins[record].declaration.sample_time_s
-    change[record] = later(change[record], round((moment - nearest) / sample_s))
+    change[record] = shifted(change[record], round((moment - nearest) / sample_s))
     return change
 
 
 def lasting_response(
-    objective: Objective, axis: Axis, h: Hypothesis, moment: float
+    objective: Objective, axis: MomentAxis, h: Hypothesis, moment: float
 ) -> list[Array]:
     """Return the response to an effect that begins at ``moment``, s, and does not end.
 
@@ -40,7 +40,7 @@ def lasting_response(
     sample_s = objective.pool.twins[record].declaration.sample_time_s
     held = round(h.start[h.names.index(HOLD_S)] / sample_s)
     once = change[record]
-    change[record] = sum((later(once, k) for k in range(0, once.shape[1], held)), 0.0 * once)
+    change[record] = sum((shifted(once, k) for k in range(0, once.shape[1], held)), 0.0 * once)
     return change
 
 

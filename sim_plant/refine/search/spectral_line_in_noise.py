@@ -15,14 +15,14 @@ from scipy.special import chdtrc
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.spectra.coordinates import Travel, spectra
+from sim_plant.refine.spectra.coordinates import RecordAxes, spectra
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 UNEXPLAINED = CRITERIA.search.unexplained
 
 
 def may_be_noise(
-    objective: Objective, travels: Sequence[Travel], spectrum: SpectralLines, at: float
+    objective: Objective, record_axes: Sequence[RecordAxes], spectrum: SpectralLines, at: float
 ) -> bool:
     """Return whether noise reaches the line at ``at`` more often than theory has ``periodic``.
 
@@ -31,7 +31,9 @@ def may_be_noise(
     Equation: D = c X, X of n degrees of freedom, c = v / 2m, n = 2 m^2 / v with m and v the mean
     and variance of D in noise  [Satterthwaite 1946].
     """
-    seen = np.concatenate([_around(r, spectrum, at) for r in noise_spectra(objective, travels)])
+    seen = np.concatenate(
+        [_around(r, spectrum, at) for r in noise_spectra(objective, record_axes)]
+    )
     if seen.size < UNEXPLAINED.fewest_bins or not np.var(seen) > 0.0:
         return False
     scale = float(np.var(seen) / (2.0 * np.mean(seen)))
@@ -42,13 +44,15 @@ def may_be_noise(
 
 
 def noise_spectra(
-    objective: Objective, travels: Sequence[Travel]
+    objective: Objective, record_axes: Sequence[RecordAxes]
 ) -> list[Sequence[SpectralLines]]:
     """Return the spectra of free spectral lines in every seeded run of noise, of all records."""
-    rows = zip(travels, objective.whitening.noise, objective.whitening.realisations, strict=True)
+    rows = zip(
+        record_axes, objective.whitening.noise, objective.whitening.realisations, strict=True
+    )
     return [
-        spectra(travel, noise.whiten(run)[noise.analogue])
-        for travel, noise, runs in rows
+        spectra(axes, noise.whiten(run)[noise.analogue])
+        for axes, noise, runs in rows
         for run in runs
     ]
 

@@ -16,7 +16,7 @@ from sim_plant.refine.search.coherence import Coupling, least_likely_coupling
 from sim_plant.refine.search.outside_prior import PriorConflict, joint_conflict
 from sim_plant.refine.search.spectral_line_in_noise import may_be_noise
 from sim_plant.refine.search.unknown_event import event_left
-from sim_plant.refine.spectra.coordinates import Travel, near
+from sim_plant.refine.spectra.coordinates import RecordAxes, near
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 UNEXPLAINED = CRITERIA.search.unexplained
@@ -69,20 +69,20 @@ def what_is_left(
     objective: Objective,
     nominal: Fit,
     fit: Fit,
-    travels: Sequence[Travel],
+    record_axes: Sequence[RecordAxes],
     after: Sequence[Sequence[SpectralLines]],
 ) -> list[Unknown]:
     """Return the class and coordinate of what ``fit`` leaves.
 
     Nothing when it is noise, when it is little beside what there was without effects, or when it
     is only coupled channels beside free terms. ``after`` are the spectra of free spectral lines
-    in what it leaves, over ``travels``.
+    in what it leaves, over ``record_axes``.
     """
     excess = objective.excess(fit.cost, fit.residual)
     nominal_excess = nominal.cost - objective.expected_cost
     if fit.hypotheses and excess < UNEXPLAINED.remainder_share * nominal_excess:
         return []
-    located = event_or_spectral_line(objective, fit, travels, after, excess)
+    located = event_or_spectral_line(objective, fit, record_axes, after, excess)
     if located is not None:
         return [located]
     conflict = joint_conflict(objective, fit)
@@ -99,14 +99,14 @@ def what_is_left(
 def event_or_spectral_line(
     objective: Objective,
     fit: Fit,
-    travels: Sequence[Travel],
+    record_axes: Sequence[RecordAxes],
     after: Sequence[Sequence[SpectralLines]],
     excess: float,
 ) -> Unknown | None:
     """Return what has a coordinate: an event first, for a step has slow spectral lines too."""
     event = event_left(objective, fit)
     line = periodic_left(after, excess)
-    if line is not None and may_be_noise(objective, travels, *strongest_peak(after)[:2]):
+    if line is not None and may_be_noise(objective, record_axes, *strongest_peak(after)[:2]):
         line = None
     if event is None or (line is not None and rings(after, event[1])):
         return line

@@ -15,7 +15,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import Hypothesis, with_number
 from sim_plant.refine.spectra.coordinates import (
     TWO_PI,
-    Travel,
+    RecordAxes,
     line_at_body,
     orders_of,
     radius_at,
@@ -28,7 +28,7 @@ SPECTRA = CRITERIA.spectra
 
 def with_aliases(
     library: Sequence[Hypothesis],
-    travels: Sequence[Travel],
+    record_axes: Sequence[RecordAxes],
     spectra: Sequence[Sequence[SpectralLines]],
 ) -> list[Hypothesis]:
     """Return the library with mains effects at the frequencies that the strongest lines may be of.
@@ -43,7 +43,7 @@ def with_aliases(
             replace(h, start=with_number(h, h.start, shows.parameter, at))
             for h in library
             if (shows := _named(h))
-            for at in origins_Hz(h, shows, travels, spectra)
+            for at in origins_Hz(h, shows, record_axes, spectra)
         ),
     ]
 
@@ -51,7 +51,7 @@ def with_aliases(
 def origins_Hz(
     h: Hypothesis,
     shows: Frequency,
-    travels: Sequence[Travel],
+    record_axes: Sequence[RecordAxes],
     spectra: Sequence[Sequence[SpectralLines]],
 ) -> list[float]:
     """Return the frequency from which the strongest line in time of each record may come, Hz.
@@ -63,9 +63,9 @@ def origins_Hz(
     """
     highest = h.effect.accepts[shows.parameter].high
     origins: list[float] = []
-    for travel, record in zip(travels, spectra, strict=True):
-        rate = 1.0 / travel.sample_time_s
-        slowest = SPECTRA.alias_cycles / float(travel.time_s[-1] - travel.time_s[0])
+    for axes, record in zip(record_axes, spectra, strict=True):
+        rate = 1.0 / axes.sample_time_s
+        slowest = SPECTRA.alias_cycles / float(axes.time_s[-1] - axes.time_s[0])
         seen = next(s.peak_from(slowest)[0] for s in record if s.kind == "time")
         folded = [
             k * rate + sign * seen for k in range(int(highest / rate) + 2) for sign in (1, -1)
@@ -77,7 +77,7 @@ def origins_Hz(
 
 def with_orders(
     library: Sequence[Hypothesis],
-    travels: Sequence[Travel],
+    record_axes: Sequence[RecordAxes],
     spectra: Sequence[Sequence[SpectralLines]],
 ) -> list[Hypothesis]:
     """Return the library with each effect of a free order also at that of the strongest line.
@@ -89,7 +89,7 @@ def with_orders(
         shows = h.effect.shows
         if not isinstance(shows, Orders) or not shows.parameter or shows.resonant:
             continue
-        for order in whole_orders(h, travels, spectra):
+        for order in whole_orders(h, record_axes, spectra):
             picked = dict(h.fixed) | {shows.parameter: float(order)}
             proposed = replace(h, fixed=tuple(picked.items()))
             more.setdefault((h.key, order), proposed)
@@ -98,12 +98,12 @@ def with_orders(
 
 
 def whole_orders(
-    h: Hypothesis, travels: Sequence[Travel], spectra: Sequence[Sequence[SpectralLines]]
+    h: Hypothesis, record_axes: Sequence[RecordAxes], spectra: Sequence[Sequence[SpectralLines]]
 ) -> list[int]:
     """Return the orders of the hypothesis' body that the strongest line of a record may be."""
     orders = []
-    for travel, record in zip(travels, spectra, strict=True):
-        known = line_at_body(h, travel, record)
+    for axes, record in zip(record_axes, spectra, strict=True):
+        known = line_at_body(h, axes, record)
         if known is None:
             continue
         order, bin_width = known
@@ -116,7 +116,7 @@ def whole_orders(
 
 def with_radii(
     library: Sequence[Hypothesis],
-    travels: Sequence[Travel],
+    record_axes: Sequence[RecordAxes],
     spectra: Sequence[Sequence[SpectralLines]],
 ) -> list[Hypothesis]:
     """Return the library with what rolls on a body also at the radius that the strongest line has.
@@ -129,28 +129,30 @@ def with_radii(
         replace(h, start=with_number(h, h.start, shows.rolls_on, at))
         for h in {h.key: h for h in library}.values()
         if isinstance(shows := h.effect.shows, Orders) and shows.rolls_on
-        for at in radii_m(h, travels, spectra)
+        for at in radii_m(h, record_axes, spectra)
     ]
     return [*library, *more]
 
 
 def radii_m(
-    h: Hypothesis, travels: Sequence[Travel], spectra: Sequence[Sequence[SpectralLines]]
+    h: Hypothesis, record_axes: Sequence[RecordAxes], spectra: Sequence[Sequence[SpectralLines]]
 ) -> list[float]:
     """Return the radii of what rolls on the hypothesis' body and turns with a record's line, m."""
     assert isinstance(h.effect.shows, Orders)
     bounds = h.effect.accepts[h.effect.shows.rolls_on]
     found = []
-    for travel, record in zip(travels, spectra, strict=True):
-        order, bin_width = line_at_body(h, travel, record) or (0.0, 0.0)
+    for axes, record in zip(record_axes, spectra, strict=True):
+        order, bin_width = line_at_body(h, axes, record) or (0.0, 0.0)
         if abs(order - round(order)) > bin_width:
-            radius_m = radius_at(h, travel) / order
+            radius_m = radius_at(h, axes) / order
             if bounds.low <= radius_m <= bounds.high:
                 found.append(radius_m)
     return found
 
 
-def with_resonances(library: Sequence[Hypothesis], travels: Sequence[Travel]) -> list[Hypothesis]:
+def with_resonances(
+    library: Sequence[Hypothesis], record_axes: Sequence[RecordAxes]
+) -> list[Hypothesis]:
     """Return the library with what rings at an order at the frequencies that its order passes.
 
     A resonance shows where its order comes by. From far off no slope leads there.
@@ -161,14 +163,14 @@ def with_resonances(library: Sequence[Hypothesis], travels: Sequence[Travel]) ->
         if not isinstance(shows, Orders) or not shows.resonant:
             found.append(h)
             continue
-        starts = resonances_Hz(h, shows, travels)
+        starts = resonances_Hz(h, shows, record_axes)
         found += [
             replace(h, start=with_number(h, h.start, shows.rings_at, at)) for at in starts
         ] or [h]
     return found
 
 
-def resonances_Hz(h: Hypothesis, shows: Orders, travels: Sequence[Travel]) -> list[float]:
+def resonances_Hz(h: Hypothesis, shows: Orders, record_axes: Sequence[RecordAxes]) -> list[float]:
     """Return frequencies, rising, one of them near every frequency that the orders pass, Hz.
 
     Near: within ``half_widths``, of the damping that the hypothesis starts with.
@@ -179,10 +181,10 @@ def resonances_Hz(h: Hypothesis, shows: Orders, travels: Sequence[Travel]) -> li
     step = math.log(2.0 * reach - 1.0)
     bounds = h.effect.accepts[shows.rings_at]
     steps: set[int] = set()
-    for travel in travels:
-        body = travel.declaration.body(h.location)
-        rates = rates_Hz(travel.angles_rad[body] / TWO_PI, travel)
-        for order in orders_of(h, radius_at(h, travel)):
+    for axes in record_axes:
+        body = axes.declaration.body(h.location)
+        rates = rates_Hz(axes.angles_rad[body] / TWO_PI, axes)
+        for order in orders_of(h, radius_at(h, axes)):
             low = max(order * float(rates.min()) / reach, bounds.low)
             high = min(order * float(rates.max()) * reach, bounds.high)
             if high > low:

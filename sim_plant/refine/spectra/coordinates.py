@@ -21,7 +21,7 @@ SPECTRA = CRITERIA.spectra
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Travel:
+class RecordAxes:
     """Time, web travel and the angles of all bodies over the judged samples of one record."""
 
     declaration: Declaration
@@ -32,7 +32,7 @@ class Travel:
     speed_m_s: Array
 
 
-def travel_of(twin: Twin, measured: Array, case: Case, first: int) -> Travel:
+def axes_of(twin: Twin, measured: Array, case: Case, first: int) -> RecordAxes:
     """Return the coordinates of a record: measured angles where there are, else simulated."""
     _, angles = twin.angles(case)
     for sensor in twin.declaration.sensors:
@@ -49,7 +49,7 @@ def travel_of(twin: Twin, measured: Array, case: Case, first: int) -> Travel:
     # travel is that of the first driven roller of fixed radius, else of the second roller
     time_s: Array = np.arange(first, measured.shape[1], dtype=np.float64) * step
     body, radius = fixed[0] if fixed else (1, twin.declaration.rollers[1].radius_m)
-    return Travel(
+    return RecordAxes(
         declaration=twin.declaration,
         sample_time_s=step,
         time_s=time_s,
@@ -59,57 +59,73 @@ def travel_of(twin: Twin, measured: Array, case: Case, first: int) -> Travel:
     )
 
 
-def spectra(travel: Travel, whitened: Array) -> list[SpectralLines]:
+def spectra(axes: RecordAxes, whitened: Array) -> list[SpectralLines]:
     """Return spectra of free lines in time, in travel and in the angles of unwind and rewind roll.
 
     In time they go up to half the sample rate less ``fewest_cycles`` per record: mains of 49.7 Hz
     in records of 10 ms are there. The others go nearly as far, by the fastest speed: slots and
     teeth have orders in the tens. None has more bins than that in time.
     """
-    weights = speed_weights(travel.speed_m_s)
-    nyquist = 0.5 / travel.sample_time_s
-    slow = SPECTRA.fewest_cycles / (travel.time_s[-1] - travel.time_s[0])
-    fastest = float(np.max(np.abs(travel.speed_m_s)))
-    length = float(travel.travel_m[-1] - travel.travel_m[0])
+    weights = speed_weights(axes.speed_m_s)
+    bodies = (0, len(axes.declaration.rollers) - 1)
     found = [
-        spectral_lines(
-            whitened, travel.time_s, weights, kind="time", highest=nyquist - slow, lowest=slow
-        )
+        _in_time(axes, whitened, weights),
+        _in_travel(axes, whitened, weights),
+        *(_in_angle(axes, body, whitened, weights) for body in bodies),
     ]
-    if length > SPECTRA.least_travel_m:
-        found.append(
-            spectral_lines(
-                whitened,
-                travel.travel_m,
-                weights,
-                kind="travel",
-                highest=SPECTRA.nyquist_share * nyquist / fastest,
-                lowest=SPECTRA.fewest_cycles / length,
-            )
-        )
-    for body in (0, len(travel.declaration.rollers) - 1):
-        turns = travel.angles_rad[body] / TWO_PI
-        if turns[-1] - turns[0] > SPECTRA.fewest_turns:
-            found.append(
-                spectral_lines(
-                    whitened,
-                    turns,
-                    weights,
-                    kind="angle",
-                    roll=travel.declaration.rollers[body].name,
-                    highest=SPECTRA.nyquist_share
-                    * nyquist
-                    / float(np.max(rates_Hz(turns, travel))),
-                    lowest=SPECTRA.fewest_cycles / (turns[-1] - turns[0]),
-                )
-            )
-    return found
+    return [spectrum for spectrum in found if spectrum is not None]
 
 
-def rates_Hz(turns: Array, travel: Travel) -> Array:
+def _in_time(axes: RecordAxes, whitened: Array, weights: Array) -> SpectralLines:
+    slow = SPECTRA.fewest_cycles / (axes.time_s[-1] - axes.time_s[0])
+    return spectral_lines(
+        whitened, axes.time_s, weights, kind="time", highest=_nyquist_Hz(axes) - slow, lowest=slow
+    )
+
+
+def _in_travel(axes: RecordAxes, whitened: Array, weights: Array) -> SpectralLines | None:
+    """Return the spectrum in web travel; None for a record that is too short for one."""
+    length_m = float(axes.travel_m[-1] - axes.travel_m[0])
+    if length_m <= SPECTRA.least_travel_m:
+        return None
+    fastest_m_s = float(np.max(np.abs(axes.speed_m_s)))
+    return spectral_lines(
+        whitened,
+        axes.travel_m,
+        weights,
+        kind="travel",
+        highest=SPECTRA.nyquist_share * _nyquist_Hz(axes) / fastest_m_s,
+        lowest=SPECTRA.fewest_cycles / length_m,
+    )
+
+
+def _in_angle(
+    axes: RecordAxes, body: int, whitened: Array, weights: Array
+) -> SpectralLines | None:
+    """Return the spectrum in the angle of a body; None where that makes too few turns."""
+    turns = axes.angles_rad[body] / TWO_PI
+    if turns[-1] - turns[0] <= SPECTRA.fewest_turns:
+        return None
+    fastest_Hz = float(np.max(rates_Hz(turns, axes)))
+    return spectral_lines(
+        whitened,
+        turns,
+        weights,
+        kind="angle",
+        roll=axes.declaration.rollers[body].name,
+        highest=SPECTRA.nyquist_share * _nyquist_Hz(axes) / fastest_Hz,
+        lowest=SPECTRA.fewest_cycles / (turns[-1] - turns[0]),
+    )
+
+
+def _nyquist_Hz(axes: RecordAxes) -> float:
+    return 0.5 / axes.sample_time_s
+
+
+def rates_Hz(turns: Array, axes: RecordAxes) -> Array:
     """Return rates of turns (samples,), 1/s, each over a second: words of an angle have steps."""
-    reach = min(max(1, round(1.0 / travel.sample_time_s)), turns.size - 1)
-    rates: Array = np.abs(turns[reach:] - turns[:-reach]) / (reach * travel.sample_time_s)
+    reach = min(max(1, round(1.0 / axes.sample_time_s)), turns.size - 1)
+    rates: Array = np.abs(turns[reach:] - turns[:-reach]) / (reach * axes.sample_time_s)
     return rates
 
 
@@ -149,30 +165,30 @@ def rolls_along(h: Hypothesis) -> bool:
     return isinstance(h.effect.shows, Orders) and bool(h.effect.shows.rolls_on)
 
 
-def shown_Hz(h: Hypothesis, travel: Travel) -> float | None:
+def shown_Hz(h: Hypothesis, axes: RecordAxes) -> float | None:
     """Return where in time a hypothesis shows after sampling, Hz; None where it does not."""
     shows = h.effect.shows
     if not isinstance(shows, Frequency):
         return None
-    return alias_Hz(shows.at(h.at_start), travel.sample_time_s)
+    return alias_Hz(shows.at(h.at_start), axes.sample_time_s)
 
 
-def wavenumbers_1_m(h: Hypothesis, travel: Travel) -> list[float]:
+def wavenumbers_1_m(h: Hypothesis, axes: RecordAxes) -> list[float]:
     """Return where in web travel the orders of a hypothesis at a roller show, 1/m."""
-    radius_m = radius_at(h, travel)
+    radius_m = radius_at(h, axes)
     return [n / (TWO_PI * radius_m) for n in orders_of(h, radius_m)]
 
 
-def radius_at(h: Hypothesis, travel: Travel) -> float:
+def radius_at(h: Hypothesis, axes: RecordAxes) -> float:
     """Return the declared radius of the body at the hypothesis' location, m."""
-    return travel.declaration.rollers[travel.declaration.body(h.location)].radius_m
+    return axes.declaration.rollers[axes.declaration.body(h.location)].radius_m
 
 
 def line_at_body(
-    h: Hypothesis, travel: Travel, found: Sequence[SpectralLines]
+    h: Hypothesis, axes: RecordAxes, found: Sequence[SpectralLines]
 ) -> tuple[float, float] | None:
     """Return order of the strongest line over the turns of the hypothesis' body, and bin width."""
-    seen = _over_turns(h, travel, found) if h.location != "all" else None
+    seen = _over_turns(h, axes, found) if h.location != "all" else None
     if seen is None:
         return None
     spectrum, orders = seen
@@ -181,7 +197,7 @@ def line_at_body(
 
 
 def _over_turns(
-    h: Hypothesis, travel: Travel, found: Sequence[SpectralLines]
+    h: Hypothesis, axes: RecordAxes, found: Sequence[SpectralLines]
 ) -> tuple[SpectralLines, float] | None:
     """Return the spectrum in which orders of a body show, and orders per unit of its coordinate.
 
@@ -192,23 +208,23 @@ def _over_turns(
     if own is not None:
         return own, 1.0
     shared = by_kind.get(("travel", ""))
-    return None if shared is None else (shared, TWO_PI * radius_at(h, travel))
+    return None if shared is None else (shared, TWO_PI * radius_at(h, axes))
 
 
 def periodic_support(
-    h: Hypothesis, travel: Travel, found: Sequence[SpectralLines]
+    h: Hypothesis, axes: RecordAxes, found: Sequence[SpectralLines]
 ) -> float | None:
     """Return the chi-square reduction of a free line where a hypothesis shows; None: no line."""
     if not is_periodic(h):
         return None
-    frequency_Hz = shown_Hz(h, travel)
+    frequency_Hz = shown_Hz(h, axes)
     if frequency_Hz is not None:
         in_time = next(s for s in found if s.kind == "time")
         return near(in_time, frequency_Hz, SPECTRA.same_frequency_share)
     if h.location == "all":
         return max((s.peak[1] for s in found if s.kind == "travel"), default=0.0)
-    seen = _over_turns(h, travel, found)
+    seen = _over_turns(h, axes, found)
     if seen is None:
         return 0.0
     spectrum, orders = seen
-    return max(near(spectrum, n / orders) for n in orders_of(h, radius_at(h, travel)))
+    return max(near(spectrum, n / orders) for n in orders_of(h, radius_at(h, axes)))

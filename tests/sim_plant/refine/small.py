@@ -18,7 +18,7 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.report.verdict import EffectFinding, Verdict
-from sim_plant.refine.spectra.coordinates import Travel
+from sim_plant.refine.spectra.coordinates import RecordAxes
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 LINE_FILE = Path(__file__).parents[3] / "config/lines/euclid.yaml"
@@ -79,12 +79,12 @@ def objective_of(twin, measured):
     return declared_objective(pool_of(twin), [np.asarray(measured, dtype=np.float64)])
 
 
-def travel_at(speed_m_s, line=None):
+def axes_at(speed_m_s, line=None):
     """Return the coordinates of a record at this speed (samples,), no roll wound up or off."""
     line, speed = line or line_with(), np.asarray(speed_m_s, dtype=np.float64)
     metres = np.cumsum(speed) * STEP_S
     radii = np.array([roller.radius_m for roller in line.rollers])
-    return Travel(
+    return RecordAxes(
         declaration=line,
         sample_time_s=STEP_S,
         time_s=np.arange(speed.size) * STEP_S,

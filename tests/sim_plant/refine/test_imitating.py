@@ -75,7 +75,7 @@ def both_drags():
     return Selection(
         nominal=fit_of(cost=1e4),
         fit=fit_of(*DRAGS),
-        travels=(),
+        record_axes=(),
         before=one_peak(),
         after=one_peak(),
         accepted=accepted,

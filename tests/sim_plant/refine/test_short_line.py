@@ -142,7 +142,7 @@ def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record
     found = Selection(
         nominal=nominal,
         fit=right,
-        travels=(),
+        record_axes=(),
         before=(),
         after=(),
         accepted=(accepted,),

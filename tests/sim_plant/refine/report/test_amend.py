@@ -21,7 +21,7 @@ ECCENTRIC = hypothesis(BY_NAME["eccentric_roller"], "R6")
 FOUND = Selection(
     nominal=fit_of(),
     fit=fit_of(ECCENTRIC, values=((2e-4, 1e-5),)),
-    travels=(),
+    record_axes=(),
     before=(),
     after=(),
     corrections={"web.EA_N": 1.2345678901234567e-05},

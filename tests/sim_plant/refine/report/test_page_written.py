@@ -19,7 +19,7 @@ from sim_plant.refine.report.outcome import Begun, Outcome, Plan
 from sim_plant.refine.report.page import next_of, write_report
 from sim_plant.refine.report.verdict import Moment
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
-from tests.sim_plant.refine.small import LINE, LINE_FILE, STEP_S, fit_of, one_peak, travel_at
+from tests.sim_plant.refine.small import LINE, LINE_FILE, STEP_S, axes_at, fit_of, one_peak
 
 ROWS = 3000
 CHANNELS = ("unwind_tension_N", "line_speed_m_s", "unwind_angle_rad")
@@ -57,7 +57,7 @@ def outcome(folder, accepted=(), corrections=None, after=(1.0, 1.0, 9.0)):
     selection = Selection(
         nominal=fit_of(),
         fit=replace(fit, covariance=np.eye(2 * len(accepted)) * 1e-14),
-        travels=(travel_at(np.ones(ROWS)),),
+        record_axes=(axes_at(np.ones(ROWS)),),
         before=one_peak(900.0),
         after=one_peak(20.0),
         accepted=tuple(accepted),

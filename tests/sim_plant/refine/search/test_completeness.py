@@ -7,11 +7,11 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.completeness import explains_own_spectral_lines, leaves_much
 from tests.sim_plant.refine.small import (
+    axes_at,
     fit_of,
     formula_twin,
     objective_of,
     one_peak,
-    travel_at,
     white,
 )
 
@@ -30,9 +30,7 @@ def claimed(before, after, line=0.0):
         replace(f, residual=np.full(4 * 20_000 + 1, np.sqrt(f.cost / (4 * 20_000))))
         for f in (fit_of(cost=before), fit_of(DELAY, cost=after))
     )
-    return explains_own_spectral_lines(
-        OBJECTIVE, base, one_peak(line), [travel_at(np.ones(9))], fit
-    )
+    return explains_own_spectral_lines(OBJECTIVE, base, one_peak(line), [axes_at(np.ones(9))], fit)
 
 
 @pytest.mark.parametrize("share", [0.05, 0.2])

@@ -9,11 +9,11 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.screening import linear_candidate, sensitivities
 from tests.sim_plant.refine.small import (
+    axes_at,
     fit_of,
     formula_twin,
     line_with,
     objective_of,
-    travel_at,
     white,
 )
 
@@ -66,8 +66,8 @@ def instead(measured, chosen="R2", places=("R1", "R2", "R3", "R4")):
         for h, c in zip(hypotheses, columns, strict=True)
     ]
     found.sort(key=lambda c: -c.score)
-    travel = travel_at(np.ones(SAMPLES), LINE)
-    return better_pair(objective, fit, travel, UNBALANCED[chosen], found)
+    axes = axes_at(np.ones(SAMPLES), LINE)
+    return better_pair(objective, fit, axes, UNBALANCED[chosen], found)
 
 
 def test_two_of_one_radius_that_explain_more_are_named():

@@ -12,10 +12,10 @@ from sim_plant.refine.search.exchange import exchanged, joined, scored_at, with_
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from tests.sim_plant.refine.small import (
     STEP_S,
+    axes_at,
     formula_twin,
     line_with,
     objective_of,
-    travel_at,
     white,
 )
 
@@ -50,7 +50,7 @@ def found_beside(lead, follower):
     )
     fit = gauss_newton_fit(objective, kinds, (lead, follower), {}, rounds=6)
     selection = Selection(
-        nominal=nominal, fit=fit, accepted=accepted, travels=(), before=(), after=()
+        nominal=nominal, fit=fit, accepted=accepted, record_axes=(), before=(), after=()
     )
     return objective, selection
 
@@ -102,7 +102,7 @@ def test_a_neighbour_that_was_ahead_stays_named_while_something_is_missing(missi
     accepted = AcceptedEffect(hypothesis=first, score=1.0, runner_up=None, margin=1.0, rejected=())
     fit = gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {})
     selection = Selection(
-        nominal=nominal, fit=fit, accepted=(accepted,), travels=(), before=(), after=()
+        nominal=nominal, fit=fit, accepted=(accepted,), record_axes=(), before=(), after=()
     )
     (found,) = exchanged(objective, selection, lambda _text: None).accepted
     assert found.hypothesis.location == "R2"
@@ -141,7 +141,7 @@ def test_after_an_exchange_the_old_place_is_the_rival_and_the_new_one_none():
     nominal = nominal_fit(objective, {})
     fit = gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {})
     selection = Selection(
-        nominal=nominal, fit=fit, accepted=(accepted,), travels=(), before=(), after=()
+        nominal=nominal, fit=fit, accepted=(accepted,), record_axes=(), before=(), after=()
     )
     moved = exchanged(objective, selection, lambda _text: None)
     (found,) = moved.accepted
@@ -169,7 +169,7 @@ def test_a_constant_drag_is_named_at_every_idler_of_its_zone_that_no_reading_par
         nominal=nominal_fit(objective, {}),
         fit=gauss_newton_fit(objective, (first,), ((0.1,),), {}),
         accepted=(accepted,),
-        travels=(),
+        record_axes=(),
         before=(),
         after=(),
     )
@@ -195,7 +195,7 @@ def test_a_place_far_off_that_was_named_is_tried_again_beside_the_others():
         nominal=nominal_fit(objective, {}),
         fit=gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {}),
         accepted=(accepted,),
-        travels=(),
+        record_axes=(),
         before=(),
         after=(),
     )
@@ -236,7 +236,7 @@ def at_r2_with(error_N):
         nominal=nominal,
         fit=fit,
         accepted=(accepted,),
-        travels=(travel_at(np.full(rest, 5.0 * radius_m), LINE),),
+        record_axes=(axes_at(np.full(rest, 5.0 * radius_m), LINE),),
         before=(),
         after=(),
     )

@@ -9,7 +9,7 @@ from sim_plant.line.load import load_declaration
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.free_terms import explained_by_free_term, free_term_basis
 from sim_plant.refine.search.unexplained import Unknown
-from sim_plant.refine.spectra.coordinates import Travel
+from sim_plant.refine.spectra.coordinates import RecordAxes
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
 TIME_S = np.arange(4000) * 0.01
@@ -18,7 +18,7 @@ METRES = np.cumsum(SPEED) * 0.01
 TURNS = METRES / (2.0 * np.pi * 0.2)
 ANGLES = np.zeros((len(LINE.rollers), TIME_S.size))
 ANGLES[0] = 2.0 * np.pi * TURNS
-TRAVEL = Travel(
+AXES = RecordAxes(
     declaration=LINE,
     sample_time_s=0.01,
     time_s=TIME_S,
@@ -39,13 +39,13 @@ def angle(order):
 
 
 def test_columns_are_orthonormal():
-    basis = free_term_basis([angle(1.0)], TRAVEL)
+    basis = free_term_basis([angle(1.0)], AXES)
     assert np.allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-9)
 
 
 @pytest.mark.parametrize("order", [1, 3, 8])
 def test_a_roll_that_is_unknown_takes_all_its_orders_at_any_growth_with_speed(order):
-    basis = free_term_basis([angle(4.0)], TRAVEL)
+    basis = free_term_basis([angle(4.0)], AXES)
     wave = SPEED**2 * np.cos(order * ANGLES[0] + 0.7)
     assert left(basis, wave) < 0.02
 
@@ -53,12 +53,12 @@ def test_a_roll_that_is_unknown_takes_all_its_orders_at_any_growth_with_speed(or
 @pytest.mark.parametrize("order", [8.15, 20.0])
 def test_a_line_between_or_above_the_low_orders_is_taken_itself(order):
     """0.15 of an order are five cycles over these 34 turns: more than slow changes reach."""
-    basis = free_term_basis([angle(order)], TRAVEL)
+    basis = free_term_basis([angle(order)], AXES)
     assert left(basis, np.cos(order * ANGLES[0] + 0.7)) < 0.02
 
 
 def test_what_stands_elsewhere_is_left_alone():
-    basis = free_term_basis([angle(1.0)], TRAVEL)
+    basis = free_term_basis([angle(1.0)], AXES)
     assert left(basis, np.cos(2.0 * np.pi * 4.18 * METRES)) > 0.9
     share = basis.shape[1] / TIME_S.size  # of noise: as much as it has dimensions
     noise = np.random.default_rng(1).standard_normal(TIME_S.size)
@@ -69,18 +69,18 @@ def test_a_line_that_crosses_a_resonance_is_taken():
     speed = np.interp(TIME_S, [0.0, 20.0, 40.0], [0.8, 1.3, 0.8])
     peak = 1.0 / (1.0 - (speed / 1.0) ** 2 + 0.2j * speed)
     wave = (peak * np.exp(4j * ANGLES[0])).real
-    assert left(free_term_basis([angle(4.0)], TRAVEL), wave) < 0.25
+    assert left(free_term_basis([angle(4.0)], AXES), wave) < 0.25
 
 
 def test_a_wavenumber_a_quarter_bin_off_is_taken_all_the_same():
     off = 4.18 + 0.25 / float(np.ptp(METRES))
     item = Unknown(kind="travel", coordinate={"wavenumber_1_m": off}, strength=1.0)
-    assert left(free_term_basis([item], TRAVEL), np.cos(2.0 * np.pi * 4.18 * METRES)) < 0.1
+    assert left(free_term_basis([item], AXES), np.cos(2.0 * np.pi * 4.18 * METRES)) < 0.1
 
 
 def test_a_line_in_time_is_taken_in_time_only():
     item = Unknown(kind="time", coordinate={"frequency_Hz": 3.4}, strength=1.0)
-    basis = free_term_basis([item], replace(TRAVEL))
+    basis = free_term_basis([item], replace(AXES))
     assert left(basis, np.sin(2.0 * np.pi * 3.4 * TIME_S)) < 1e-6
     assert left(basis, np.cos(2.0 * np.pi * 3.4 * METRES)) > 0.9
 
@@ -123,4 +123,4 @@ def test_an_effect_at_the_line_of_a_free_term_is_not_searched(effect, place, cho
         kind, name, at = line
         unknown = Unknown(kind=kind, coordinate={name: float(at)}, strength=1.0)
     h = hypothesis(BY_NAME[effect], place, tuple(choice.items()), line=LINE)
-    assert explained_by_free_term(h, [unknown], TRAVEL) is taken
+    assert explained_by_free_term(h, [unknown], AXES) is taken

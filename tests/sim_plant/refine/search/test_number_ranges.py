@@ -56,7 +56,7 @@ def selected(h, true, start=None, score=1000.0):
     return objective, Selection(
         nominal=nominal,
         fit=fit,
-        travels=(),
+        record_axes=(),
         before=one_peak(500.0),
         after=one_peak(),
         accepted=(accepted,),
@@ -132,7 +132,7 @@ def test_a_declared_number_far_off_widens_what_it_may_have_taken_along(modulus, 
         Selection(
             nominal=nominal_fit(objective),
             fit=fit,
-            travels=(),
+            record_axes=(),
             before=one_peak(500.0),
             after=one_peak(),
             accepted=(accepted,),

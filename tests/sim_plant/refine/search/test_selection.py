@@ -36,7 +36,7 @@ def selection(cost=COST, nominal=None, **more):
     return Selection(
         nominal=fit_of(cost=cost if nominal is None else nominal),
         fit=fit_of(cost=cost),
-        travels=(),
+        record_axes=(),
         before=one_peak(),
         after=one_peak(),
         **more,

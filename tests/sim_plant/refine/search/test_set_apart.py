@@ -17,7 +17,7 @@ from sim_plant.refine.search.free_terms import free_term_basis
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from sim_plant.refine.search.set_apart import own_spectral_lines, set_apart
 from sim_plant.refine.spectra.coordinates import orders_of
-from tests.sim_plant.refine.small import formula_twin, objective_of, quiet, travel_at, white
+from tests.sim_plant.refine.small import axes_at, formula_twin, objective_of, quiet, white
 
 ACCEPTANCE = CRITERIA.search.acceptance
 SAMPLES, JUDGED = 6000, 4500
@@ -25,8 +25,8 @@ CHANNELS = ("unwind_tension_N", "rewind_tension_N")
 ECCENTRIC = hypothesis(BY_NAME["eccentric_roller"], "R6")
 DRAG = hypothesis(BY_NAME["bearing_drag"], "R2")
 FILTER = hypothesis(BY_NAME["load_cell_filter"], "all")
-TRAVEL = travel_at(np.ones(SAMPLES))
-TURNS_RAD = TRAVEL.angles_rad[TRAVEL.declaration.body("R6")]
+AXES = axes_at(np.ones(SAMPLES))
+TURNS_RAD = AXES.angles_rad[AXES.declaration.body("R6")]
 STEPS = np.sign(np.sin(2.0 * np.pi * np.arange(SAMPLES) / 1700.0))
 WRONG = 0.03
 STRONG = 16.0
@@ -58,13 +58,18 @@ def found_first(drag):
     objective = objective_of(formula_twin(response, CHANNELS, SAMPLES), measured)
     nominal = nominal_fit(objective)
     fit = gauss_newton_fit(objective, (ECCENTRIC,), (ECCENTRIC.start,), {})
-    travels = (travel_at(np.ones(JUDGED)),)  # angles from 0 on: a line has any phase
+    record_axes = (axes_at(np.ones(JUDGED)),)  # angles from 0 on: a line has any phase
     first = AcceptedEffect(
         hypothesis=ECCENTRIC, score=1e6, runner_up=None, margin=1e6, rejected=()
     )
-    spectra = remaining_spectra(objective, fit, travels)
+    spectra = remaining_spectra(objective, fit, record_axes)
     return objective, Selection(
-        nominal=nominal, fit=fit, travels=travels, before=spectra, after=spectra, accepted=(first,)
+        nominal=nominal,
+        fit=fit,
+        record_axes=record_axes,
+        before=spectra,
+        after=spectra,
+        accepted=(first,),
     )
 
 
@@ -130,14 +135,14 @@ def test_beside_a_strong_line_first_looks_keep_declared_numbers_where_they_are(a
     ("effect", "fixed"), [("torque_ripple", (("order", 18.0),)), ("nip_pulse", ())]
 )
 def test_a_line_that_is_no_low_order_of_its_body_is_set_apart_too(effect, fixed):
-    line = TRAVEL.declaration
+    line = AXES.declaration
     at = line.rollers[line.body("pull_roll")]
     h = hypothesis(BY_NAME[effect], "pull_roll", fixed)
     (order,) = orders_of(h, at.radius_m)
     _, selection = found_first(0.0)
     found = replace(selection.accepted[0], hypothesis=h)
     lines = own_spectral_lines(replace(selection, accepted=(found,)))
-    basis = free_term_basis(lines, selection.travels[0])
-    turns = selection.travels[0].angles_rad[line.body("pull_roll")]
+    basis = free_term_basis(lines, selection.record_axes[0])
+    turns = selection.record_axes[0].angles_rad[line.body("pull_roll")]
     shown = np.cos(order * turns + 0.4)
     assert np.sum((basis.T @ shown) ** 2) > 0.99 * np.sum(shown**2)

@@ -9,10 +9,10 @@ from sim_plant.refine.search.unexplained import strongest_peak, what_is_left
 from tests.sim_plant.refine.small import (
     STEP_S,
     FormulaTwin,
+    axes_at,
     fit_of,
     line_with,
     objective_of,
-    travel_at,
     white,
 )
 
@@ -22,7 +22,7 @@ CHANNELS = (
     *("unwind_speed_rad_s", "rewind_speed_rad_s", "line_speed_m_s", "pull_roll_speed_m_s"),
 )
 SPEED = 1.0 + 0.3 * np.sin(np.arange(JUDGED) * 0.002)
-TRAVELS = [travel_at(SPEED)]
+RECORD_AXES = [axes_at(SPEED)]
 
 
 class Noisy(FormulaTwin):
@@ -60,12 +60,12 @@ def claimed(own, size):
     left = noise(own, 7)[:, SAMPLES - JUDGED :] + size * np.cos(2.0 * np.pi * 3.0 * time_s)
     residual = np.append(left.ravel(), np.zeros(len(objective.nuisances)))
     fit = fit_of(residual=residual, cost=float(residual @ residual))
-    after = remaining_spectra(objective, fit, TRAVELS)
+    after = remaining_spectra(objective, fit, RECORD_AXES)
     spectrum, at, strength = strongest_peak(after)
-    said = what_is_left(objective, fit, fit, TRAVELS, after)
+    said = what_is_left(objective, fit, fit, RECORD_AXES, after)
     return (
         strength,
-        may_be_noise(objective, TRAVELS, spectrum, at),
+        may_be_noise(objective, RECORD_AXES, spectrum, at),
         [u.kind for u in said if u.kind in ("time", "travel")],
     )
 

@@ -13,18 +13,18 @@ from sim_plant.refine.search.unexplained import kept_by_noise, loudest, periodic
 from sim_plant.refine.spectra.coordinates import spectra
 from tests.sim_plant.refine.small import (
     STEP_S,
+    axes_at,
     fit_of,
     formula_twin,
     line_with,
     objective_of,
     one_peak,
-    travel_at,
     white,
 )
 
 UNEXPLAINED = CRITERIA.search.unexplained
 SAMPLES, JUDGED = 6000, 4500
-TRAVELS = [travel_at(np.ones(JUDGED))]
+RECORD_AXES = [axes_at(np.ones(JUDGED))]
 ANALOGUE = ("unwind_tension_N", "rewind_speed_rad_s", "rewind_tension_N")
 WITH_WORD = ("unwind_tension_N", "unwind_angle_rad", "rewind_tension_N")
 
@@ -55,7 +55,7 @@ def left(sizes=(1.0, 1.0, 1.0), push=0.0):
 
 
 def parts(objective, fit):
-    return what_is_left(objective, fit, fit, TRAVELS, one_peak())
+    return what_is_left(objective, fit, fit, RECORD_AXES, one_peak())
 
 
 def power(objective, fit):
@@ -129,14 +129,14 @@ def test_channels_that_move_together_as_no_noise_does_are_broadband(push, kinds)
 @pytest.mark.parametrize(("strength", "kinds"), [(250.0, []), (300.0, ["time"])])
 def test_a_line_is_claimed_above_what_healthy_records_show(strength, kinds):
     fit = left()
-    found = what_is_left(OBJECTIVE, fit, fit, TRAVELS, one_peak(strength))
+    found = what_is_left(OBJECTIVE, fit, fit, RECORD_AXES, one_peak(strength))
     assert [u.kind for u in found] == kinds
     assert all(u.coordinate == {"frequency_Hz": 1.0} for u in found)
 
 
 @pytest.mark.parametrize(("objective", "channels"), [(OBJECTIVE, 3), (COARSE, 2)])
 def test_free_lines_are_sought_in_channels_with_noise_of_their_own(objective, channels):
-    spectra = remaining_spectra(objective, left(), TRAVELS)
+    spectra = remaining_spectra(objective, left(), RECORD_AXES)
     assert {s.degrees for s in spectra[0]} == {2 * channels}  # cos and sin each, one speed
 
 
@@ -147,7 +147,7 @@ def begun(shape):
     part[0] += np.where(time_s > 20.0, shape(time_s), 0.0)
     residual = np.append(part.ravel(), np.zeros(len(OBJECTIVE.nuisances)))
     fit = fit_of(residual=residual, cost=float(residual @ residual))
-    return fit, remaining_spectra(OBJECTIVE, fit, TRAVELS)
+    return fit, remaining_spectra(OBJECTIVE, fit, RECORD_AXES)
 
 
 @pytest.mark.parametrize(
@@ -160,23 +160,23 @@ def begun(shape):
 )
 def test_what_a_speed_brings_to_sound_is_a_line_and_a_step_is_an_event(shape, kinds):
     fit, spectra = begun(shape)
-    found = what_is_left(OBJECTIVE, fit, fit, TRAVELS, spectra)
+    found = what_is_left(OBJECTIVE, fit, fit, RECORD_AXES, spectra)
     assert [u.kind in kinds for u in found] == [True]
 
 
 def left_of(wave, speed_m_s):
     """Return the spectra of what is left, a wave in noise, of a record at these speeds."""
-    travel = travel_at(speed_m_s)
-    part = white((3, JUDGED), seed=9) + wave(travel)
-    return tuple(spectra(travel, part))
+    axes = axes_at(speed_m_s)
+    part = white((3, JUDGED), seed=9) + wave(axes)
+    return tuple(spectra(axes, part))
 
 
-def in_time(travel):
-    return 0.5 * np.cos(2.0 * np.pi * 6.2 * travel.time_s)
+def in_time(axes):
+    return 0.5 * np.cos(2.0 * np.pi * 6.2 * axes.time_s)
 
 
-def in_travel(travel):
-    return 0.5 * np.cos(2.0 * np.pi * 6.2 * travel.travel_m)
+def in_travel(axes):
+    return 0.5 * np.cos(2.0 * np.pi * 6.2 * axes.travel_m)
 
 
 SLOW, FAST, RAMP = np.full(JUDGED, 0.8), np.full(JUDGED, 1.3), np.linspace(0.8, 1.3, JUDGED)

@@ -21,11 +21,11 @@ from sim_plant.refine.search.wandering import (
 )
 from tests.sim_plant.refine.small import (
     STEP_S,
+    axes_at,
     fit_of,
     formula_twin,
     objective_of,
     quiet,
-    travel_at,
     white,
 )
 
@@ -61,12 +61,17 @@ def found_first(drag, wander):
     objective = objective_of(formula_twin(response, CHANNELS, SAMPLES), measured)
     nominal = nominal_fit(objective)
     fit = gauss_newton_fit(objective, (SLIP,), (SLIP.start,), {})
-    travels = (travel_at(np.ones(JUDGED)),)
+    record_axes = (axes_at(np.ones(JUDGED)),)
     score = nominal.cost - fit.cost
     first = AcceptedEffect(hypothesis=SLIP, score=score, runner_up=None, margin=score, rejected=())
-    spectra = remaining_spectra(objective, fit, travels)
+    spectra = remaining_spectra(objective, fit, record_axes)
     return objective, Selection(
-        nominal=nominal, fit=fit, travels=travels, before=spectra, after=spectra, accepted=(first,)
+        nominal=nominal,
+        fit=fit,
+        record_axes=record_axes,
+        before=spectra,
+        after=spectra,
+        accepted=(first,),
     )
 
 
@@ -139,8 +144,8 @@ def test_what_is_too_weak_to_wander_visibly_is_not_set_apart():
 def test_what_a_wander_leaves_is_nothing_unknown_and_what_stands_beside_it_is():
     """Half of the slip comes and goes; a drag of 8 is 1.8 64 JUDGED, 9 % of what there was."""
     objective, selection = found_first(0.0, 0.5)
-    fit, travels = selection.fit, selection.travels
-    assert what_is_left(objective, selection.nominal, fit, travels, selection.after)
+    fit, record_axes = selection.fit, selection.record_axes
+    assert what_is_left(objective, selection.nominal, fit, record_axes, selection.after)
     assert not classified(objective, selection).unknown
     assert classified(*found_first(8.0, 0.5)).unknown
 

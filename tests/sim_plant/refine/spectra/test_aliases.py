@@ -11,7 +11,7 @@ from sim_plant.refine.spectra.aliases import (
     with_resonances,
 )
 from sim_plant.refine.spectra.coordinates import spectra
-from tests.sim_plant.refine.small import line_with, travel_at
+from tests.sim_plant.refine.small import axes_at, line_with
 
 LINE = line_with()
 LEAD = next(roller for roller in LINE.rollers if roller.name == "swrap_lead")
@@ -20,35 +20,35 @@ RIPPLE = hypothesis(BY_NAME["torque_ripple"], "swrap_lead", (("order", 6.0),))
 
 def of_order(order: float):
     """Return coordinates and spectra of a line so many times per turn of the leading roller."""
-    travel = travel_at(np.linspace(0.8, 1.2, 6000), LINE)
+    axes = axes_at(np.linspace(0.8, 1.2, 6000), LINE)
     rng = np.random.default_rng(2)
-    wave = 0.5 * np.cos(order * travel.travel_m / LEAD.radius_m)
-    return travel, spectra(travel, rng.standard_normal((2, wave.size)) + wave)
+    wave = 0.5 * np.cos(order * axes.travel_m / LEAD.radius_m)
+    return axes, spectra(axes, rng.standard_normal((2, wave.size)) + wave)
 
 
 @pytest.mark.parametrize(("order", "expected"), [(9.0, [9]), (17.0, [17]), (9.4, [])])
 def test_a_line_is_a_whole_order_of_a_body_or_none(order, expected):
-    travel, found = of_order(order)
-    assert whole_orders(RIPPLE, [travel], [found]) == expected
+    axes, found = of_order(order)
+    assert whole_orders(RIPPLE, [axes], [found]) == expected
 
 
 def test_an_order_that_no_list_holds_is_one_more_start():
-    travel, found = of_order(9.0)
-    library = with_orders([RIPPLE], [travel], [found])
+    axes, found = of_order(9.0)
+    library = with_orders([RIPPLE], [axes], [found])
     assert [dict(h.fixed)["order"] for h in library] == [6.0, 9.0]
-    assert with_orders(library, [travel], [found]) == library
+    assert with_orders(library, [axes], [found]) == library
 
 
 def hum_origins(cycles: float, slow_cycles: float = 0.0):
     """Return where a line of so many cycles in the record may come from, beside a slower one."""
-    travel = travel_at(np.linspace(0.8, 1.2, 6000), LINE)
+    axes = axes_at(np.linspace(0.8, 1.2, 6000), LINE)
     turns = np.arange(6000) / 5999.0
     rng = np.random.default_rng(2)
     wave = 0.5 * np.cos(2 * np.pi * cycles * turns)
     wave += 2.0 * np.cos(2 * np.pi * slow_cycles * turns) if slow_cycles else 0.0
     hum = hypothesis(BY_NAME["mains_hum"], "all", line=LINE)
-    found = spectra(travel, rng.standard_normal((2, wave.size)) + wave)
-    return origins_Hz(hum, hum.effect.shows, [travel], [found])
+    found = spectra(axes, rng.standard_normal((2, wave.size)) + wave)
+    return origins_Hz(hum, hum.effect.shows, [axes], [found])
 
 
 def test_a_slow_change_is_no_alias_of_the_mains_and_hides_none():
@@ -82,11 +82,11 @@ NIP = hypothesis(BY_NAME["nip_pulse"], "swrap_lead", (("nip_radius_m", 0.05),))
 
 @pytest.mark.parametrize("radius_m", [0.0355, 0.0619, 0.0852])
 def test_a_nip_begins_at_the_radius_that_turns_with_the_line_however_odd_it_is(radius_m):
-    travel, found = of_order(LEAD.radius_m / radius_m)
-    library = with_radii([NIP], [travel], [found])
+    axes, found = of_order(LEAD.radius_m / radius_m)
+    library = with_radii([NIP], [axes], [found])
     assert library[0] is NIP
     (proposed,) = library[1:]
-    web_m = float(travel.travel_m[-1] - travel.travel_m[0])
+    web_m = float(axes.travel_m[-1] - axes.travel_m[0])
     turns = web_m / (2.0 * np.pi * radius_m)
     # a fit needs to begin within a third of a turn at the end of the record
     assert proposed.at_start["nip_radius_m"] == pytest.approx(radius_m, rel=0.33 / turns)
@@ -95,15 +95,15 @@ def test_a_nip_begins_at_the_radius_that_turns_with_the_line_however_odd_it_is(r
 @pytest.mark.parametrize("order", [1.0, 2.0, 4.0])
 def test_a_line_at_a_whole_order_of_the_drive_proposes_no_nip(order):
     """As every ripple of the drive's own; two ground radii meet a whole ratio by chance."""
-    travel, found = of_order(order)
-    assert with_radii([NIP], [travel], [found]) == [NIP]
+    axes, found = of_order(order)
+    assert with_radii([NIP], [axes], [found]) == [NIP]
     beside = with_radii([NIP], *([one] for one in of_order(order + 0.05)))
     assert len(beside) == 2
 
 
 def test_no_nip_is_as_small_as_the_shaft_that_a_fast_line_would_need():
-    travel, found = of_order(LEAD.radius_m / 0.008)
-    assert with_radii([NIP], [travel], [found]) == [NIP]
+    axes, found = of_order(LEAD.radius_m / 0.008)
+    assert with_radii([NIP], [axes], [found]) == [NIP]
 
 
 UNWIND = LINE.rollers[0]
@@ -112,8 +112,8 @@ UNWIND = LINE.rollers[0]
 def bounces(order, speed_m_s):
     """Return the frequencies at which a bounce at this order begins, a row of speeds a record."""
     h = hypothesis(BY_NAME["roll_bounce"], "unwind", (("order", order),), line=LINE)
-    travels = [travel_at(np.asarray(row), LINE) for row in np.atleast_2d(speed_m_s)]
-    library = with_resonances([RIPPLE, h], travels)
+    record_axes = [axes_at(np.asarray(row), LINE) for row in np.atleast_2d(speed_m_s)]
+    library = with_resonances([RIPPLE, h], record_axes)
     assert library[0] is RIPPLE
     return np.array([h.at_start["frequency_Hz"] for h in library[1:]])
 

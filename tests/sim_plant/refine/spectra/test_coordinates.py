@@ -7,7 +7,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.spectra.aliases import whole_orders
 from sim_plant.refine.spectra.coordinates import periodic_support, rates_Hz, spectra
-from tests.sim_plant.refine.small import LINE, STEP_S, travel_at, white
+from tests.sim_plant.refine.small import LINE, STEP_S, axes_at, white
 
 ROWS = 6000
 ROLLS = (LINE.rollers[0], LINE.rollers[-1])
@@ -16,9 +16,9 @@ RAMP_M_S = np.linspace(0.8, 1.2, ROWS)
 
 def of_order(order, roll):
     """Return coordinates and spectra of a line so many times per turn of a roll, in noise."""
-    travel = travel_at(RAMP_M_S, LINE)
-    wave = 0.5 * np.cos(order * travel.angles_rad[travel.declaration.body(roll.name)])
-    return travel, spectra(travel, white((2, ROWS)) + wave)
+    axes = axes_at(RAMP_M_S, LINE)
+    wave = 0.5 * np.cos(order * axes.angles_rad[axes.declaration.body(roll.name)])
+    return axes, spectra(axes, white((2, ROWS)) + wave)
 
 
 @pytest.mark.parametrize("roll", ROLLS, ids=lambda r: r.name)
@@ -28,11 +28,11 @@ def test_a_ripple_of_the_motor_of_a_roll_has_its_line_at_every_order(order, roll
 
     Order 30 of the rewind is 48 Hz at the fastest, of records of 10 ms.
     """
-    travel, found = of_order(order, roll)
+    axes, found = of_order(order, roll)
     h = hypothesis(BY_NAME["torque_ripple"], roll.name, (("order", order),))
-    support = periodic_support(h, travel, found)
+    support = periodic_support(h, axes, found)
     assert support == pytest.approx(ROWS * 2 * 0.5**2 / 2.0, rel=0.1)
-    assert whole_orders(h, [travel], [found]) == [int(order)]
+    assert whole_orders(h, [axes], [found]) == [int(order)]
 
 
 def test_orders_of_a_roll_go_to_half_the_sample_rate_and_take_no_more_room_than_time():
@@ -47,5 +47,5 @@ def test_orders_of_a_roll_go_to_half_the_sample_rate_and_take_no_more_room_than_
 def test_words_of_an_angle_turn_a_roll_no_faster():
     """An encoder of 256 steps a turn passes one or two of them in a sample: 0.4 turns/s."""
     turns = np.floor(256 * 0.4 * STEP_S * np.arange(ROWS)) / 256
-    rates = rates_Hz(turns, travel_at(RAMP_M_S, LINE))
+    rates = rates_Hz(turns, axes_at(RAMP_M_S, LINE))
     assert rates == pytest.approx(np.full(rates.size, 0.4), abs=1.0 / 256)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from sim_plant.refine.spectra.onset_filter import later, onset_scores, peaks, resampled
+from sim_plant.refine.spectra.onset_filter import onset_scores, peaks
 
 RESPONSE = np.zeros((2, 400))
 RESPONSE[0, 100:] = np.exp(-np.arange(300) / 40.0)
@@ -41,17 +41,3 @@ def test_of_noise_alone_the_score_is_chi_square_of_one_degree() -> None:
 def test_peaks_are_apart() -> None:
     scores = np.array([0.0, 5.0, 6.0, 5.0, 0.0, 0.0, 4.0, 0.0])
     assert peaks(scores, 2, 3)[:2] == [2, 6]
-
-
-def test_a_straight_line_stays_one_at_equal_steps_of_another_coordinate() -> None:
-    coordinate = np.array([0.0, 1.0, 3.0, 6.0])
-    assert resampled(coordinate[None], coordinate, np.arange(7.0))[0] == pytest.approx(
-        np.arange(7)
-    )
-
-
-def test_a_change_is_moved_with_what_lasts_at_its_end() -> None:
-    change = np.array([[0.0, 0.0, 1.0, 2.0, 3.0]])
-    assert later(change, 2).tolist() == [[0.0, 0.0, 0.0, 0.0, 1.0]]
-    assert later(change, -2).tolist() == [[1.0, 2.0, 3.0, 3.0, 3.0]]
-    assert later(change, 0).tolist() == change.tolist()
