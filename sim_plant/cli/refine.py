@@ -211,8 +211,8 @@ def record_summary(verdict: RecordVerdict, out: Path, *, held: bool) -> str:
 
     lines = [f"\nverdict: {verdict.answer}"]
     lines += [f"  {effect_text(x)}" for x in verdict.general]
-    lines += [f"  {x.kind}: {line_text(x)}" for x in verdict.unknown]
-    lines += [f"  no effect: {x.coordinate:.4g} Hz {x.clock}" for x in verdict.clocks]
+    lines += [f"  {x.axis}: {line_text(x)}" for x in verdict.unknown]
+    lines += [f"  no effect: {x.frequency:.4g} Hz {x.clock}" for x in verdict.clocks]
     for name, error in verdict.residual_rms.items():
         lines.append(
             f"{name}: rms {error.before:.5g} with the declared filter alone, "
@@ -243,9 +243,8 @@ def summary(outcome: Outcome) -> str:
         lines.append(f"  not identifiable: {a.place} or {', '.join(map(str, a.alternatives))}")
         lines += [f"    to tell: {what}" for what in a.experiments]
     for u in verdict.unknown:
-        lines.append(
-            f"  unknown, class {u.kind}: {coordinate_text(u.kind, u.coordinate, u.begins, u.also)}"
-        )
+        where = coordinate_text(u.unknown_class, u.coordinate, u.begins, u.also)
+        lines.append(f"  unknown, class {u.unknown_class}: {where}")
     lines.append(
         f"{'channel':28s} {'before':>10s} {'after':>10s} {'floor':>10s} {'after/floor':>11s}"
     )

@@ -75,7 +75,7 @@ def findings_of(result: LookResult) -> Iterator[Finding]:
     for left in verdict.unknown:
         yield replace(
             plain,
-            effect=f"unknown, {left.kind}",
+            effect=f"unknown, {left.unknown_class}",
             place=", ".join(f"{key} {_short(value)}" for key, value in left.coordinate.items()),
             sure="no known effect",
             to_do="look at the report: no effect of the library explains this",

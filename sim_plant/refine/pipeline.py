@@ -276,8 +276,8 @@ def stays_unknown(judged: Recorded, selection: Selection, evaluation: Evaluation
     slow lines of their own. Nor is a line of fewer cycles than ``spectral_line_cycles``: a drift
     of the record has such lines at any coordinate.
     """
-    after, strength = rest_shown(judged.twin, evaluation)
-    irregular = Unknown(kind="broadband", strength=strength, coordinate={})
+    after, chi2_reduction = rest_shown(judged.twin, evaluation)
+    irregular = Unknown(unknown_class="broadband", chi2_reduction=chi2_reduction, coordinate={})
     if any(has_large_wander(accepted) for accepted in selection.accepted):
         return irregular
     names, rest = rest_in_floors(evaluation)
@@ -285,9 +285,9 @@ def stays_unknown(judged: Recorded, selection: Selection, evaluation: Evaluation
     if event is None or rings([after], event[1]):
         spectrum, at, _ = strongest_peak([after])
         sure = at * spectrum.extent >= LINE_CYCLES
-        return line_or_broadband([after], strength, strength) if sure else irregular
+        return line_or_broadband([after], chi2_reduction, chi2_reduction) if sure else irregular
     where = event[0] | {"held_out": judged.record.path.name}
-    return Unknown(kind="event", strength=event[1], coordinate=where)
+    return Unknown(unknown_class="event", chi2_reduction=event[1], coordinate=where)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -137,9 +137,9 @@ def test_a_word_of_a_file_is_no_formula_in_any_figure():
         travel_m=0.01 * np.arange(4000.0),
     )
     line = SpectralLines(
-        kind="angle",
+        axis="angle",
         roll=word,
-        coordinate=np.arange(1.0, 50.0),
+        frequency=np.arange(1.0, 50.0),
         chi2_reduction=np.arange(1.0, 50.0),
         degrees=2,
     )

@@ -287,9 +287,9 @@ class WithoutLineCriteria:
     other_speed: float = criterion(
         1.02, "1", "mean speeds whose ratio is larger are two speeds", "as one_speed_share"
     )
-    kind_share: float = criterion(
+    axis_share: float = criterion(
         0.1,
-        "of the drop",
+        "of the chi-square reduction",
         "by how much a spectral line has to be stronger in time than in travel, or the other way "
         "round, for one record with a varying speed to prove which it is",
         "decision: none is that much stronger by chance",

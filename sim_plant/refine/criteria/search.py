@@ -14,15 +14,15 @@ from sim_plant.refine.criteria.profiles import ProfileCriteria
 class ScreeningCriteria:
     """Which hypotheses are simulated, and which of those are fitted."""
 
-    periodic_support: float = criterion(
+    periodic_chi2_reduction: float = criterion(
         80.0,
         "chi2 above its degrees of freedom",
         "a periodic effect is simulated where a free spectral line at its coordinate has more",
         DEVELOPMENT,
     )
-    profile_support_share: float = criterion(
+    profile_chi2_share: float = criterion(
         0.5,
-        "of periodic_support",
+        "of periodic_chi2_reduction",
         "the same for a profile",
         "its power is spread over many orders: each of them is small",
     )

@@ -121,14 +121,14 @@ def spectrum(
             size = drawn.chi2_reduction.size // thin * thin
             peak = drawn.chi2_reduction[:size].reshape(-1, thin).max(axis=1)
             axis.semilogy(
-                drawn.coordinate[:size:thin],
+                drawn.frequency[:size:thin],
                 np.maximum(peak, 10.0),
                 lw=0.7,
                 color=colour,
                 label=label,
             )
         axis.axhline(threshold, color="black", lw=0.7, ls=":")
-        axis.set_xlabel(labels[first.kind] + as_written(first.roll))
+        axis.set_xlabel(labels[first.axis] + as_written(first.roll))
         axis.set_ylabel("error explained", fontsize=8)
         axis.grid(alpha=0.3)
         axis.yaxis.set_minor_formatter(NullFormatter())

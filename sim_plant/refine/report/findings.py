@@ -58,9 +58,9 @@ def verdict_of(
         effects=effect_findings(selection, fitted),
         unknown=tuple(
             UnknownFinding(
-                kind=u.kind,
+                unknown_class=u.unknown_class,
                 coordinate=u.coordinate,
-                strength=u.strength,
+                chi2_reduction=u.chi2_reduction,
                 begins=_beginning(u.coordinate, fitted),
                 also=u.also,
             )

@@ -80,7 +80,7 @@ def _of_unknown(unknown: Sequence[UnknownFinding]) -> list[str]:
     """Return where to look for what no effect explains: in a log first where it has a moment."""
     if not unknown:
         return []
-    if unknown[0].kind in PERIODIC:
+    if unknown[0].unknown_class in PERIODIC:
         one_speed = [ANOTHER_SPEED] if any(u.also for u in unknown) else []
         return [
             *one_speed,

@@ -54,7 +54,7 @@ def headline(verdict: Verdict) -> str:
     ]
     text = "Traced: " + "; ".join(names) + "." if names else ""
     for item in verdict.unknown:
-        said = coordinate_text(item.kind, item.coordinate, item.begins, item.also)
+        said = coordinate_text(item.unknown_class, item.coordinate, item.begins, item.also)
         text += f" Unknown: {said}; no effect of the library explains it."
     for ambiguity in verdict.ambiguous:
         text += "".join(f" To tell: {what}." for what in ambiguity.experiments)
@@ -82,17 +82,18 @@ def confidence(verdict: Verdict) -> str:
 
 def _sure_of_unknown(unknown: Sequence[UnknownFinding]) -> list[str]:
     """Return how much more than noise the unknown is, as sentences."""
-    lines = [f"{item.strength:.0f}" for item in unknown if item.kind in PERIODIC]
+    lines = [f"{item.chi2_reduction:.0f}" for item in unknown if item.unknown_class in PERIODIC]
     least = CRITERIA.search.unexplained.periodic
     said = [
         f"What repeats there takes {', '.join(lines)} of the weighted squared error, by noise "
         f"alone it would be less than {least:.0f}."
     ]
+    left = {"event": "From that moment on the error"}
     others = [
-        f"{'From that moment on the error' if item.kind == 'event' else 'The error that is left'} "
-        f"is {item.strength:.0f} more than noise makes it (weighted and squared)."
+        f"{left.get(item.unknown_class, 'The error that is left')} "
+        f"is {item.chi2_reduction:.0f} more than noise makes it (weighted and squared)."
         for item in unknown
-        if item.kind not in PERIODIC
+        if item.unknown_class not in PERIODIC
     ]
     return [*(said if lines else []), *others]
 

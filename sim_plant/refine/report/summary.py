@@ -34,7 +34,8 @@ def summary(outcome: Outcome) -> Summary:
         next_step=next_of(outcome),
         effects=tuple(_effect(e, rivals) for e in verdict.effects),
         unknown=tuple(
-            coordinate_text(u.kind, u.coordinate, u.begins, u.also) for u in verdict.unknown
+            coordinate_text(u.unknown_class, u.coordinate, u.begins, u.also)
+            for u in verdict.unknown
         ),
         errors=tuple(
             ErrorSaid(
@@ -56,7 +57,7 @@ def summary(outcome: Outcome) -> Summary:
 def kind_of(verdict: Verdict) -> str:
     """Return a verdict's answer, but ``event`` if every unknown is one, ``set`` if ambiguous."""
     if verdict.answer == "unknown":
-        is_event = all(one.kind == "event" for one in verdict.unknown)
+        is_event = all(one.unknown_class == "event" for one in verdict.unknown)
         return "event" if is_event else "unknown"
     return "set" if verdict.answer == "not_identifiable" else verdict.answer
 

@@ -65,16 +65,16 @@ class UnknownFinding:
 
     Attributes
     ----------
-    kind : ``time``, ``travel``, ``angle``, ``event``, ``state`` or ``broadband``.
+    unknown_class : ``time``, ``travel``, ``angle``, ``event``, ``state`` or ``broadband``.
     coordinate : where it is, by name.
-    strength : chi-square that a free term would explain.
+    chi2_reduction : chi-square that a free term would explain.
     begins : when an event does; not in a file of version 1.
-    also : kinds and coordinates that the records do not tell from it.
+    also : classes and coordinates that the records do not tell from it.
     """
 
-    kind: str
+    unknown_class: str
     coordinate: Coordinate
-    strength: float
+    chi2_reduction: float
     begins: Moment | None = None
     also: tuple[tuple[str, Coordinate], ...] = ()
 
@@ -127,9 +127,9 @@ class Verdict:
             "effects": [_effect_row(e) for e in self.effects],
             "unknown": [
                 {
-                    "class": u.kind,
+                    "class": u.unknown_class,
                     "coordinate": u.coordinate,
-                    "strength": u.strength,
+                    "strength": u.chi2_reduction,
                     **_alternatives(u),
                 }
                 for u in self.unknown
@@ -201,9 +201,9 @@ def _alternatives(u: UnknownFinding) -> dict[str, list[dict[str, str | Coordinat
 
 def _unknown_of(row: Any) -> UnknownFinding:
     return UnknownFinding(
-        kind=row["class"],
+        unknown_class=row["class"],
         coordinate=row["coordinate"],
-        strength=row["strength"],
+        chi2_reduction=row["strength"],
         also=tuple((a["class"], a["coordinate"]) for a in row.get("alternatives", ())),
     )
 

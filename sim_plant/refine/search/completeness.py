@@ -10,7 +10,12 @@ from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import sure_fall
 from sim_plant.refine.search.unexplained import strongest_peak
-from sim_plant.refine.spectra.coordinates import RecordAxes, is_periodic, periodic_support, spectra
+from sim_plant.refine.spectra.coordinates import (
+    RecordAxes,
+    is_periodic,
+    periodic_chi2_reduction,
+    spectra,
+)
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 COMPLETENESS = CRITERIA.search.completeness
@@ -49,7 +54,9 @@ def explains_own_spectral_lines(
     """
     chi2_reduction = base.cost - fit.cost
     fresh = fit.hypotheses[len(base.hypotheses) :]
-    periodic = [h for h in fresh if periodic_support(h, record_axes[0], before[0]) is not None]
+    periodic = [
+        h for h in fresh if periodic_chi2_reduction(h, record_axes[0], before[0]) is not None
+    ]
     if not periodic:
         sure = objective.excess(base.cost, base.residual) - sure_excess(objective)
         peak = strongest_peak(before)[2] - NOISE_PEAK
@@ -57,8 +64,8 @@ def explains_own_spectral_lines(
         return sure_fall(objective, base, fit) > needed
     left = remaining_spectra(objective, fit, record_axes)
     for h in periodic:
-        peak = _strongest_support(h, record_axes, before)
-        rest = _strongest_support(h, record_axes, left)
+        peak = _strongest_chi2_reduction(h, record_axes, before)
+        rest = _strongest_chi2_reduction(h, record_axes, left)
         partly = (
             chi2_reduction < COMPLETENESS.explained_share * (peak - NOISE_PEAK)
             or rest > COMPLETENESS.left_share * peak
@@ -79,7 +86,7 @@ def left_at_own_line(
         return 0.0
     left = remaining_spectra(objective, fit, record_axes)
     noise = max(line.degrees for record in left for line in record)
-    return max(0.0, _strongest_support(h, record_axes, left) - noise)
+    return max(0.0, _strongest_chi2_reduction(h, record_axes, left) - noise)
 
 
 def leaves_much(objective: Objective, base: Fit, fit: Fit) -> bool:
@@ -91,8 +98,8 @@ def leaves_much(objective: Objective, base: Fit, fit: Fit) -> bool:
     return left > COMPLETENESS.twins_left_share * (base.cost - fit.cost)
 
 
-def _strongest_support(
+def _strongest_chi2_reduction(
     h: Hypothesis, record_axes: Sequence[RecordAxes], spectra: Spectra
 ) -> float:
     rows = zip(record_axes, spectra, strict=True)
-    return max(periodic_support(h, axes, record) or 0.0 for axes, record in rows)
+    return max(periodic_chi2_reduction(h, axes, record) or 0.0 for axes, record in rows)

@@ -26,7 +26,7 @@ from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitial
 from sim_plant.refine.search.events import event_candidates, placed_anew
 from sim_plant.refine.search.exchange import exchanged, joined, pruned, with_rivals_at_own_line
 from sim_plant.refine.search.free_terms import (
-    PERIODIC_KINDS,
+    PERIODIC_CLASSES,
     explained_by_free_term,
     free_term_basis,
 )
@@ -38,12 +38,7 @@ from sim_plant.refine.search.outside_prior import (
     total_shifts,
 )
 from sim_plant.refine.search.profile_detail import joint_refit
-from sim_plant.refine.search.screening import (
-    by_periodic_support,
-    screen,
-    shortlist,
-    without_failed,
-)
+from sim_plant.refine.search.screening import by_periodic_chi2, screen, shortlist, without_failed
 from sim_plant.refine.search.selection import (
     Extension,
     Selection,
@@ -79,7 +74,11 @@ def forward_selection(
     first = selection = select(objective, library, progress, without)
     free_terms: tuple[Unknown, ...] = ()
     for _ in range(ACCEPTANCE.most_free_terms):
-        fresh = [u for u in selection.unknown if u.kind in PERIODIC_KINDS and u not in free_terms]
+        fresh = [
+            u
+            for u in selection.unknown
+            if u.unknown_class in PERIODIC_CLASSES and u not in free_terms
+        ]
         if not fresh:
             break
         free_terms = (*free_terms, *fresh)
@@ -90,7 +89,7 @@ def forward_selection(
             objective, [free_term_basis(free_terms, t) for t in record_axes]
         )
         rest = [h for h in library if not explained_by_free_term(h, free_terms, record_axes[0])]
-        taken_up = sum(term.strength for term in free_terms)
+        taken_up = sum(term.chi2_reduction for term in free_terms)
         further = select(conditioned, rest, progress, without, chi2_of_free_terms=taken_up)
         more = [u for u in further.unknown if not any(u.same_roll_as(t) for t in free_terms)]
         # before: with the lines that are now free terms, for the report
@@ -183,7 +182,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
     of what is left then: what is irregular has a share at every line.
     """
     selection = classified(objective, selection)
-    if all(u.kind in PERIODIC_KINDS for u in selection.unknown):
+    if all(u.unknown_class in PERIODIC_CLASSES for u in selection.unknown):
         if not selection.accepted:
             return selection
         return replace(selection, corrections=total_shifts(objective, selection.fit))
@@ -218,7 +217,7 @@ def classified(objective: Objective, selection: Selection) -> Selection:
     excess = weigh.excess(fit.cost, fit.residual)
     nominal_excess = selection.nominal.cost - objective.expected_cost
     if not unknown and imitates(selection.accepted, excess, nominal_excess):
-        unknown = [Unknown(kind="broadband", strength=excess, coordinate={})]
+        unknown = [Unknown(unknown_class="broadband", chi2_reduction=excess, coordinate={})]
     return replace(selection, unknown=tuple(unknown))
 
 
@@ -240,7 +239,7 @@ def next_extensions(
     library = with_orders(library, selection.record_axes, selection.after)
     library = with_radii(library, selection.record_axes, selection.after)
     library = with_resonances(library, selection.record_axes)
-    periodic, others = by_periodic_support(library, selection.record_axes, selection.after)
+    periodic, others = by_periodic_chi2(library, selection.record_axes, selection.after)
     resonant = [h for h in periodic if h.effect.resonant]
     plain = [h for h in periodic if not h.effect.resonant]
     cost = selection.fit.cost

@@ -22,7 +22,7 @@ from sim_plant.refine.spectra.coordinates import (
 from sim_plant.refine.spectra.spectral_lines import speed_weights
 
 FREE_TERMS = CRITERIA.search.free_terms
-PERIODIC_KINDS = frozenset(FREE_TERMS.harmonics)
+PERIODIC_CLASSES = frozenset(FREE_TERMS.harmonics)
 """Coordinates of spectral lines."""
 
 
@@ -41,7 +41,7 @@ def free_term_basis(lines: Sequence[Unknown], axes: RecordAxes) -> Array:
     for item in lines:
         coordinate, first = _coordinate_of(item, axes)
         rate = float(np.max(np.abs(np.gradient(coordinate, axes.sample_time_s))))
-        for n in range(1, FREE_TERMS.harmonics[item.kind] + 1):
+        for n in range(1, FREE_TERMS.harmonics[item.unknown_class] + 1):
             if n * first * rate > nyquist:
                 break
             phase = TWO_PI * n * first * coordinate
@@ -62,17 +62,17 @@ def explained_by_free_term(h: Hypothesis, lines: Sequence[Unknown], axes: Record
 def _meets(h: Hypothesis, item: Unknown, axes: RecordAxes) -> bool:
     where = item.coordinate
     in_time = shown_Hz(h, axes)
-    if item.kind == "angle":
+    if item.unknown_class == "angle":
         _, first = _coordinate_of(item, axes)
         shows = orders_of(h, radius_at(h, axes)) if h.location == where["roll"] else []
-    elif item.kind == "time":
+    elif item.unknown_class == "time":
         first, shows = float(where["frequency_Hz"]), [] if in_time is None else [in_time]
     else:
         first = float(where["wavenumber_1_m"])
         shows = [] if h.location == "all" else wavenumbers_1_m(h, axes)
     ratios = [at / first for at in shows]
     return any(
-        1 <= round(r) <= FREE_TERMS.harmonics[item.kind]
+        1 <= round(r) <= FREE_TERMS.harmonics[item.unknown_class]
         and abs(r / round(r) - 1.0) < CRITERIA.spectra.same_coordinate_share
         for r in ratios
     )
@@ -81,13 +81,13 @@ def _meets(h: Hypothesis, item: Unknown, axes: RecordAxes) -> bool:
 def _coordinate_of(item: Unknown, axes: RecordAxes) -> tuple[Array, float]:
     """Return a coordinate (samples,), in s, m or turns, and the fundamental in cycles per unit."""
     where = item.coordinate
-    if item.kind == "time":
+    if item.unknown_class == "time":
         return axes.time_s, float(where["frequency_Hz"])
-    if item.kind == "travel":
+    if item.unknown_class == "travel":
         return axes.travel_m, float(where["wavenumber_1_m"])
     names = [r.name for r in axes.declaration.rollers]
     turns: Array = axes.angles_rad[names.index(str(where["roll"]))] / TWO_PI
     order = float(where["order"])
     off_cycles = abs(order - round(order)) * float(np.ptp(turns))
-    among = round(order) <= FREE_TERMS.harmonics[item.kind]
+    among = round(order) <= FREE_TERMS.harmonics[item.unknown_class]
     return turns, 1.0 if among and off_cycles < 0.5 * FREE_TERMS.half_waves else order

@@ -21,13 +21,13 @@ from sim_plant.refine.search.candidate import (
     sure_part,
 )
 from sim_plant.refine.search.like_idlers import LikeIdlers
-from sim_plant.refine.spectra.coordinates import RecordAxes, periodic_support
+from sim_plant.refine.spectra.coordinates import RecordAxes, periodic_chi2_reduction
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 SCREENING = CRITERIA.search.screening
 
 
-def by_periodic_support(
+def by_periodic_chi2(
     hypotheses: Sequence[Hypothesis],
     record_axes: Sequence[RecordAxes],
     spectra: Sequence[Sequence[SpectralLines]],
@@ -38,12 +38,16 @@ def by_periodic_support(
     degrees = min(s.degrees for record in spectra for s in record)
     for h in hypotheses:
         profile = len(h.effect.quadratures) > SCREENING.profile_pairs
-        alone = SCREENING.periodic_support * (SCREENING.profile_support_share if profile else 1.0)
+        alone = SCREENING.periodic_chi2_reduction * (
+            SCREENING.profile_chi2_share if profile else 1.0
+        )
         least = max(alone + degrees, SCREENING.strongest_share * strongest)
         if h.effect.resonant:
             least = SCREENING.resonance_share * strongest
-        support = [periodic_support(h, t, s) for t, s in zip(record_axes, spectra, strict=True)]
-        known = [value for value in support if value is not None]
+        chi2_reduction = [
+            periodic_chi2_reduction(h, t, s) for t, s in zip(record_axes, spectra, strict=True)
+        ]
+        known = [value for value in chi2_reduction if value is not None]
         if not known:
             others.append(h)
         elif max(known) >= least:

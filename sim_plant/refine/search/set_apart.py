@@ -147,8 +147,8 @@ def own_spectral_lines(selection: Selection) -> Sequence[Unknown]:
     return spectral
 
 
-def _spectral_line(kind: str, coordinate: dict[str, float | str]) -> Unknown:
-    return Unknown(kind=kind, coordinate=coordinate, strength=0.0)
+def _spectral_line(axis: str, coordinate: dict[str, float | str]) -> Unknown:
+    return Unknown(unknown_class=axis, coordinate=coordinate, chi2_reduction=0.0)
 
 
 def _under(objective: Objective, fit: Fit, quick: bool) -> Fit:

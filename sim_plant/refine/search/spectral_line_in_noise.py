@@ -38,7 +38,7 @@ def may_be_noise(
         return False
     scale = float(np.var(seen) / (2.0 * np.mean(seen)))
     degrees = float(np.mean(seen)) / scale
-    value = float(np.interp(at, spectrum.coordinate, spectrum.chi2_reduction)) / scale
+    value = float(np.interp(at, spectrum.frequency, spectrum.chi2_reduction)) / scale
     alone = chdtrc(UNEXPLAINED.periodic_degrees, UNEXPLAINED.periodic)
     return bool(chdtrc(degrees, max(value, 0.0)) > alone)
 
@@ -59,9 +59,9 @@ def noise_spectra(
 
 def _around(spectra: Sequence[SpectralLines], spectrum: SpectralLines, at: float) -> Array:
     """Return the values of the same spectrum within half an octave to either side."""
-    same = [s for s in spectra if (s.kind, s.roll) == (spectrum.kind, spectrum.roll)]
+    same = [s for s in spectra if (s.axis, s.roll) == (spectrum.axis, spectrum.roll)]
     root = np.sqrt(2.0)
     parts = [
-        s.chi2_reduction[(s.coordinate >= at / root) & (s.coordinate <= at * root)] for s in same
+        s.chi2_reduction[(s.frequency >= at / root) & (s.frequency <= at * root)] for s in same
     ]
     return np.concatenate(parts) if parts else np.zeros(0)

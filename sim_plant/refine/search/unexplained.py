@@ -21,7 +21,7 @@ from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 UNEXPLAINED = CRITERIA.search.unexplained
 Place = tuple[str, Mapping[str, float | str]]
-"""Kind and coordinate of a spectral line."""
+"""Class and coordinate of a spectral line."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -30,22 +30,25 @@ class Unknown:
 
     Attributes
     ----------
-    kind : ``time``, ``travel`` or ``angle`` of a spectral line; ``event``, ``state`` or
+    unknown_class : ``time``, ``travel`` or ``angle`` of a spectral line; ``event``, ``state`` or
         ``broadband``.
     coordinate : where it is: numbers and names, by key.
-    strength : what a free term would explain, chi-square; of coupled channels their score.
-    also : kinds and coordinates of spectral lines that the records do not tell from this one.
+    chi2_reduction : what a free term would explain, chi-square; of coupled channels their score.
+    also : classes and coordinates of spectral lines that the records do not tell from this one.
     """
 
-    kind: str
+    unknown_class: str
     coordinate: Mapping[str, float | str]
-    strength: float
+    chi2_reduction: float
     also: tuple[Place, ...] = ()
 
     def same_roll_as(self, other: Unknown) -> bool:
         """Return whether both are orders of the same roll."""
         roll = self.coordinate.get("roll")
-        return self.kind == other.kind == "angle" and roll == other.coordinate.get("roll")
+        return (
+            self.unknown_class == other.unknown_class == "angle"
+            and roll == other.coordinate.get("roll")
+        )
 
     @property
     def text(self) -> str:
@@ -54,7 +57,7 @@ class Unknown:
             f"{key} {value:.5g}" if isinstance(value, float) else f"{key} {value}"
             for key, value in self.coordinate.items()
         )
-        return f"{self.kind} ({where})"
+        return f"{self.unknown_class} ({where})"
 
 
 def strongest_peak(
@@ -89,7 +92,7 @@ def what_is_left(
     if conflict is not None:
         return [outside_tolerance(conflict)]
     if loudest(objective.whitening, objective.split(fit.residual)) > UNEXPLAINED.loud:
-        return [Unknown(kind="broadband", strength=excess, coordinate={})]
+        return [Unknown(unknown_class="broadband", chi2_reduction=excess, coordinate={})]
     if any(terms is not None for terms in objective.whitening.basis):
         return []  # what they leave of a spectral line is coupled as that is
     coupling = least_likely_coupling(objective, fit)
@@ -110,39 +113,47 @@ def event_or_spectral_line(
         line = None
     if event is None or (line is not None and rings(after, event[1])):
         return line
-    return Unknown(kind="event", coordinate=event[0], strength=event[1])
+    return Unknown(unknown_class="event", coordinate=event[0], chi2_reduction=event[1])
 
 
-def rings(after: Sequence[Sequence[SpectralLines]], strength: float) -> bool:
-    """Return whether most of what begins at a moment, of this ``strength``, is a spectral line.
+def rings(after: Sequence[Sequence[SpectralLines]], chi2_reduction: float) -> bool:
+    """Return whether most of what begins at a moment, by ``chi2_reduction``, is a spectral line.
 
     A resonance begins when the line comes to a speed that excites it. A step has strong spectral
     lines too, but of a few cycles only.
     """
     spectrum, at, of_line = strongest_peak(after)
     sure = at * spectrum.extent >= UNEXPLAINED.spectral_line_cycles
-    return sure and of_line > UNEXPLAINED.ringing_share * strength
+    return sure and of_line > UNEXPLAINED.ringing_share * chi2_reduction
 
 
 def periodic_left(after: Sequence[Sequence[SpectralLines]], excess: float) -> Unknown | None:
     """Return the strongest free spectral line, if it counts and is a part of the ``excess``."""
-    spectrum, at, strength = strongest_peak(after)
-    if strength > UNEXPLAINED.periodic and strength > UNEXPLAINED.periodic_share * excess:
-        (kind, where), *also = kinds_at(after, spectrum, at)
-        return Unknown(kind=kind, strength=strength, coordinate=where, also=tuple(also))
+    spectrum, at, chi2_reduction = strongest_peak(after)
+    if (
+        chi2_reduction > UNEXPLAINED.periodic
+        and chi2_reduction > UNEXPLAINED.periodic_share * excess
+    ):
+        (unknown_class, where), *also = classes_at(after, spectrum, at)
+        return Unknown(
+            unknown_class=unknown_class,
+            chi2_reduction=chi2_reduction,
+            coordinate=where,
+            also=tuple(also),
+        )
     return None
 
 
-def kinds_at(
+def classes_at(
     after: Sequence[Sequence[SpectralLines]], spectrum: SpectralLines, at: float
 ) -> list[Place]:
-    """Return the kind and coordinate of the line at ``at``, then those not told from it.
+    """Return the class and coordinate of the line at ``at``, then those not told from it.
 
     At one speed a line in time is one in travel, and one at an angle: all have the same cycles per
-    record. Of records at several speeds only one kind has it at one coordinate in all of them.
-    Equation: c = a l / m, a the coordinate in a record of extent m, l the extent of the other
-    kind; not told apart where the chi-square over all records is less by no more than the
-    ``margin`` of effects, or ``kind_share`` of it  [own].
+    record. Of records at several speeds only one axis has it at one frequency in all of them.
+    Equation: c = a l / m, a the frequency in a record of extent m, l the extent of the other
+    axis; not told apart where the chi-square over all records is less by no more than the
+    ``margin`` of effects, or ``axis_share`` of it  [own].
     """
     cycles = at * spectrum.extent
     home = next(record for record in after if any(s is spectrum for s in record))
@@ -150,34 +161,36 @@ def kinds_at(
     # of equals the one whose line is strongest
     rows.sort(key=lambda row: (row[0], row[1] is spectrum), reverse=True)
     most, _ = rows[0]
-    share = CRITERIA.without_line.kind_share * most
+    share = CRITERIA.without_line.axis_share * most
     least = most - max(CRITERIA.search.acceptance.margin, share)
-    return [(s.kind, _where(s, cycles / s.extent)) for value, s in rows if value >= least]
+    return [(s.axis, _where(s, cycles / s.extent)) for value, s in rows if value >= least]
 
 
 def _over_records(
     after: Sequence[Sequence[SpectralLines]], spectrum: SpectralLines, at: float
 ) -> float:
-    """Return the chi-square reduction near one coordinate of the same kind, over all records."""
-    same = (s for r in after for s in r if (s.kind, s.roll) == (spectrum.kind, spectrum.roll))
+    """Return the chi-square reduction near one frequency of the same axis, over all records."""
+    same = (s for r in after for s in r if (s.axis, s.roll) == (spectrum.axis, spectrum.roll))
     return sum(near(s, at) for s in same)
 
 
 def line_or_broadband(
-    after: Sequence[Sequence[SpectralLines]], excess: float, strength: float
+    after: Sequence[Sequence[SpectralLines]], excess: float, chi2_reduction: float
 ) -> Unknown:
     """Return what is left as its strongest free spectral line, else ``broadband``, this strong."""
     found = periodic_left(after, excess)
-    return found or Unknown(kind="broadband", strength=strength, coordinate={})
+    return found or Unknown(
+        unknown_class="broadband", chi2_reduction=chi2_reduction, coordinate={}
+    )
 
 
 def outside_tolerance(conflict: PriorConflict) -> Unknown:
-    """Return declared numbers beyond tolerance as what is left, of kind ``state``."""
+    """Return declared numbers beyond tolerance as what is left, of class ``state``."""
     where: dict[str, float | str] = {
         "declared": conflict.number,
         "standard_deviations": conflict.standard_deviations,
     }
-    return Unknown(kind="state", strength=conflict.chi2, coordinate=where)
+    return Unknown(unknown_class="state", chi2_reduction=conflict.chi2, coordinate=where)
 
 
 def coupled_channels(coupling: Coupling) -> Unknown:
@@ -187,7 +200,7 @@ def coupled_channels(coupling: Coupling) -> Unknown:
         "from_Hz": coupling.from_Hz,
         "to_Hz": coupling.to_Hz,
     }
-    return Unknown(kind="broadband", strength=coupling.score, coordinate=where)
+    return Unknown(unknown_class="broadband", chi2_reduction=coupling.score, coordinate=where)
 
 
 def loudest(whitening: Whitening, left: Sequence[Array]) -> float:
@@ -223,8 +236,8 @@ def kept_by_noise(whitening: Whitening) -> list[Array]:
 
 
 def _where(spectrum: SpectralLines, at: float) -> dict[str, float | str]:
-    if spectrum.kind == "time":
+    if spectrum.axis == "time":
         return {"frequency_Hz": at}
-    if spectrum.kind == "travel":
+    if spectrum.axis == "travel":
         return {"wavenumber_1_m": at, "equivalent_radius_m": 1.0 / (2.0 * np.pi * at)}
     return {"roll": spectrum.roll, "order": at}

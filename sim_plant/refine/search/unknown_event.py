@@ -30,10 +30,10 @@ def event_left(objective: Objective, fit: Fit) -> tuple[dict[str, float | str], 
         found = event_in(twin.declaration, names, power, noise.first)
         if found is None:
             continue
-        where, strength = found
+        where, chi2_reduction = found
         if len(objective.pool.twins) > 1:
             where["record"] = float(record + 1)
-        return where, strength
+        return where, chi2_reduction
     return None
 
 

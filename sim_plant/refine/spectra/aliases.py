@@ -66,7 +66,7 @@ def origins_Hz(
     for axes, record in zip(record_axes, spectra, strict=True):
         rate = 1.0 / axes.sample_time_s
         slowest = SPECTRA.alias_cycles / float(axes.time_s[-1] - axes.time_s[0])
-        seen = next(s.peak_from(slowest)[0] for s in record if s.kind == "time")
+        seen = next(s.peak_from(slowest)[0] for s in record if s.axis == "time")
         folded = [
             k * rate + sign * seen for k in range(int(highest / rate) + 2) for sign in (1, -1)
         ]

@@ -33,7 +33,7 @@ class RecordAxes:
 
 
 def axes_of(twin: Twin, measured: Array, case: Case, first: int) -> RecordAxes:
-    """Return the coordinates of a record: measured angles where there are, else simulated."""
+    """Return the axes of a record: measured angles where there are, else simulated."""
     _, angles = twin.angles(case)
     for sensor in twin.declaration.sensors:
         if sensor.channel in twin.channels and sensor.channel.endswith("_angle_rad"):
@@ -79,7 +79,7 @@ def spectra(axes: RecordAxes, whitened: Array) -> list[SpectralLines]:
 def _in_time(axes: RecordAxes, whitened: Array, weights: Array) -> SpectralLines:
     slow = SPECTRA.fewest_cycles / (axes.time_s[-1] - axes.time_s[0])
     return spectral_lines(
-        whitened, axes.time_s, weights, kind="time", highest=_nyquist_Hz(axes) - slow, lowest=slow
+        whitened, axes.time_s, weights, axis="time", highest=_nyquist_Hz(axes) - slow, lowest=slow
     )
 
 
@@ -93,7 +93,7 @@ def _in_travel(axes: RecordAxes, whitened: Array, weights: Array) -> SpectralLin
         whitened,
         axes.travel_m,
         weights,
-        kind="travel",
+        axis="travel",
         highest=SPECTRA.nyquist_share * _nyquist_Hz(axes) / fastest_m_s,
         lowest=SPECTRA.fewest_cycles / length_m,
     )
@@ -111,7 +111,7 @@ def _in_angle(
         whitened,
         turns,
         weights,
-        kind="angle",
+        axis="angle",
         roll=axes.declaration.rollers[body].name,
         highest=SPECTRA.nyquist_share * _nyquist_Hz(axes) / fastest_Hz,
         lowest=SPECTRA.fewest_cycles / (turns[-1] - turns[0]),
@@ -130,15 +130,15 @@ def rates_Hz(turns: Array, axes: RecordAxes) -> Array:
 
 
 def near(
-    spectrum: SpectralLines, coordinate: float, width: float = SPECTRA.same_coordinate_share
+    spectrum: SpectralLines, frequency: float, width: float = SPECTRA.same_coordinate_share
 ) -> float:
-    """Return the largest chi-square reduction within ``width``, a share of the coordinate.
+    """Return the largest chi-square reduction within ``width``, a share of the frequency.
 
     Two bins to either side at least.
     """
-    bin_width = float(spectrum.coordinate[1] - spectrum.coordinate[0])
-    reach = max(2.0 * bin_width, width * coordinate)
-    inside = np.abs(spectrum.coordinate - coordinate) <= reach
+    bin_width = float(spectrum.frequency[1] - spectrum.frequency[0])
+    reach = max(2.0 * bin_width, width * frequency)
+    inside = np.abs(spectrum.frequency - frequency) <= reach
     return float(spectrum.chi2_reduction[inside].max()) if inside.any() else 0.0
 
 
@@ -156,7 +156,7 @@ def orders_of(h: Hypothesis, radius_m: float) -> list[float]:
 
 
 def is_periodic(h: Hypothesis) -> bool:
-    """Return whether a hypothesis shows as spectral lines, in whatever coordinate."""
+    """Return whether a hypothesis shows as spectral lines, on whatever axis."""
     return isinstance(h.effect.shows, Orders | Frequency)
 
 
@@ -192,26 +192,26 @@ def line_at_body(
     if seen is None:
         return None
     spectrum, orders = seen
-    bin_width = float(spectrum.coordinate[1] - spectrum.coordinate[0])
+    bin_width = float(spectrum.frequency[1] - spectrum.frequency[0])
     return spectrum.peak[0] * orders, bin_width * orders
 
 
 def _over_turns(
     h: Hypothesis, axes: RecordAxes, found: Sequence[SpectralLines]
 ) -> tuple[SpectralLines, float] | None:
-    """Return the spectrum in which orders of a body show, and orders per unit of its coordinate.
+    """Return the spectrum in which orders of a body show, and orders per unit of its axis.
 
     That of the body's own angle where there is one, else the travel's.
     """
-    by_kind = {(s.kind, s.roll): s for s in found}
-    own = by_kind.get(("angle", h.location))
+    by_axis = {(s.axis, s.roll): s for s in found}
+    own = by_axis.get(("angle", h.location))
     if own is not None:
         return own, 1.0
-    shared = by_kind.get(("travel", ""))
+    shared = by_axis.get(("travel", ""))
     return None if shared is None else (shared, TWO_PI * radius_at(h, axes))
 
 
-def periodic_support(
+def periodic_chi2_reduction(
     h: Hypothesis, axes: RecordAxes, found: Sequence[SpectralLines]
 ) -> float | None:
     """Return the chi-square reduction of a free line where a hypothesis shows; None: no line."""
@@ -219,10 +219,10 @@ def periodic_support(
         return None
     frequency_Hz = shown_Hz(h, axes)
     if frequency_Hz is not None:
-        in_time = next(s for s in found if s.kind == "time")
+        in_time = next(s for s in found if s.axis == "time")
         return near(in_time, frequency_Hz, SPECTRA.same_frequency_share)
     if h.location == "all":
-        return max((s.peak[1] for s in found if s.kind == "travel"), default=0.0)
+        return max((s.peak[1] for s in found if s.axis == "travel"), default=0.0)
     seen = _over_turns(h, axes, found)
     if seen is None:
         return 0.0

@@ -10,32 +10,32 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 
 OVERSAMPLING = 8
-"""Cells of the grid per cycle of the highest coordinate, at least."""
+"""Cells of the grid per cycle of the highest frequency, at least."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class SpectralLines:
-    """What a free spectral line explains at every coordinate: a spectrum of the residual.
+    """What a free spectral line explains at every frequency: a spectrum of the residual.
 
     Attributes
     ----------
-    kind : ``time`` (Hz), ``travel`` (1/m) or ``angle`` (order).
+    axis : ``time`` (Hz), ``travel`` (1/m) or ``angle`` (order).
     roll : body whose angle it is, empty else.
-    coordinate : cycles per unit (bins,).
+    frequency : cycles per unit (bins,).
     chi2_reduction : by how much chi-square falls per bin; itself chi-square distributed, with
         ``degrees`` degrees of freedom, when there is no line.
     """
 
-    kind: str
+    axis: str
     roll: str
-    coordinate: Array
+    frequency: Array
     chi2_reduction: Array
     degrees: int
 
     @property
     def extent(self) -> float:
-        """How long the record is, in s, m or turns, as the kind has it."""
-        return 0.5 / float(self.coordinate[1] - self.coordinate[0])
+        """How long the record is, in s, m or turns, as the axis has it."""
+        return 0.5 / float(self.frequency[1] - self.frequency[0])
 
     @property
     def peak(self) -> tuple[float, float]:
@@ -44,9 +44,9 @@ class SpectralLines:
 
     def peak_from(self, lowest: float) -> tuple[float, float]:
         """Coordinate and chi-square reduction of the strongest line from ``lowest`` on."""
-        within = np.where(self.coordinate >= lowest, self.chi2_reduction, -np.inf)
+        within = np.where(self.frequency >= lowest, self.chi2_reduction, -np.inf)
         at = int(np.argmax(within))
-        return float(self.coordinate[at]), float(within[at])
+        return float(self.frequency[at]), float(within[at])
 
 
 def speed_weights(speed_m_s: Array, count: int = 3) -> Array:
@@ -72,7 +72,7 @@ def spectral_lines(
     position: Array,
     weights: Array,
     *,
-    kind: str,
+    axis: str,
     roll: str = "",
     highest: float,
     lowest: float,
@@ -83,7 +83,7 @@ def spectral_lines(
 
     Equation: D(k) = 2/N sum_channels sum_weights |sum_n w_n x_n exp(-2 pi j k u_n)|^2, by binning
     the samples on a grid of u fine enough for ``highest`` and one FFT per row (error below 2 %).
-    k: coordinate, n: sample, w: ``weights``, x: ``whitened``, u: ``position``.
+    k: frequency, n: sample, w: ``weights``, x: ``whitened``, u: ``position``.
     """
     along = position - position[0]
     extent = float(along[-1])
@@ -97,12 +97,12 @@ def spectral_lines(
         for weight in weights:
             spectrum = np.fft.rfft(np.bincount(at, row * weight, cells))
             chi2_reduction += 2.0 / samples * np.abs(spectrum) ** 2
-    coordinate = np.arange(chi2_reduction.size) / (2.0 * extent)
-    keep = (coordinate >= lowest) & (coordinate <= highest)
+    frequency = np.arange(chi2_reduction.size) / (2.0 * extent)
+    keep = (frequency >= lowest) & (frequency <= highest)
     return SpectralLines(
-        kind=kind,
+        axis=axis,
         roll=roll,
-        coordinate=coordinate[keep],
+        frequency=frequency[keep],
         chi2_reduction=chi2_reduction[keep],
         degrees=2 * whitened.shape[0] * weights.shape[0],
     )

@@ -13,7 +13,12 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.spectra.spectral_lines import SpectralLines, spectral_lines, speed_weights
 from sim_plant.refine.without_line.record_filter import Remainder, whiten
-from sim_plant.refine.without_line.seen import Seen, as_orders, phase_of, seen
+from sim_plant.refine.without_line.line_presence import (
+    LinePresence,
+    as_orders,
+    position_of,
+    presence_of,
+)
 
 WITHOUT_LINE = CRITERIA.without_line
 
@@ -24,32 +29,32 @@ class SpectralLine:
 
     Attributes
     ----------
-    kind : ``time`` or ``travel``.
-    coordinate : Hz or 1/m.
-    per_record : coordinate found in each record alone.
-    strength : reduction of chi-square over all records.
+    axis : ``time`` or ``travel``.
+    frequency : Hz or 1/m.
+    per_record : frequency found in each record alone.
+    chi2_reduction : reduction of chi-square over all records.
     clock : why the machine does not make it; empty when it may.
-    seen : in which records and at which speeds; None for a clock of a raw output.
+    presence : in which records and at which speeds; None for a clock of a raw output.
     """
 
-    kind: str
-    coordinate: float
+    axis: str
+    frequency: float
     per_record: tuple[float, ...]
-    strength: float
+    chi2_reduction: float
     clock: str = ""
-    seen: Seen | None = None
+    presence: LinePresence | None = None
 
     @property
     def where(self) -> dict[str, float | str]:
         """The coordinate by name, as a verdict has it."""
-        if self.kind == "time":
-            return {"frequency_Hz": self.coordinate}
-        return {"wavenumber_1_m": self.coordinate, "equivalent_radius_m": self.equivalent_radius_m}
+        if self.axis == "time":
+            return {"frequency_Hz": self.frequency}
+        return {"wavenumber_1_m": self.frequency, "equivalent_radius_m": self.equivalent_radius_m}
 
     @property
     def equivalent_radius_m(self) -> float:
         """Radius of a roller that turns once per period of the spectral line in travel."""
-        return 1.0 / (2.0 * math.pi * self.coordinate)
+        return 1.0 / (2.0 * math.pi * self.frequency)
 
 
 def _spectra(item: Remainder, white: Array) -> list[SpectralLines]:
@@ -64,7 +69,7 @@ def _spectra(item: Remainder, white: Array) -> list[SpectralLines]:
             white,
             time_s,
             weights,
-            kind="time",
+            axis="time",
             highest=WITHOUT_LINE.highest_frequency_share * rate,
             lowest=WITHOUT_LINE.fewest_cycles / float(time_s[-1]),
         )
@@ -80,7 +85,7 @@ def _spectra(item: Remainder, white: Array) -> list[SpectralLines]:
                 white,
                 item.travel_m,
                 weights,
-                kind="travel",
+                axis="travel",
                 highest=highest,
                 lowest=WITHOUT_LINE.fewest_cycles / extent,
             )
@@ -90,14 +95,14 @@ def _spectra(item: Remainder, white: Array) -> list[SpectralLines]:
 
 def threshold(spectrum: SpectralLines) -> float:
     """Return ``safety`` times the chi-square reduction that noise exceeds by ``false_alarm``."""
-    per_bin = WITHOUT_LINE.false_alarm / max(1, spectrum.coordinate.size)
+    per_bin = WITHOUT_LINE.false_alarm / max(1, spectrum.frequency.size)
     return WITHOUT_LINE.safety * float(chdtri(spectrum.degrees, per_bin))
 
 
 def find_spectral_lines(items: Sequence[Remainder]) -> list[SpectralLine]:
     """Return significant spectral lines over all records, strongest first.
 
-    Each is taken out before the next is looked for. A spectral line counts in the coordinate in
+    Each is taken out before the next is looked for. A spectral line counts on the axis on
     which it is sharper: that with the larger reduction of chi-square.
     """
     whites = first = [item.whitened for item in items]
@@ -107,12 +112,12 @@ def find_spectral_lines(items: Sequence[Remainder]) -> list[SpectralLine]:
         best = _best(spectra)
         if best is None:
             break
-        kind, at, strength = best
-        line, own = _line(items, whites, kind, at, strength)
+        axis, at, chi2_reduction = best
+        line, own = _line(items, whites, axis, at, chi2_reduction)
         if not any(_same(line, other) for other in lines):
             lines.append(line)
         whites = [
-            _without(item, white, line.kind, at)
+            _without(item, white, line.axis, at)
             for item, white, at in zip(items, whites, own, strict=True)
         ]
     return _orders(items, first, lines)
@@ -120,30 +125,34 @@ def find_spectral_lines(items: Sequence[Remainder]) -> list[SpectralLine]:
 
 def _same(line: SpectralLine, other: SpectralLine) -> bool:
     """Return whether ``line`` is what was left of ``other``, a stronger one that wanders."""
-    if line.kind != other.kind:
+    if line.axis != other.axis:
         return False
-    apart = abs(line.coordinate / other.coordinate - 1.0)
+    apart = abs(line.frequency / other.frequency - 1.0)
     return apart < CRITERIA.spectra.same_coordinate_share
 
 
 def _line(
-    items: Sequence[Remainder], whites: Sequence[Array], kind: str, at: float, strength: float
+    items: Sequence[Remainder],
+    whites: Sequence[Array],
+    axis: str,
+    at: float,
+    chi2_reduction: float,
 ) -> tuple[SpectralLine, list[float]]:
-    """Return a spectral line with where it was seen, and its own coordinate in every record.
+    """Return a spectral line with where it was seen, and its own frequency in every record.
 
-    A record in which it is not there on its own has no say in the coordinate.
+    A record in which it is not there on its own has no say in the frequency.
     """
-    own = [sharpest(item, white, kind, at) for item, white in zip(items, whites, strict=True)]
-    where = seen(items, whites, kind, own)
+    own = [sharpest(item, white, axis, at) for item, white in zip(items, whites, strict=True)]
+    where = presence_of(items, whites, axis, own)
     joint = float(np.median([c for c, yes in zip(own, where.present, strict=True) if yes]))
     own = [c if yes else joint for c, yes in zip(own, where.present, strict=True)]
     line = SpectralLine(
-        kind=kind,
-        coordinate=joint,
+        axis=axis,
+        frequency=joint,
         per_record=tuple(own),
-        strength=strength,
-        clock=_clock(items, kind, joint),
-        seen=where,
+        chi2_reduction=chi2_reduction,
+        clock=_clock(items, axis, joint),
+        presence=where,
     )
     return line, own
 
@@ -154,22 +163,24 @@ def _orders(
     """Return the spectral lines, those that are orders of one turn in travel and named so."""
     if items[0].travel_m is None:
         return list(lines)
-    rows = [(x.kind, x.coordinate, x.seen) for x in lines if x.seen is not None and not x.clock]
+    rows = [
+        (x.axis, x.frequency, x.presence) for x in lines if x.presence is not None and not x.clock
+    ]
     extents = [float(np.ptp(x.travel_m)) for x in items if x.travel_m is not None]
     named = iter(as_orders(rows, extents))
     result = []
     for x in lines:
-        if x.seen is None or x.clock:
+        if x.presence is None or x.clock:
             result.append(x)
             continue
-        kind, at, where = next(named)
+        axis, at, where = next(named)
         per_record = x.per_record
-        if kind != x.kind:
-            own = [sharpest(i, w, kind, at) for i, w in zip(items, whites, strict=True)]
-            where = replace(where, present=seen(items, whites, kind, own).present)
+        if axis != x.axis:
+            own = [sharpest(i, w, axis, at) for i, w in zip(items, whites, strict=True)]
+            where = replace(where, present=presence_of(items, whites, axis, own).present)
             at = float(np.median([c for c, p in zip(own, where.present, strict=True) if p]))
             per_record = tuple(c if p else at for c, p in zip(own, where.present, strict=True))
-        result.append(replace(x, kind=kind, coordinate=at, per_record=per_record, seen=where))
+        result.append(replace(x, axis=axis, frequency=at, per_record=per_record, presence=where))
     return result
 
 
@@ -190,10 +201,10 @@ def clocks(items: Sequence[Remainder]) -> list[SpectralLine]:
                 if reason:
                     lines.append(
                         SpectralLine(
-                            kind="time",
-                            coordinate=at,
+                            axis="time",
+                            frequency=at,
                             per_record=(at,),
-                            strength=chi2_reduction,
+                            chi2_reduction=chi2_reduction,
                             clock=reason,
                         )
                     )
@@ -201,23 +212,23 @@ def clocks(items: Sequence[Remainder]) -> list[SpectralLine]:
 
 
 def _best(spectra: Sequence[Sequence[SpectralLines]]) -> tuple[str, float, float] | None:
-    """Return kind, coordinate and chi-square reduction of the strongest; None: all are noise."""
+    """Return axis, frequency and chi-square reduction of the strongest; None: all are noise."""
     best: tuple[str, float, float] | None = None
     for k, first in enumerate(spectra[0]):
         total = first.chi2_reduction.copy()
         limit = threshold(first)
         for record in spectra[1:]:
-            total += np.interp(first.coordinate, record[k].coordinate, record[k].chi2_reduction)
+            total += np.interp(first.frequency, record[k].frequency, record[k].chi2_reduction)
             limit += first.degrees  # what noise of one more record adds on average
         at = int(np.argmax(total))
         if total[at] > limit and (best is None or total[at] > best[2]):
-            best = (first.kind, float(first.coordinate[at]), float(total[at]))
+            best = (first.axis, float(first.frequency[at]), float(total[at]))
     return best
 
 
-def sharpest(item: Remainder, white: Array, kind: str, near: float) -> float:
-    """Return the coordinate of the strongest spectral line near ``near``, in one record alone."""
-    u = phase_of(item, kind)
+def sharpest(item: Remainder, white: Array, axis: str, near: float) -> float:
+    """Return the frequency of the strongest spectral line near ``near``, in one record alone."""
+    u = position_of(item, axis)
     reach = max(1.0 / float(u[-1]), 0.002 * near)
     best = near
     for _ in range(3):
@@ -228,9 +239,9 @@ def sharpest(item: Remainder, white: Array, kind: str, near: float) -> float:
 
 
 def _power(white: Array, u: Array, grid: Array) -> Array:
-    """Return the power of all outputs (grid,) at evenly spaced coordinates.
+    """Return the power of all outputs (grid,) at evenly spaced frequencies.
 
-    From one coordinate to the next every sample's phasor turns by the same angle: a product
+    From one frequency to the next every sample's phasor turns by the same angle: a product
     takes the place of an exponential.
     """
     phasor = np.exp(-2j * np.pi * grid[0] * u)
@@ -242,9 +253,9 @@ def _power(white: Array, u: Array, grid: Array) -> Array:
     return power
 
 
-def basis(item: Remainder, kind: str, coordinate: float) -> Array:
+def basis(item: Remainder, axis: str, frequency: float) -> Array:
     """Return cos and sin of a spectral line, each also times relative speed (samples, 2 or 4)."""
-    turn = 2.0 * np.pi * coordinate * phase_of(item, kind)
+    turn = 2.0 * np.pi * frequency * position_of(item, axis)
     columns = [np.cos(turn), np.sin(turn)]
     if item.speed_m_s is not None:
         relative = item.speed_m_s / np.mean(item.speed_m_s) - 1.0
@@ -252,22 +263,22 @@ def basis(item: Remainder, kind: str, coordinate: float) -> Array:
     return np.stack(columns, axis=1)
 
 
-def _without(item: Remainder, white: Array, kind: str, coordinate: float) -> Array:
+def _without(item: Remainder, white: Array, axis: str, frequency: float) -> Array:
     """Return whitened outputs less a spectral line, fitted to them (outputs, samples)."""
-    b = basis(item, kind, coordinate)
+    b = basis(item, axis, frequency)
     rest: Array = white - (b @ np.linalg.lstsq(b, white.T, rcond=None)[0]).T
     return rest
 
 
-def _clock(items: Sequence[Remainder], kind: str, coordinate: float) -> str:
+def _clock(items: Sequence[Remainder], axis: str, frequency: float) -> str:
     """Return why a spectral line is a clock of the experiment; empty when it is not."""
-    if kind != "time":
+    if axis != "time":
         return ""
     rate = 1.0 / items[0].record.sample_time_s
-    divisor = rate / coordinate
+    divisor = rate / frequency
     width = max(
         WITHOUT_LINE.clock_share,
-        1.0 / (items[0].residual.shape[1] * items[0].record.sample_time_s) / coordinate,
+        1.0 / (items[0].residual.shape[1] * items[0].record.sample_time_s) / frequency,
     )
     reasons = []
     if (
@@ -279,21 +290,21 @@ def _clock(items: Sequence[Remainder], kind: str, coordinate: float) -> str:
         if not item.inputs.shape[0]:
             continue
         white = np.stack([whiten(row) for row in item.inputs])
-        time_s = phase_of(item, "time")
+        time_s = position_of(item, "time")
         spectrum = spectral_lines(
             white,
             time_s,
             np.ones((1, time_s.size)),
-            kind="time",
+            axis="time",
             highest=WITHOUT_LINE.highest_frequency_share * rate,
             lowest=WITHOUT_LINE.fewest_cycles / float(time_s[-1]),
         )
-        near = np.abs(spectrum.coordinate - coordinate) < 2.0 * width * coordinate
+        near = np.abs(spectrum.frequency - frequency) < 2.0 * width * frequency
         if near.any() and float(spectrum.chi2_reduction[near].max()) > threshold(spectrum):
             reasons.append("is in the excitation as well")
             break
     for mains in WITHOUT_LINE.mains_Hz:
         folded = math.fmod(mains, rate)
-        if abs(min(folded, rate - folded) - coordinate) < WITHOUT_LINE.clock_share * coordinate:
+        if abs(min(folded, rate - folded) - frequency) < WITHOUT_LINE.clock_share * frequency:
             reasons.append(f"may be {mains:g} Hz mains, aliased")
     return ", ".join(reasons)

@@ -36,12 +36,12 @@ def without_spectral_lines(
     for spectral in spectral_lines:
         here = spectral
         if not own:
-            at = sharpest(judged, white, spectral.kind, spectral.coordinate)
-            here = replace(spectral, coordinate=at)
+            at = sharpest(judged, white, spectral.axis, spectral.frequency)
+            here = replace(spectral, frequency=at)
         fitted = _fit(judged, left, here)
         if not own:
             fitted = _known_size(items, spectral, fitted, judged)
-        left = left - (basis(judged, here.kind, here.coordinate) @ fitted).T
+        left = left - (basis(judged, here.axis, here.frequency) @ fitted).T
     return left
 
 
@@ -50,7 +50,7 @@ def _fit(item: Remainder, rows: Array, spectral: SpectralLine) -> Array:
 
     The basis goes through the same whitening filter as the row.
     """
-    b = basis(item, spectral.kind, spectral.coordinate)
+    b = basis(item, spectral.axis, spectral.frequency)
     columns = []
     for row in rows:
         taps, _ = whitening_filter(row[None, :])
@@ -66,8 +66,8 @@ def _known_size(
 ) -> Array:
     """Return this record's phase with the size that the fitted records have at its speed."""
     sizes = []
-    for item, coordinate in zip(items, spectral.per_record, strict=True):
-        alone = _fit(item, item.residual, replace(spectral, coordinate=coordinate))
+    for item, frequency in zip(items, spectral.per_record, strict=True):
+        alone = _fit(item, item.residual, replace(spectral, frequency=frequency))
         sizes.append(np.abs(_complex(alone)[0]))
     here = _complex(fitted)[0]
     size = _at_speed(items, np.stack(sizes), judged)

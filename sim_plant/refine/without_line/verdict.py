@@ -99,25 +99,25 @@ class RecordVerdict:
 
 def _line_row(spectral: SpectralLine) -> dict[str, Any]:
     row: dict[str, Any] = {
-        "class": spectral.kind,
+        "class": spectral.axis,
         "coordinate": spectral.where,
         "per_record": spectral.per_record,
-        "strength": spectral.strength,
+        "strength": spectral.chi2_reduction,
     }
-    seen = spectral.seen
-    if seen is not None:
-        row["seen_at"] = seen.scope
-        row["present"] = seen.present
-        row["speeds_m_s"] = seen.speeds_m_s
-        if seen.other:
+    presence = spectral.presence
+    if presence is not None:
+        row["seen_at"] = presence.scope
+        row["present"] = presence.present
+        row["speeds_m_s"] = presence.speeds_m_s
+        if presence.other_frequency:
             row["or_else"] = (
-                {"wavenumber_1_m": seen.other}
-                if spectral.kind == "time"
-                else {"frequency_Hz": seen.other}
+                {"wavenumber_1_m": presence.other_frequency}
+                if spectral.axis == "time"
+                else {"frequency_Hz": presence.other_frequency}
             )
-        if seen.order:
-            row["order"] = seen.order
-            row["fundamental_1_m"] = seen.fundamental
+        if presence.order:
+            row["order"] = presence.order
+            row["fundamental_1_m"] = presence.fundamental
     return row
 
 
@@ -179,7 +179,7 @@ def next_step(verdict: RecordVerdict, *, travel: bool) -> str:
         said.append(
             "Give all channels one clock, or take the shift out before anything else is fitted."
         )
-    if any(x.seen and x.seen.scope == "one speed" for x in verdict.unknown):
+    if any(x.presence and x.presence.scope == "one speed" for x in verdict.unknown):
         said.append(
             "Record at another speed: what was seen at one speed only may be a frequency or a "
             "part that turns."

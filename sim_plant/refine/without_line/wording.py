@@ -5,44 +5,46 @@ from __future__ import annotations
 from sim_plant.refine.report.wording import coordinate_text
 from sim_plant.refine.without_line.free_spectral_lines import SpectralLine
 from sim_plant.refine.without_line.general.findings import Finding
-from sim_plant.refine.without_line.seen import (
+from sim_plant.refine.without_line.line_presence import (
     EVERY_RECORD,
     EVERY_SPEED,
     ONE_RECORD,
     ONE_SPEED,
-    Seen,
+    LinePresence,
 )
 
 
 def line_text(spectral: SpectralLine) -> str:
     """Return what a spectral line is and where it was seen, without a stop."""
-    seen = spectral.seen
-    if seen is None:
-        return coordinate_text(spectral.kind, spectral.where)
-    if spectral.kind == "time":
-        text = f"something that repeats in time, {spectral.coordinate:.4g} Hz"
+    presence = spectral.presence
+    if presence is None:
+        return coordinate_text(spectral.axis, spectral.where)
+    if spectral.axis == "time":
+        text = f"something that repeats in time, {spectral.frequency:.4g} Hz"
     else:
-        text = coordinate_text(spectral.kind, spectral.where)
-    if seen.order:
-        text += f", order {seen.order} of what repeats every {1e3 / seen.fundamental:.4g} mm"
-    return f"{text}, {_seen_text(spectral, seen)}"
+        text = coordinate_text(spectral.axis, spectral.where)
+    if presence.order:
+        text += (
+            f", order {presence.order} of what repeats every {1e3 / presence.fundamental:.4g} mm"
+        )
+    return f"{text}, {_presence_text(spectral, presence)}"
 
 
-def _seen_text(spectral: SpectralLine, seen: Seen) -> str:
+def _presence_text(spectral: SpectralLine, presence: LinePresence) -> str:
     """Return in which records and at which speeds it was seen."""
-    count = f"{sum(seen.present)} of {len(seen.present)} records"
-    speeds = " and ".join(f"{v:.3g}" for v in seen.speeds_m_s)
-    if seen.scope == EVERY_SPEED:
+    count = f"{sum(presence.present)} of {len(presence.present)} records"
+    speeds = " and ".join(f"{v:.3g}" for v in presence.speeds_m_s)
+    if presence.scope == EVERY_SPEED:
         return f"at every speed ({speeds} m/s)"
-    if seen.scope == EVERY_RECORD:
+    if presence.scope == EVERY_RECORD:
         return "in every record"
-    if seen.scope == ONE_SPEED:  # so it may as well be constant in the other kind
-        text = f"seen at one speed only, {seen.speeds_m_s[0]:.3g} m/s ({count})"
-        if seen.other and not seen.order:
-            unit = "1/m" if spectral.kind == "time" else "Hz"
-            text += f"; at another it may be {seen.other:.4g} {unit} that stays"
+    if presence.scope == ONE_SPEED:  # so it may as well be constant in the other axis
+        text = f"seen at one speed only, {presence.speeds_m_s[0]:.3g} m/s ({count})"
+        if presence.other_frequency and not presence.order:
+            unit = "1/m" if spectral.axis == "time" else "Hz"
+            text += f"; at another it may be {presence.other_frequency:.4g} {unit} that stays"
         return text
-    if seen.scope == ONE_RECORD:
+    if presence.scope == ONE_RECORD:
         return f"seen in one record only ({count})"
     return f"seen in {count}" + (f", at {speeds} m/s" if speeds else "")
 

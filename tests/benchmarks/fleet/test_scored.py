@@ -19,7 +19,7 @@ TRUE, OTHER = EffectAt("eccentric_roller", "R6"), EffectAt("eccentric_roller", "
 HIDDEN = EffectEntry(
     effect=TRUE.effect, location=TRUE.location, parameters={"cos_m": 3e-4, "sin_m": -4e-4}
 )
-LEFT = UnknownFinding(kind="time", coordinate={"frequency_Hz": 3.0}, strength=200.0)
+LEFT = UnknownFinding(unknown_class="time", coordinate={"frequency_Hz": 3.0}, chi2_reduction=200.0)
 
 
 def told(*places: EffectAt, size_m: float = 5e-4, **more: object) -> Verdict:

@@ -72,7 +72,9 @@ def test_one_of_several_says_how_to_tell_them_apart():
 
 
 def test_nothing_unknown_and_a_failure_have_a_row_each():
-    line = UnknownFinding(kind="time", coordinate={"frequency_Hz": 0.3917321}, strength=9.0)
+    line = UnknownFinding(
+        unknown_class="time", coordinate={"frequency_Hz": 0.3917321}, chi2_reduction=9.0
+    )
     (nothing,) = findings_of(look("nothing"))
     (unknown,) = findings_of(look("unknown", unknown=(line,)))
     (failed,) = findings_of(look(error="film1.yaml: no roller R9"))

@@ -119,7 +119,7 @@ def shows(run, name, place, unknown):
     line: declared numbers beyond tolerance, or broadband; a delay in the loop of a roll that is
     not round shows at that roll's orders and nowhere else.
     """
-    kind, where = unknown.kind, unknown.coordinate
+    kind, where = unknown.unknown_class, unknown.coordinate
     locked_to = "unwind" if name == "loop_delay" else place
     if name in NO_LINE and kind in ("state", "broadband"):
         return True
@@ -141,7 +141,7 @@ def row(run, result):
     what += [
         f"or {', '.join(map(str, a.alternatives))} in place of {a.place}" for a in result.ambiguous
     ]
-    what += [f"unknown: {u.kind}, {coordinate(u.coordinate)}" for u in result.unknown]
+    what += [f"unknown: {u.unknown_class}, {coordinate(u.coordinate)}" for u in result.unknown]
     judged = {n: e for n, e in result.residual_rms.items() if not n.endswith("_angle_rad")}
     before = [e.before / e.noise_floor for e in judged.values()]
     after = [e.after / e.noise_floor for e in judged.values()]

@@ -210,7 +210,7 @@ def alike(one, other):
 
 def _told(verdict):
     effects = frozenset(str(e.place) for e in verdict.effects)
-    return verdict.answer, effects, frozenset(u.kind for u in verdict.unknown)
+    return verdict.answer, effects, frozenset(u.unknown_class for u in verdict.unknown)
 
 
 def size_error(case, verdict):
@@ -241,7 +241,7 @@ def row(case, service, clean):
 
 def _said(verdict):
     told = ", ".join(str(e.place) for e in verdict.effects) or "-"
-    told += "".join(f"; unknown: {u.kind}" for u in verdict.unknown)
+    told += "".join(f"; unknown: {u.unknown_class}" for u in verdict.unknown)
     for a in verdict.ambiguous:
         told += f"; or {', '.join(str(place) for place in a.alternatives)}"
     return f"{verdict.answer}: {told}"

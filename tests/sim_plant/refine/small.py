@@ -80,7 +80,7 @@ def objective_of(twin, measured):
 
 
 def axes_at(speed_m_s, line=None):
-    """Return the coordinates of a record at this speed (samples,), no roll wound up or off."""
+    """Return the axes of a record at this speed (samples,), no roll wound up or off."""
     line, speed = line or line_with(), np.asarray(speed_m_s, dtype=np.float64)
     metres = np.cumsum(speed) * STEP_S
     radii = np.array([roller.radius_m for roller in line.rollers])
@@ -97,9 +97,9 @@ def axes_at(speed_m_s, line=None):
 def one_peak(chi2_reduction=0.0):
     """Return the spectra of one record with one line of this strength, at 1 Hz."""
     line = SpectralLines(
-        kind="time",
+        axis="time",
         roll="",
-        coordinate=np.array([1.0, 1.1]),
+        frequency=np.array([1.0, 1.1]),
         chi2_reduction=np.array([chi2_reduction, 0.0]),
         degrees=72,
     )

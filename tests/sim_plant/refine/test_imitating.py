@@ -96,7 +96,7 @@ def test_what_an_imitation_leaves_is_unknown_where_the_record_shows_it(noise, si
     assert claimed.hypothesis.location == "R5"
     verdict = verdict_of(found.selection, found.evaluation, "B")
     assert verdict.answer == ("traced" if kind is None else "unknown")
-    assert [u.kind for u in found.selection.unknown] == ([] if kind is None else [kind])
+    assert [u.unknown_class for u in found.selection.unknown] == ([] if kind is None else [kind])
     assert len(found.said) == 1 + (kind is not None)
     if kind == "time":
         (stays,) = found.selection.unknown
@@ -112,7 +112,7 @@ def test_beside_slip_no_line_is_named_for_its_changes_have_slow_ones_of_their_ow
     found = without_imitations(held_out(1.0, 4.0), selection, evaluation, 1, quiet)
     (claimed,), (stays,) = found.selection.accepted, found.selection.unknown
     assert claimed.hypothesis == slip
-    assert (stays.kind, dict(stays.coordinate)) == ("broadband", {})
+    assert (stays.unknown_class, dict(stays.coordinate)) == ("broadband", {})
 
 
 def test_without_an_imitation_what_is_left_is_no_unknown():
@@ -142,21 +142,21 @@ def test_what_begins_in_the_record_held_out_is_unknown_beside_the_effect_that_it
     found = beside_something_else(4.0 * (np.arange(SAMPLES) >= 1200))
     (claimed,), (begins,) = found.selection.accepted, found.selection.unknown
     assert claimed.hypothesis.location == "R5"
-    assert begins.kind == "event"
+    assert begins.unknown_class == "event"
     assert begins.coordinate["from_s"] == pytest.approx(12.0, abs=0.05)
     assert begins.coordinate["held_out"] == "B"
     verdict = verdict_of(found.selection, found.evaluation, "B", [("A", held_out().twin)])
     assert verdict.answer == "unknown"
     (told,) = verdict.unknown
     assert told.begins is None  # no moment of the record fitted
-    assert "s of B in unwind_zone" in coordinate_text(told.kind, told.coordinate)
+    assert "s of B in unwind_zone" in coordinate_text(told.unknown_class, told.coordinate)
 
 
 def test_a_line_in_the_record_held_out_is_unknown_beside_the_effect_that_it_shows():
     found = beside_something_else(4.0 * np.sin(2.0 * np.pi * 0.9 * 0.01 * np.arange(SAMPLES)))
     (claimed,), (stays,) = found.selection.accepted, found.selection.unknown
     assert claimed.hypothesis.location == "R5"
-    assert stays.kind == "time"
+    assert stays.unknown_class == "time"
     assert stays.coordinate["frequency_Hz"] == pytest.approx(0.9, abs=0.04)  # half a bin
 
 
@@ -165,7 +165,7 @@ def test_a_drift_of_the_record_held_out_is_no_line():
     found = beside_something_else(4.0 * np.sin(2.0 * np.pi * 0.05 * 0.01 * np.arange(SAMPLES)))
     (claimed,), (stays,) = found.selection.accepted, found.selection.unknown
     assert claimed.hypothesis.location == "R5"
-    assert (stays.kind, dict(stays.coordinate)) == ("broadband", {})
+    assert (stays.unknown_class, dict(stays.coordinate)) == ("broadband", {})
 
 
 def test_little_beside_the_effect_is_no_unknown():

@@ -24,7 +24,7 @@ from tests.sim_plant.refine.run_cases import (
 from tests.sim_plant.refine.small import finding, verdict_with
 
 CASE = Case(IDLER, 1)
-STATE = UnknownFinding(kind="state", coordinate={"number": "zeta"}, strength=1.0)
+STATE = UnknownFinding(unknown_class="state", coordinate={"number": "zeta"}, chi2_reduction=1.0)
 
 
 def told(size_share=1.0, location="R9", **more):

@@ -47,7 +47,7 @@ def test_an_idler_is_cancelled_with_its_block_and_stays_where_that_was_not_kept(
 
 
 def test_what_is_left_unknown_is_said_beside_what_was_found():
-    unknown = UnknownFinding(kind="angle", coordinate={"order": 2.0}, strength=9.0)
+    unknown = UnknownFinding(unknown_class="angle", coordinate={"order": 2.0}, chi2_reduction=9.0)
     said = advice(verdict_with(ROLL, answer="unknown", unknown=(unknown,)), None, ROLLS)
     assert "AFF cancels the ripple of out_of_round_roll at unwind" in said
     assert "Look for what turns or swings at that coordinate" in said

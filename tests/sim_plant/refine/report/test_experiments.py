@@ -103,7 +103,9 @@ def test_the_verdict_has_channels_records_and_moments_by_their_names():
     numbers = {"step_m": 5e-4, "piece_m": 0.1, "at_length_m": 30.0}
     fit = fit_of(seam, values=(tuple(numbers[name] for name in seam.names),))
     twin = formula_twin(lambda _case: np.zeros((1, 3000)), ("a_N",), 3000, speed_m_s=2.0)
-    event = Unknown(kind="event", coordinate={"from_s": 12.5, "record": 2.0}, strength=1.0)
+    event = Unknown(
+        unknown_class="event", coordinate={"from_s": 12.5, "record": 2.0}, chi2_reduction=1.0
+    )
     found = Selection(
         nominal=fit_of(),
         fit=replace(fit, covariance=np.eye(3) * 1e-8),

@@ -62,7 +62,7 @@ SAME = Ambiguity(
 
 
 def unknown(kind, where=None):
-    return UnknownFinding(kind=kind, coordinate=where or {}, strength=1e4)
+    return UnknownFinding(unknown_class=kind, coordinate=where or {}, chi2_reduction=1e4)
 
 
 def test_sums_are_not_what_the_figures_show():
@@ -141,7 +141,9 @@ def test_what_is_not_explained_is_said_beside_what_is(above, outside, end, ambig
 def test_an_event_is_looked_up_in_the_log_of_its_record():
     begins = Moment(record="day2.csv", time_s=26.74)
     where = {"from_s": 26.74, "zone": "unwind_zone", "channel": "unwind_speed_rad_s"}
-    event = UnknownFinding(kind="event", coordinate=where, strength=211522.9, begins=begins)
+    event = UnknownFinding(
+        unknown_class="event", coordinate=where, chi2_reduction=211522.9, begins=begins
+    )
     found = verdict_with(unknown=[event], answer="unknown")
     assert "Look in the log of day2.csv at 26.74 s" in next_step(found)
     assert "If nothing was, record again with more speeds" in next_step(found)

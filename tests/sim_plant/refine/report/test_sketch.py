@@ -62,7 +62,9 @@ def test_what_may_be_instead_and_the_zone_of_an_unknown_are_marked_apart_from_wh
     found, also = marks_of_verdict(LINE, as_set(EffectAt("eccentric_roller", "R5"), R4))
     assert (found.bodies, also.bodies) == (bodies("R4"), bodies("R5"))
     event = UnknownFinding(
-        kind="event", coordinate={"from_s": 43.2, "zone": "unwind_zone"}, strength=1e4
+        unknown_class="event",
+        coordinate={"from_s": 43.2, "zone": "unwind_zone"},
+        chi2_reduction=1e4,
     )
     found, also = marks_of_verdict(LINE, replace(verdict_with(), unknown=(event,)))
     assert found == Marks()

@@ -6,8 +6,8 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.summary import kind_of
 from sim_plant.refine.report.verdict import Ambiguity, UnknownFinding, Verdict
 
-EVENT = UnknownFinding(kind="event", coordinate={}, strength=1.0)
-ANGLE = UnknownFinding(kind="angle", coordinate={}, strength=1.0)
+EVENT = UnknownFinding(unknown_class="event", coordinate={}, chi2_reduction=1.0)
+ANGLE = UnknownFinding(unknown_class="angle", coordinate={}, chi2_reduction=1.0)
 SAME = Ambiguity(place=EffectAt("eccentric_roller", "R6"), alternatives=(), experiments=())
 
 

@@ -31,7 +31,9 @@ VERDICT = Verdict(
         ),
     ),
     unknown=(
-        UnknownFinding(kind="angle", coordinate={"roll": "unwind", "order": 4.0}, strength=1e4),
+        UnknownFinding(
+            unknown_class="angle", coordinate={"roll": "unwind", "order": 4.0}, chi2_reduction=1e4
+        ),
     ),
     ambiguous=(
         Ambiguity(
@@ -113,7 +115,9 @@ def test_a_file_of_version_1_is_read_back_as_it_was():
 def test_what_a_line_may_be_as_well_stands_beside_it_and_is_read_back():
     """Who reads ``class`` and ``coordinate`` alone reads on; a line that is told has no more."""
     also = (("travel", {"wavenumber_1_m": 5.0, "equivalent_radius_m": 1.0 / (10.0 * np.pi)}),)
-    line = UnknownFinding(kind="time", coordinate={"frequency_Hz": 4.0}, strength=9e2, also=also)
+    line = UnknownFinding(
+        unknown_class="time", coordinate={"frequency_Hz": 4.0}, chi2_reduction=9e2, also=also
+    )
     said = replace(VERDICT, unknown=(line, *VERDICT.unknown))
     first, second = json.loads(said.to_json())["unknown"]
     assert (first["class"], first["coordinate"]) == ("time", {"frequency_Hz": 4.0})

@@ -25,7 +25,7 @@ def round_where_a_periodic_effect_leaves(cost, monkeypatch):
     steps = {
         "with_aliases": lambda library, *rest: library,
         "with_orders": lambda library, *rest: library,
-        "by_periodic_support": lambda *rest: ([periodic], [other]),
+        "by_periodic_chi2": lambda *rest: ([periodic], [other]),
         "wander_of": lambda *rest: (),
         "set_apart": lambda *rest, **more: None,
         "least_beside": lambda *rest: 0.0,

@@ -34,7 +34,9 @@ def left(basis, wave):
 
 def angle(order):
     return Unknown(
-        kind="angle", coordinate={"roll": LINE.rollers[0].name, "order": order}, strength=1.0
+        unknown_class="angle",
+        coordinate={"roll": LINE.rollers[0].name, "order": order},
+        chi2_reduction=1.0,
     )
 
 
@@ -74,20 +76,22 @@ def test_a_line_that_crosses_a_resonance_is_taken():
 
 def test_a_wavenumber_a_quarter_bin_off_is_taken_all_the_same():
     off = 4.18 + 0.25 / float(np.ptp(METRES))
-    item = Unknown(kind="travel", coordinate={"wavenumber_1_m": off}, strength=1.0)
+    item = Unknown(unknown_class="travel", coordinate={"wavenumber_1_m": off}, chi2_reduction=1.0)
     assert left(free_term_basis([item], AXES), np.cos(2.0 * np.pi * 4.18 * METRES)) < 0.1
 
 
 def test_a_line_in_time_is_taken_in_time_only():
-    item = Unknown(kind="time", coordinate={"frequency_Hz": 3.4}, strength=1.0)
+    item = Unknown(unknown_class="time", coordinate={"frequency_Hz": 3.4}, chi2_reduction=1.0)
     basis = free_term_basis([item], replace(AXES))
     assert left(basis, np.sin(2.0 * np.pi * 3.4 * TIME_S)) < 1e-6
     assert left(basis, np.cos(2.0 * np.pi * 3.4 * METRES)) > 0.9
 
 
 def test_orders_of_one_roll_are_one_unknown():
-    time = Unknown(kind="time", coordinate={"frequency_Hz": 3.4}, strength=1.0)
-    other = Unknown(kind="angle", coordinate={"roll": "rewind", "order": 1.0}, strength=1.0)
+    time = Unknown(unknown_class="time", coordinate={"frequency_Hz": 3.4}, chi2_reduction=1.0)
+    other = Unknown(
+        unknown_class="angle", coordinate={"roll": "rewind", "order": 1.0}, chi2_reduction=1.0
+    )
     assert angle(4.0).same_roll_as(angle(1.0))
     assert not angle(1.0).same_roll_as(other)
     assert not time.same_roll_as(time)
@@ -121,6 +125,6 @@ def test_an_effect_at_the_line_of_a_free_term_is_not_searched(effect, place, cho
     unknown = line
     if isinstance(line, tuple):
         kind, name, at = line
-        unknown = Unknown(kind=kind, coordinate={name: float(at)}, strength=1.0)
+        unknown = Unknown(unknown_class=kind, coordinate={name: float(at)}, chi2_reduction=1.0)
     h = hypothesis(BY_NAME[effect], place, tuple(choice.items()), line=LINE)
     assert explained_by_free_term(h, [unknown], AXES) is taken

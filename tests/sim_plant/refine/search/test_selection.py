@@ -233,13 +233,13 @@ def test_effects_that_are_withdrawn_leave_their_line_unknown_or_something_irregu
     known = AcceptedEffect(hypothesis=DRAG, score=900.0, runner_up=None, margin=900.0, rejected=())
     found = selection(cost=COST - 900.0, nominal=COST, accepted=(known,), corrections={"x": 1.0})
     left = withdrawn(replace(found, before=one_peak(line)))
-    assert [u.kind for u in left.unknown] == [kind]
+    assert [u.unknown_class for u in left.unknown] == [kind]
     assert (left.accepted, left.corrections, left.fit) == ((), {}, left.nominal)
 
 
 def test_effects_that_are_withdrawn_beside_something_unknown_leave_that():
     known = AcceptedEffect(hypothesis=DRAG, score=900.0, runner_up=None, margin=900.0, rejected=())
-    line = Unknown(kind="time", strength=9000.0, coordinate={"frequency_Hz": 0.39})
+    line = Unknown(unknown_class="time", chi2_reduction=9000.0, coordinate={"frequency_Hz": 0.39})
     found = selection(cost=COST - 900.0, nominal=COST, accepted=(known,), unknown=(line,))
     left = withdrawn(found)
     assert (left.unknown, left.accepted, left.fit) == ((line,), (), left.nominal)

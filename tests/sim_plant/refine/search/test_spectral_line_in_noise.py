@@ -66,7 +66,7 @@ def claimed(own, size):
     return (
         strength,
         may_be_noise(objective, RECORD_AXES, spectrum, at),
-        [u.kind for u in said if u.kind in ("time", "travel")],
+        [u.unknown_class for u in said if u.unknown_class in ("time", "travel")],
     )
 
 

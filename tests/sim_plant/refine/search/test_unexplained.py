@@ -108,7 +108,7 @@ def test_a_channel_whose_noise_is_declared_too_loud_is_judged_by_the_record():
 @pytest.mark.parametrize(("size", "kinds"), [(1.0, []), (1.15, ["broadband"])])
 def test_broadband_is_claimed_for_a_channel_that_is_clearly_loud(size, kinds):
     found = parts(OBJECTIVE, left((1.0, 1.0, size)))
-    assert [u.kind for u in found] == kinds
+    assert [u.unknown_class for u in found] == kinds
     assert all(not u.coordinate for u in found)
 
 
@@ -119,18 +119,18 @@ def test_channels_that_move_together_as_no_noise_does_are_broadband(push, kinds)
     odd = least_likely_coupling(OBJECTIVE, fit).score > UNEXPLAINED.coupled
     found = parts(OBJECTIVE, fit)
     assert odd is bool(kinds)
-    assert [u.kind for u in found] == kinds
+    assert [u.unknown_class for u in found] == kinds
     assert all("rewind_speed_rad_s and rewind_tension_N" in u.text for u in found)
     slow = np.cos(np.pi * (np.arange(JUDGED) + 0.5) / JUDGED)[:, None]
     beside = conditioned_on(OBJECTIVE, [slow / np.linalg.norm(slow)])
     assert parts(beside, fit) == []  # beside a free line, what it leaves is coupled
 
 
-@pytest.mark.parametrize(("strength", "kinds"), [(250.0, []), (300.0, ["time"])])
-def test_a_line_is_claimed_above_what_healthy_records_show(strength, kinds):
+@pytest.mark.parametrize(("chi2_reduction", "kinds"), [(250.0, []), (300.0, ["time"])])
+def test_a_line_is_claimed_above_what_healthy_records_show(chi2_reduction, kinds):
     fit = left()
-    found = what_is_left(OBJECTIVE, fit, fit, RECORD_AXES, one_peak(strength))
-    assert [u.kind for u in found] == kinds
+    found = what_is_left(OBJECTIVE, fit, fit, RECORD_AXES, one_peak(chi2_reduction))
+    assert [u.unknown_class for u in found] == kinds
     assert all(u.coordinate == {"frequency_Hz": 1.0} for u in found)
 
 
@@ -161,7 +161,7 @@ def begun(shape):
 def test_what_a_speed_brings_to_sound_is_a_line_and_a_step_is_an_event(shape, kinds):
     fit, spectra = begun(shape)
     found = what_is_left(OBJECTIVE, fit, fit, RECORD_AXES, spectra)
-    assert [u.kind in kinds for u in found] == [True]
+    assert [u.unknown_class in kinds for u in found] == [True]
 
 
 def left_of(wave, speed_m_s):
@@ -188,13 +188,13 @@ def test_at_one_speed_a_line_in_time_may_be_one_in_travel_or_at_an_angle(wave, s
     """The wavenumber is f / v, the order f over the turns in a second; no record tells them."""
     spectra_left = left_of(wave, speed_m_s)
     found = periodic_left([spectra_left], 1000.0)
-    kinds = {found.kind: found.coordinate, **dict(found.also)}
+    kinds = {found.unknown_class: found.coordinate, **dict(found.also)}
     assert set(kinds) == {"time", "travel", "angle"}
     speed = float(speed_m_s[0])
     frequency_Hz = 6.2 if wave is in_time else 6.2 * speed
     assert kinds["time"]["frequency_Hz"] == pytest.approx(frequency_Hz, rel=3e-3)
     assert kinds["travel"]["wavenumber_1_m"] == pytest.approx(frequency_Hz / speed, rel=3e-3)
-    orders = [dict(where) for kind, where in [(found.kind, found.coordinate), *found.also]]
+    orders = [dict(where) for kind, where in [(found.unknown_class, found.coordinate), *found.also]]
     at = {w["roll"]: w["order"] for w in orders if "roll" in w}
     radius_m = {r.name: r.radius_m for r in line_with().rollers}
     for roll, order in at.items():
@@ -209,6 +209,6 @@ def test_at_one_speed_a_line_in_time_may_be_one_in_travel_or_at_an_angle(wave, s
 @pytest.mark.parametrize("speeds", [(RAMP,), (SLOW, FAST)], ids=["a ramp", "two records"])
 def test_two_speeds_tell_a_line_in_time_from_one_in_travel(wave, kind, speeds):
     found = periodic_left([left_of(wave, speed) for speed in speeds], 1000.0)
-    kinds = {found.kind, *(other for other, _ in found.also)}
+    kinds = {found.unknown_class, *(other for other, _ in found.also)}
     assert ("time" in kinds) is (kind == "time")
     assert ("travel" in kinds) is (kind == "travel")

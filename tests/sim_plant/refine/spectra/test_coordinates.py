@@ -6,7 +6,7 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.spectra.aliases import whole_orders
-from sim_plant.refine.spectra.coordinates import periodic_support, rates_Hz, spectra
+from sim_plant.refine.spectra.coordinates import periodic_chi2_reduction, rates_Hz, spectra
 from tests.sim_plant.refine.small import LINE, STEP_S, axes_at, white
 
 ROWS = 6000
@@ -30,18 +30,18 @@ def test_a_ripple_of_the_motor_of_a_roll_has_its_line_at_every_order(order, roll
     """
     axes, found = of_order(order, roll)
     h = hypothesis(BY_NAME["torque_ripple"], roll.name, (("order", order),))
-    support = periodic_support(h, axes, found)
-    assert support == pytest.approx(ROWS * 2 * 0.5**2 / 2.0, rel=0.1)
+    chi2_reduction = periodic_chi2_reduction(h, axes, found)
+    assert chi2_reduction == pytest.approx(ROWS * 2 * 0.5**2 / 2.0, rel=0.1)
     assert whole_orders(h, [axes], [found]) == [int(order)]
 
 
 def test_orders_of_a_roll_go_to_half_the_sample_rate_and_take_no_more_room_than_time():
     _, found = of_order(1.0, ROLLS[0])
     fastest_1_s = 1.2 / (2.0 * np.pi * ROLLS[0].radius_m)
-    in_time = found[0].coordinate
+    in_time = found[0].frequency
     own = next(s for s in found if s.roll == ROLLS[0].name)
-    assert own.coordinate[-1] == pytest.approx(0.98 * 0.5 / STEP_S / fastest_1_s, rel=0.01)
-    assert all(s.coordinate.size <= in_time.size for s in found)
+    assert own.frequency[-1] == pytest.approx(0.98 * 0.5 / STEP_S / fastest_1_s, rel=0.01)
+    assert all(s.frequency.size <= in_time.size for s in found)
 
 
 def test_words_of_an_angle_turn_a_roll_no_faster():

@@ -13,9 +13,9 @@ def noise(channels=3):
     return np.random.default_rng(6).standard_normal((channels, TIME_S.size))
 
 
-def found(signal, phase, kind):
+def found(signal, phase, axis):
     return spectral_lines(
-        signal, phase, speed_weights(SPEED, 2), kind=kind, highest=10.0, lowest=0.1
+        signal, phase, speed_weights(SPEED, 2), axis=axis, highest=10.0, lowest=0.1
     )
 
 

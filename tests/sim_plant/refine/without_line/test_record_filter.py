@@ -67,7 +67,7 @@ def plan(tmp_path):
 
 def test_a_travel_line_is_found_with_its_radius_and_judged_held_out(plan):
     result = refined(plan)
-    assert [x.kind for x in result.unknown] == ["travel"]
+    assert [x.axis for x in result.unknown] == ["travel"]
     where = result.unknown[0].where
     assert where["equivalent_radius_m"] == pytest.approx(1.0 / (2.0 * np.pi * 1.6), rel=0.003)
     row = result.residual_rms["moment_N_m"]
@@ -137,7 +137,7 @@ def test_the_winding_record_names_its_clock_and_no_roller(tmp_path):
     result = refined(plan)
     assert result.answer == "nothing"
     assert result.unknown == ()
-    assert [round(c.coordinate, 3) for c in result.clocks] == [1.0]
+    assert [round(c.frequency, 3) for c in result.clocks] == [1.0]
     assert any("no roller" in text for text in result.not_claimed)
 
 
@@ -152,11 +152,11 @@ def test_the_belt_has_the_same_travel_lines_fast_and_slow(tmp_path):
         holdout=(folder / "RandomSlowSpeed2.txt.gz",),
     )
     result = refined(plan)
-    assert {x.kind for x in result.unknown} == {"travel"}
+    assert {x.axis for x in result.unknown} == {"travel"}
     for line in result.unknown:
         slow, fast = line.per_record
         assert slow == pytest.approx(fast, rel=5e-4)
-    found = [line.coordinate for line in result.unknown if all(line.seen.present)]
+    found = [line.frequency for line in result.unknown if all(line.presence.present)]
     for wavenumber in (1.5829, 6.2713, 7.898, 9.186):
         assert min(abs(k / wavenumber - 1.0) for k in found) < 3e-4
     row = result.residual_rms["Pitch_Moment_N_m"]

@@ -24,7 +24,7 @@ SOME_RECORDS = "some records"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Seen:
+class LinePresence:
     """In which records and at which speeds a spectral line is.
 
     Attributes
@@ -32,9 +32,9 @@ class Seen:
     scope : ``EVERY_SPEED`` or another of the six texts above.
     present : per record, whether it is there on its own.
     speeds_m_s : mean speed of the records in which it is there; empty without a speed.
-    kind_proven : it is in time or in travel, by several speeds or by one that varies.
-    other : its coordinate in the other kind (1/m for one in time, Hz for one in travel) at the
-        one speed at which it was seen; 0 where its kind is proven.
+    axis_proven : it is in time or in travel, by several speeds or by one that varies.
+    other_frequency : on the other axis (1/m for one in time, Hz for one in travel) at the
+        one speed at which it was seen; 0 where its axis is proven.
     order, fundamental : it is this whole multiple of a fundamental that others share, 1/m;
         0 where none is known.
     """
@@ -42,34 +42,36 @@ class Seen:
     scope: str
     present: tuple[bool, ...]
     speeds_m_s: tuple[float, ...] = ()
-    kind_proven: bool = True
-    other: float = 0.0
+    axis_proven: bool = True
+    other_frequency: float = 0.0
     order: int = 0
     fundamental: float = 0.0
 
 
-def phase_of(item: Remainder, kind: str) -> Array:
+def position_of(item: Remainder, axis: str) -> Array:
     """Return time, s, or travel, m, from the first judged sample."""
-    if kind == "travel" and item.travel_m is not None:
+    if axis == "travel" and item.travel_m is not None:
         travel_m: Array = item.travel_m - item.travel_m[0]
         return travel_m
     time_s: Array = np.arange(item.residual.shape[1], dtype=np.float64) * item.record.sample_time_s
     return time_s
 
 
-def strength(item: Remainder, white: Array, kind: str, coordinate: float) -> tuple[float, int]:
+def chi2_reduction(
+    item: Remainder, white: Array, axis: str, frequency: float
+) -> tuple[float, int]:
     """Return a spectral line's chi-square reduction in one record, and its degrees of freedom.
 
     Parameters
     ----------
-    coordinate : the largest reduction counts within 1 / extent of the record on either side.
+    frequency : the largest reduction counts within 1 / extent of the record on either side.
     """
     moving = item.speed_m_s if item.speed_m_s is not None else np.ones(white.shape[1])
     weights = speed_weights(moving, 2)
-    u = phase_of(item, kind)
+    u = position_of(item, axis)
     reach = 1.0 / float(u[-1])
     best = 0.0
-    for at in np.linspace(coordinate - reach, coordinate + reach, 9):
+    for at in np.linspace(frequency - reach, frequency + reach, 9):
         wave = np.exp(-2j * np.pi * at * u)
         here = np.abs((white * wave) @ weights.T) ** 2
         best = max(best, 2.0 / white.shape[1] * float(here.sum()))
@@ -77,7 +79,7 @@ def strength(item: Remainder, white: Array, kind: str, coordinate: float) -> tup
 
 
 def own_threshold(degrees: int) -> float:
-    """Return the chi-square reduction near a coordinate that noise exceeds by ``false_alarm``.
+    """Return the chi-square reduction near a frequency that noise exceeds by ``false_alarm``.
 
     That is chi-square theory; ``safety`` makes it larger, for residuals are not quite white.
     """
@@ -85,71 +87,73 @@ def own_threshold(degrees: int) -> float:
     return WITHOUT_LINE.safety * float(chdtri(degrees, per_bin))
 
 
-def seen(
-    items: Sequence[Remainder], whites: Sequence[Array], kind: str, coordinates: Sequence[float]
-) -> Seen:
-    """Return in which records a spectral line is there on its own, and if its kind is proven.
+def presence_of(
+    items: Sequence[Remainder], whites: Sequence[Array], axis: str, frequencies: Sequence[float]
+) -> LinePresence:
+    """Return in which records a spectral line is there on its own, and if its axis is proven.
 
     Parameters
     ----------
-    coordinates : of the spectral line in every record.
+    frequencies : of the spectral line in every record.
     """
     own = [
-        strength(item, white, kind, at)
-        for item, white, at in zip(items, whites, coordinates, strict=True)
+        chi2_reduction(item, white, axis, at)
+        for item, white, at in zip(items, whites, frequencies, strict=True)
     ]
     present = [value > own_threshold(degrees) for value, degrees in own]
     if not any(present):  # together they are there: the strongest record stands for it
         present[int(np.argmax([value for value, _ in own]))] = True
     if items[0].speed_m_s is None:
-        scope = _scope(present, several=False, kind_proven=True)
-        return Seen(scope=scope, present=tuple(present))
+        scope = _scope(present, several=False, axis_proven=True)
+        return LinePresence(scope=scope, present=tuple(present))
     speeds = [float(np.mean(x.speed_m_s)) for x in items if x.speed_m_s is not None]
     there = [v for v, yes in zip(speeds, present, strict=True) if yes]
     several = max(there) > WITHOUT_LINE.other_speed * min(there)
-    kind_proven = several or any(
-        _kind_proven(item, white, kind, at, value)
+    axis_proven = several or any(
+        _axis_proven(item, white, axis, at, value)
         for item, white, at, (value, _), yes in zip(
-            items, whites, coordinates, own, present, strict=True
+            items, whites, frequencies, own, present, strict=True
         )
         if yes
     )
-    at = float(np.median([c for c, yes in zip(coordinates, present, strict=True) if yes]))
+    at = float(np.median([c for c, yes in zip(frequencies, present, strict=True) if yes]))
     mean = float(np.mean(there))
-    return Seen(
-        scope=_scope(present, several=several, kind_proven=kind_proven),
+    return LinePresence(
+        scope=_scope(present, several=several, axis_proven=axis_proven),
         present=tuple(present),
         speeds_m_s=tuple(there),
-        kind_proven=kind_proven,
-        other=0.0 if kind_proven else (at / mean if kind == "time" else at * mean),
+        axis_proven=axis_proven,
+        other_frequency=0.0 if axis_proven else (at / mean if axis == "time" else at * mean),
     )
 
 
-def _scope(present: Sequence[bool], *, several: bool, kind_proven: bool) -> str:
+def _scope(present: Sequence[bool], *, several: bool, axis_proven: bool) -> str:
     """Return in what scope a spectral line was seen.
 
-    ``several``: at more than one mean speed; ``kind_proven``: in time or in travel.
+    ``several``: at more than one mean speed; ``axis_proven``: in time or in travel.
     """
     if several:
         return EVERY_SPEED if all(present) else SOME_SPEEDS
-    if not kind_proven:
+    if not axis_proven:
         return ONE_SPEED
     if sum(present) == 1:
         return ONE_RECORD
     return EVERY_RECORD if all(present) else SOME_RECORDS
 
 
-def _kind_proven(item: Remainder, white: Array, kind: str, at: float, value: float) -> bool:
+def _axis_proven(item: Remainder, white: Array, axis: str, at: float, value: float) -> bool:
     """Return whether the speed of one record varies enough to part time from travel."""
     if item.speed_m_s is None or item.travel_m is None:
         return False
     mean = float(np.mean(item.speed_m_s))
-    other, there = ("travel", at / mean) if kind == "time" else ("time", at * mean)
-    rival, degrees = strength(item, white, other, there)
-    return value - rival > max(own_threshold(degrees), WITHOUT_LINE.kind_share * value)
+    other, there = ("travel", at / mean) if axis == "time" else ("time", at * mean)
+    rival, degrees = chi2_reduction(item, white, other, there)
+    return value - rival > max(own_threshold(degrees), WITHOUT_LINE.axis_share * value)
 
 
-def family(wavenumbers: Sequence[float], widths: Sequence[float]) -> tuple[float, list[int]]:
+def harmonic_series(
+    wavenumbers: Sequence[float], widths: Sequence[float]
+) -> tuple[float, list[int]]:
     """Return the fundamental that most spectral lines are whole multiples of, and their orders.
 
     The largest fundamental counts of those with as many lines; at least three lines have to share
@@ -197,9 +201,9 @@ def _chance(base: float, orders: Sequence[int], widths: Sequence[float]) -> floa
 
 
 def as_orders(
-    lines: Sequence[tuple[str, float, Seen]], extents_m: Sequence[float]
-) -> list[tuple[str, float, Seen]]:
-    """Return spectral lines (kind, coordinate, seen), those that are orders of a turn named so.
+    lines: Sequence[tuple[str, float, LinePresence]], extents_m: Sequence[float]
+) -> list[tuple[str, float, LinePresence]]:
+    """Return spectral lines (axis, frequency, presence), those that are orders of a turn named so.
 
     One seen at one speed may be one in time or in travel. It is an order when its wavenumber
     is a whole multiple of a fundamental that others, proven ones among them, share.
@@ -209,14 +213,14 @@ def as_orders(
     extents_m : travel of every record.
     """
     waves, widths, which = [], [], []
-    for k, (kind, at, where) in enumerate(lines):
-        if kind == "travel" or (where.other > 0.0 and not where.kind_proven):
-            waves.append(at if kind == "travel" else where.other)
+    for k, (axis, at, where) in enumerate(lines):
+        if axis == "travel" or (where.other_frequency > 0.0 and not where.axis_proven):
+            waves.append(at if axis == "travel" else where.other_frequency)
             widths.append(1.0 / min(e for e, p in zip(extents_m, where.present, strict=True) if p))
             which.append(k)
     named = list(lines)
     while which:
-        base, orders = family(waves, widths)
+        base, orders = harmonic_series(waves, widths)
         if not any(orders):
             break
         for k, wave, order in zip(which, waves, orders, strict=True):
@@ -232,11 +236,11 @@ def as_orders(
 
 
 def _named(
-    line: tuple[str, float, Seen], wave: float, order: int, base: float
-) -> tuple[str, float, Seen]:
+    line: tuple[str, float, LinePresence], wave: float, order: int, base: float
+) -> tuple[str, float, LinePresence]:
     """Return a spectral line as an order: in travel, whatever it was taken for before."""
-    kind, at, where = line
+    axis, at, where = line
     where = replace(where, order=order, fundamental=base)
-    if kind == "travel":
-        return kind, at, where
-    return "travel", wave, replace(where, other=at)
+    if axis == "travel":
+        return axis, at, where
+    return "travel", wave, replace(where, other_frequency=at)
