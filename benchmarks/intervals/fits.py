@@ -23,7 +23,7 @@ from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronisin
 from sim_plant.refine.model.hypotheses import Hypothesis, library, onset_library
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.simulation_pool import SimulationPool
-from sim_plant.refine.pipeline import Recorded
+from sim_plant.refine.pipeline import RecordWithTwin
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.report.findings import effect_findings
 from sim_plant.refine.search.added_effect import with_effect
@@ -84,7 +84,7 @@ def fitted(case: Case, folder: Path) -> tuple[Objective, Selection] | None:
     record = written(case, folder)
     line = load_line(folder / "a.yaml").declaration
     read = read_record(record)
-    recorded = Recorded(record=read, twin=twin_of(line, read))
+    recorded = RecordWithTwin(record=read, twin=twin_of(line, read))
     objective = declared_objective(SimulationPool([recorded.twin], workers=1), [recorded.measured])
     start = nominal_fit(objective, synchronising_shifts(objective, {}))
     nominal = synchronised(objective, start)

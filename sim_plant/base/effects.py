@@ -34,7 +34,7 @@ Apply = Callable[[LineArrays, int, Mapping[str, Value]], LineArrays]
 Limits = Callable[[LineArrays, int], Mapping[str, tuple[float, float]]]
 Beside = Callable[[Mapping[str, Value], Mapping[str, Value]], str]
 Refusal = Callable[[LineArrays, int, Mapping[str, Value]], str]
-Starts = Callable[[LineArrays, int, "Asked"], Sequence["Start"]]
+Starts = Callable[[LineArrays, int, "Demand"], Sequence["Start"]]
 RunOut = Callable[[Mapping[str, Value]], float]
 Experiment = Callable[[str, "Effect", str], str]
 """(own location, another effect, its location) -> what to do at the machine; empty: no help."""
@@ -123,7 +123,7 @@ class DeclaredNumber:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
+class Demand:
     """What the records ask of the line.
 
     Attributes

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Asked, Effect, Parameter, Start, Value
+from sim_plant.base.effects import Demand, Effect, Parameter, Start, Value
 
 LIMITED = {"reference": "slew_m_s2", "correction": "correction_slew_m_s2"}
 """Column of the drive for each word of ``limits`` that acts in a drive."""
@@ -48,9 +48,9 @@ def beside(there: Mapping[str, Value], more: Mapping[str, Value]) -> str:
     return f"on the {there['limits']}, and two of it do not add" if same else ""
 
 
-def starts(arrays: LineArrays, place: int, asked: Asked) -> list[Start]:
+def starts(arrays: LineArrays, place: int, demand: Demand) -> list[Start]:
     """Return limits of the reference just below the rate of the fastest ramp, which meets them."""
-    rate = asked.fastest_ramp_m_s2 * (1.0 + arrays.drives["draw"][place])
+    rate = demand.fastest_ramp_m_s2 * (1.0 + arrays.drives["draw"][place])
     shares = BELOW_A_RAMP if rate > 0.0 else ()
     return [
         Start(

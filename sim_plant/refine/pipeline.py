@@ -25,7 +25,7 @@ from sim_plant.refine.judge.refutation import (
 )
 from sim_plant.refine.judge.rest_shown import rest_in_floors, rest_shown
 from sim_plant.refine.lacking import caveats_of
-from sim_plant.refine.model.asked import asked_by
+from sim_plant.refine.model.demand import demand_of
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_caveats import lines_of, shared
@@ -39,7 +39,7 @@ from sim_plant.refine.report.amend import write_amended
 from sim_plant.refine.report.announce import announce, holdout_caveats, shared_angle
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
-from sim_plant.refine.report.outcome import Begun, Outcome, Plan
+from sim_plant.refine.report.outcome import Outcome, Plan, RecordOfOnset
 from sim_plant.refine.report.page import write_report
 from sim_plant.refine.report.site_edit import FILE as SITE
 from sim_plant.refine.report.site_edit import Proposal, SiteFile, proposed
@@ -56,7 +56,7 @@ LINE_CYCLES = CRITERIA.search.unexplained.spectral_line_cycles
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Recorded:
+class RecordWithTwin:
     """A record and the twin of the line that it was made on."""
 
     record: Recording
@@ -81,11 +81,8 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     check_folder(plan)
     site = SiteFile.read(plan.site) if plan.site is not None else None
     fitted, held = read_all(plan, line.declaration)
-    caveats = caveats_of([(f.record, f.twin) for f in fitted])
-    caveats += shared_angle([f.record for f in fitted])
-    caveats += holdout_caveats([h.record for h in held])
-    records = tuple(recorded.record for recorded in (*fitted, *held))
-    caveats += [*shared([r.record for r in fitted], [h.record for h in held]), *lines_of(records)]
+    records = tuple(one.record for one in (*fitted, *held))
+    caveats = caveats_of_all(fitted, held)
     announce(caveats, records, progress)
     selection = find(fitted, plan.without, plan.workers, progress)
     if selection.corrections:
@@ -93,13 +90,8 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     judged = held[0] if held else fitted[0]
     progress(f"judging on {judged.record.path.name}")
     evaluation = judge(judged, selection, plan.workers, progress, held_out=bool(held))
-    against = denied(selection, evaluation) if held else ""
-    if against:
-        caveats.append(not_confirmed(selection, judged.record, against))
-        progress(caveats[-1])
-        selection, evaluation = withdrawn(selection), as_declared(evaluation)
     if held:
-        claimed = without_imitations(judged, selection, evaluation, plan.workers, progress)
+        claimed = confirmed(judged, selection, evaluation, plan.workers, progress)
         selection, evaluation = claimed.selection, claimed.evaluation
         caveats += claimed.said
     verdict = verdict_of(
@@ -117,12 +109,24 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         selection=selection,
         evaluation=evaluation,
         verdict=verdict,
-        begun=begun(fitted, selection, verdict, plan.workers, progress),
+        record_of_onset=record_of_onset(fitted, selection, verdict, plan.workers, progress),
     )
     if site is not None:
         outcome = replace(outcome, proposal=proposal_of(outcome, site, progress))
     publish(plan, lambda into: write_all(replace(outcome, plan=into), plan.command))
     return outcome
+
+
+def caveats_of_all(fitted: Sequence[RecordWithTwin], held: Sequence[RecordWithTwin]) -> list[str]:
+    """Return what cannot be claimed from the records, one by one and together, as sentences."""
+    of_fitted, of_held = [f.record for f in fitted], [h.record for h in held]
+    return [
+        *caveats_of([(f.record, f.twin) for f in fitted]),
+        *shared_angle(of_fitted),
+        *holdout_caveats(of_held),
+        *shared(of_fitted, of_held),
+        *lines_of((*of_fitted, *of_held)),
+    ]
 
 
 def proposal_of(outcome: Outcome, site: SiteFile, progress: Progress) -> Proposal | None:
@@ -137,7 +141,7 @@ def proposal_of(outcome: Outcome, site: SiteFile, progress: Progress) -> Proposa
     return proposal
 
 
-def read_all(plan: Plan, line: Declaration) -> tuple[list[Recorded], list[Recorded]]:
+def read_all(plan: Plan, line: Declaration) -> tuple[list[RecordWithTwin], list[RecordWithTwin]]:
     """Return the records to fit and those held out, each with its twin.
 
     Raises
@@ -147,9 +151,9 @@ def read_all(plan: Plan, line: Declaration) -> tuple[list[Recorded], list[Record
         run.
     """
     records = [run_on_line(line, read_record(path)) for path in plan.records]
-    fitted = [Recorded(record=r, twin=twin_of(line, r)) for r in records]
+    fitted = [RecordWithTwin(record=r, twin=twin_of(line, r)) for r in records]
     records_held = [run_on_line(line, read_record(path)) for path in plan.holdout]
-    held = [Recorded(record=r, twin=twin_of(line, r)) for r in records_held]
+    held = [RecordWithTwin(record=r, twin=twin_of(line, r)) for r in records_held]
     check_apart(records, records_held)
     fitted, held = ([at_its_start_angles(r) for r in part] for part in (fitted, held))
     if held:
@@ -158,7 +162,7 @@ def read_all(plan: Plan, line: Declaration) -> tuple[list[Recorded], list[Record
     return fitted, held
 
 
-def at_its_start_angles(recorded: Recorded) -> Recorded:
+def at_its_start_angles(recorded: RecordWithTwin) -> RecordWithTwin:
     """Return the record with declared effects at its own start angles, which its findings name."""
     twin, angles = at_start_angles(recorded.twin, recorded.measured)
     text = tuple(
@@ -167,11 +171,11 @@ def at_its_start_angles(recorded: Recorded) -> Recorded:
         for what, angle_rad in angles.items()
     )
     record = replace(recorded.record, findings=(*recorded.record.findings, *text))
-    return Recorded(record=record, twin=twin)
+    return RecordWithTwin(record=record, twin=twin)
 
 
 def find(
-    fitted: Sequence[Recorded], without: Collection[str], workers: int, progress: Progress
+    fitted: Sequence[RecordWithTwin], without: Collection[str], workers: int, progress: Progress
 ) -> Selection:
     """Return the effects that explain the records; those in ``without`` are not tried."""
     twins = [f.twin for f in fitted]
@@ -179,7 +183,7 @@ def find(
         progress("simulating the declared line, its noise and its tolerances")
         check_runs(pool, [f.record for f in fitted])
         objective = declared_objective(pool, [f.measured for f in fitted])
-        tried = library(twins[0].declaration, without, asked_by(twins))
+        tried = library(twins[0].declaration, without, demand_of(twins))
         selection = forward_selection(objective, tried, progress, without)
         progress(f"{pool.simulations} simulations")
     return selection
@@ -204,7 +208,12 @@ def check_runs(pool: SimulationPool, records: Sequence[Recording]) -> None:
 
 
 def judge(
-    judged: Recorded, selection: Selection, workers: int, progress: Progress, *, held_out: bool
+    judged: RecordWithTwin,
+    selection: Selection,
+    workers: int,
+    progress: Progress,
+    *,
+    held_out: bool,
 ) -> Evaluation:
     """Return the error of one record as declared and as amended."""
     shifts = tuple(sorted(selection.corrections.items()))
@@ -212,13 +221,13 @@ def judge(
         return evaluate(pool, judged.measured, selection.fit.effects, shifts, find_angles=held_out)
 
 
-def begun(
-    fitted: Sequence[Recorded],
+def record_of_onset(
+    fitted: Sequence[RecordWithTwin],
     selection: Selection,
     verdict: Verdict,
     workers: int,
     progress: Progress,
-) -> Begun | None:
+) -> RecordOfOnset | None:
     """Return the fitted record in which the first of what was found begins, to be shown there."""
     known = [e.begins for e in verdict.effects]
     unknown = [u.begins for u in verdict.unknown]
@@ -230,20 +239,43 @@ def begun(
     shown, shifts = fitted[number], tuple(sorted(selection.corrections.items()))
     with SimulationPool([shown.twin], workers, progress) as pool:
         found = evaluate(pool, shown.measured, there, shifts, find_angles=False)
-    return Begun(moment=moments[0], evaluation=found)
+    return RecordOfOnset(moment=moments[0], evaluation=found)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Claimed:
-    """What is claimed after imitations were left out, and a sentence on each."""
+    """What is claimed once effects were left out that the record held out does not confirm.
+
+    Attributes
+    ----------
+    said : a sentence on each of those: which, and why it is not claimed.
+    """
 
     selection: Selection
     evaluation: Evaluation
     said: tuple[str, ...] = ()
 
 
+def confirmed(
+    judged: RecordWithTwin,
+    selection: Selection,
+    evaluation: Evaluation,
+    workers: int,
+    progress: Progress,
+) -> Claimed:
+    """Return what the record held out confirms: all is withdrawn that it refutes or imitates."""
+    said: tuple[str, ...] = ()
+    against = refutation(selection, evaluation)
+    if against:
+        said = (not_confirmed(selection, judged.record, against),)
+        progress(said[0])
+        selection, evaluation = withdrawn(selection), as_declared(evaluation)
+    claimed = without_imitations(judged, selection, evaluation, workers, progress)
+    return replace(claimed, said=(*said, *claimed.said))
+
+
 def without_imitations(
-    judged: Recorded,
+    judged: RecordWithTwin,
     selection: Selection,
     evaluation: Evaluation,
     workers: int,
@@ -256,9 +288,9 @@ def without_imitations(
     most of what that record shows is something else than the effects, which are there.
     """
     said: list[str] = []
-    while weak := imitating(judged, selection, evaluation, workers, progress):
-        said.append(weak.said)
-        progress(weak.said)
+    while weak := without_weakest_imitation(judged, selection, evaluation, workers, progress):
+        said += weak.said
+        progress(said[-1])
         selection, evaluation = weak.selection, weak.evaluation
     found = bool(selection.accepted) and not selection.unknown
     if leaves_much(evaluation) and (said or (found and shows_something_else(evaluation))):
@@ -269,7 +301,7 @@ def without_imitations(
     return Claimed(selection=selection, evaluation=evaluation, said=tuple(said))
 
 
-def stays_unknown(judged: Recorded, selection: Selection, evaluation: Evaluation) -> Unknown:
+def stays_unknown(judged: RecordWithTwin, selection: Selection, evaluation: Evaluation) -> Unknown:
     """Return what is left on the record held out: what begins there, a spectral line, or neither.
 
     Beside an effect that is never quite constant neither is named: its changes have moments and
@@ -290,27 +322,13 @@ def stays_unknown(judged: Recorded, selection: Selection, evaluation: Evaluation
     return Unknown(unknown_class="event", chi2_reduction=event[1], coordinate=where)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Imitating:
-    """What is claimed without an effect that can be an imitation.
-
-    Attributes
-    ----------
-    said : the sentence that names the effect and why it is not claimed.
-    """
-
-    selection: Selection
-    evaluation: Evaluation
-    said: str
-
-
-def imitating(
-    judged: Recorded,
+def without_weakest_imitation(
+    judged: RecordWithTwin,
     selection: Selection,
     evaluation: Evaluation,
     workers: int,
     progress: Progress,
-) -> Imitating | None:
+) -> Claimed | None:
     """Return what is claimed without the weakest effect, where it can be an imitation, or None.
 
     It can be one where it takes less away on the record held out than all effects leave there,
@@ -333,10 +351,10 @@ def imitating(
         return None
     key = selection.accepted[at].hypothesis.key
     said = f"not claimed: {key}: takes less away on {judged.record.path.name} than is left there"
-    return Imitating(selection=fewer, evaluation=without, said=said)
+    return Claimed(selection=fewer, evaluation=without, said=(said,))
 
 
-def denied(selection: Selection, evaluation: Evaluation) -> str:
+def refutation(selection: Selection, evaluation: Evaluation) -> str:
     """Return why the record held out refutes the effects found, as part of a sentence, or ""."""
     if not selection.accepted:
         return ""

@@ -18,7 +18,7 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
-from sim_plant.refine.pipeline import Recorded, at_its_start_angles
+from sim_plant.refine.pipeline import RecordWithTwin, at_its_start_angles
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.report.verdict import Verdict
 
@@ -130,7 +130,9 @@ def _errors(line: Path, run: str) -> dict[str, tuple[float, float]]:
     """Return error and noise by channel; where declared effects stand is found from the run."""
     declaration = load_declaration(line)
     record = run_on_line(declaration, read_record(Path(run)))
-    recorded = at_its_start_angles(Recorded(record=record, twin=twin_of(declaration, record)))
+    recorded = at_its_start_angles(
+        RecordWithTwin(record=record, twin=twin_of(declaration, record))
+    )
     with SimulationPool([recorded.twin], 1) as pool:
         judged = evaluate(pool, recorded.measured, (), (), find_angles=False)
     return {

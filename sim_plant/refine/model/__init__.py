@@ -1,7 +1,7 @@
 """The declared line under a record, and every effect and declared number that may differ."""
 
 __all__ = [
-    "asked",
+    "demand",
     "effect_at",
     "hypotheses",
     "nuisances",

@@ -7,7 +7,7 @@ import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from sim_plant.base.effects import Asked, Effect, Value
+from sim_plant.base.effects import Demand, Effect, Value
 from sim_plant.base.signatures import Frequency
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.build import build_arrays, timing_of
@@ -239,11 +239,11 @@ def limits_at(line: Declaration, effect: Effect, location: str) -> dict[str, tup
 
 
 def library(
-    line: Declaration, without: Collection[str] = (), asked: Asked | None = None
+    line: Declaration, without: Collection[str] = (), demand: Demand | None = None
 ) -> list[Hypothesis]:
     """Return every hypothesis of the library on this line, effects in ``without`` left out.
 
-    With ``asked``, what the records ask of the line, those too that start where that is.
+    With ``demand``, what the records ask of the line, those too that start where that is.
     """
     known = [
         hypothesis(effect, location, choice, line=line)
@@ -253,10 +253,10 @@ def library(
         for choice in variants(effect)
         if _possible(line, effect, location, choice)
     ]
-    return known if asked is None else [*known, *_asked_for(line, without, asked)]
+    return known if demand is None else [*known, *_for_demand(line, without, demand)]
 
 
-def _asked_for(line: Declaration, without: Collection[str], asked: Asked) -> list[Hypothesis]:
+def _for_demand(line: Declaration, without: Collection[str], demand: Demand) -> list[Hypothesis]:
     """Return the hypotheses that start at what the records ask of the line."""
     arrays = build_arrays(line, timing_of(line, line.sample_time_s))
     return [
@@ -268,7 +268,7 @@ def _asked_for(line: Declaration, without: Collection[str], asked: Asked) -> lis
         if effect.starts is not None and effect.name not in without
         for location in candidate_locations(line, effect)
         for start in effect.starts(
-            arrays, places_of(line, effect, location, effect.name)[0], asked
+            arrays, places_of(line, effect, location, effect.name)[0], demand
         )
     ]
 

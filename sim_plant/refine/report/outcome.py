@@ -57,7 +57,7 @@ class Plan:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Begun:
+class RecordOfOnset:
     """The fitted record in which something begins, and its error as declared and as amended."""
 
     moment: Moment
@@ -73,7 +73,7 @@ class Outcome:
     line : the line file.
     declared : the line as it was when the first record fitted began: its effects as they stood.
     caveats : what cannot be claimed, as sentences.
-    begun : where what was found, or is unknown, begins; None where nothing has a moment.
+    record_of_onset : where what was found, or is unknown, begins; None where nothing has a moment.
     proposal : the site file with the AFF blocks, where one was given and there are blocks.
     """
 
@@ -85,7 +85,7 @@ class Outcome:
     selection: Selection
     evaluation: Evaluation
     verdict: Verdict
-    begun: Begun | None = None
+    record_of_onset: RecordOfOnset | None = None
     proposal: Proposal | None = None
 
     @property

@@ -165,8 +165,8 @@ def overlays(outcome: Outcome) -> list[Shown]:
     """Return what begins where it does, and the record judged where it is worst."""
     judged, step_s = outcome.evaluation, outcome.selection.record_axes[0].sample_time_s
     shown = []
-    if outcome.begun is not None:
-        at, found = outcome.begun.moment, outcome.begun.evaluation
+    if outcome.record_of_onset is not None:
+        at, found = outcome.record_of_onset.moment, outcome.record_of_onset.evaluation
         part = part_around(found, step_s, at.time_s)
         said = f"{_span(at.record, part, step_s)}; dotted: {at.time_s:.2f} s, where it begins"
         figures = overlay(found, step_s, part, amended=outcome.is_amended, mark_s=at.time_s)

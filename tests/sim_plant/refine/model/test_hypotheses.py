@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from sim_plant.base.effects import Asked
+from sim_plant.base.effects import Demand
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.model.hypotheses import hypothesis, library, onset_library, turned
@@ -46,18 +46,18 @@ def test_a_form_is_tried_only_where_it_can_be():
 
 def just_below_a_ramp(rate_m_s2: float) -> list:
     """Return what is tried of the pull roll only because records ramp at this rate."""
-    found = library(LINE, asked=Asked(fastest_ramp_m_s2=rate_m_s2))
+    found = library(LINE, demand=Demand(fastest_ramp_m_s2=rate_m_s2))
     return [h for h in found if h.acts_below and h.location == "pull_roll"]
 
 
 def test_a_limit_of_the_reference_is_looked_for_just_below_the_fastest_ramp():
     """What is drawn at the pull roll ramps faster by the draw; a higher limit leaves no trace."""
     limits = just_below_a_ramp(0.2)
-    asked = 0.2 * (1.0 + LINE.control.pull_roll_draw)
-    starts = sorted(1.0 - h.start[0] / asked for h in limits)
+    demand = 0.2 * (1.0 + LINE.control.pull_roll_draw)
+    starts = sorted(1.0 - h.start[0] / demand for h in limits)
     assert starts[0] < 0.0005
     assert all(b / a < 3.5 for a, b in itertools.pairwise(starts))
-    assert {h.idle for h in limits} == {h.highest for h in limits} == {(asked,)}
+    assert {h.idle for h in limits} == {h.highest for h in limits} == {(demand,)}
     assert not just_below_a_ramp(0.0)
 
 

@@ -15,7 +15,7 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.aff_block import write_block
 from sim_plant.refine.report.findings import verdict_of
-from sim_plant.refine.report.outcome import Begun, Outcome, Plan
+from sim_plant.refine.report.outcome import Outcome, Plan, RecordOfOnset
 from sim_plant.refine.report.page import next_of, write_report
 from sim_plant.refine.report.verdict import Moment
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
@@ -143,6 +143,8 @@ def test_without_an_effect_a_page_has_one_curve_and_nothing_amended(tmp_path):
 
 
 def test_what_begins_is_shown_in_its_record(tmp_path):
-    begun = Begun(moment=Moment(record="a.csv", time_s=12.5), evaluation=evaluation((1, 1, 1)))
-    page = page_of(replace(outcome(tmp_path, [found()]), begun=begun))
+    onset = RecordOfOnset(
+        moment=Moment(record="a.csv", time_s=12.5), evaluation=evaluation((1, 1, 1))
+    )
+    page = page_of(replace(outcome(tmp_path, [found()]), record_of_onset=onset))
     assert "<figcaption>a.csv, 7.5 to 27.5 s; dotted: 12.50 s, where it begins<" in page

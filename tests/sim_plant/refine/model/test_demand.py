@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from sim_plant.refine.model.asked import fastest_ramp
+from sim_plant.refine.model.demand import fastest_ramp
 
 STEP_S = 0.01
 TIME_S = np.arange(0.0, 60.0, STEP_S)

@@ -7,17 +7,17 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.base.effects import Asked
+from sim_plant.base.effects import Demand
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.twin import Twin
 
 MODEL = CRITERIA.model
 
 
-def asked_by(twins: Sequence[Twin]) -> Asked:
+def demand_of(twins: Sequence[Twin]) -> Demand:
     """Return what the references of these records ask."""
     fastest = [fastest_ramp(t.speed_m_s, t.declaration.sample_time_s) for t in twins]
-    return Asked(fastest_ramp_m_s2=max(fastest))
+    return Demand(fastest_ramp_m_s2=max(fastest))
 
 
 def fastest_ramp(speed_m_s: Array, step_s: float) -> float:
