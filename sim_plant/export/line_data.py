@@ -8,23 +8,11 @@ from typing import Any
 import numpy as np
 
 from sim_plant.base.arrays import LineArrays, LineState
+from sim_plant.codegen.target import RECORD_FIELDS
 from sim_plant.export.c_text import c_bound, c_string
 from sim_plant.export.interface import Interface
 from sim_plant.line.simulation import LineSimulation
 
-RECORDS = {
-    "bodies": "BODY",
-    "spans": "SPAN",
-    "web": "WEB",
-    "drives": "DRIVE",
-    "cells": "CELL",
-    "loops": "LOOP",
-    "ripples": "RIPPLE",
-    "changes": "CHANGE",
-    "heats": "HEAT",
-    "carriages": "CARRIAGE",
-    "timing": "TIMING",
-}
 SHAPES = {"shape_h_m": "SHAPE_H", "shape_dh_m": "SHAPE_DH", "shape_rho_m": "SHAPE_RHO"}
 OWN = (
     "EA_N",
@@ -129,14 +117,14 @@ def _start(starts: Mapping[str, float | None], place: str) -> float:
 def _numbers_type(p: LineArrays) -> str:
     fields = [
         f"    {record} {name}[{max(1, getattr(p, name).size)}];"
-        for name, record in RECORDS.items()
+        for name, record in RECORD_FIELDS.items()
     ]
     fields += [f"    double {', '.join(OWN)};", f"    int64_t {', '.join(WHOLE)};"]
     return "\n".join(("typedef struct {", *fields, "} line_numbers;"))
 
 
 def _numbers(p: LineArrays, starts: Mapping[str, float | None]) -> str:
-    rows = [f"    {{{_records(getattr(p, name))}}}," for name in RECORDS]
+    rows = [f"    {{{_records(getattr(p, name))}}}," for name in RECORD_FIELDS]
     rows += [f"    {_start(starts, name)!r}," for name in OWN]
     rows += [f"    {int(_start(starts, name))}," for name in WHOLE]
     return "\n".join(("static const line_numbers NUMBERS = {", *rows, "};"))
