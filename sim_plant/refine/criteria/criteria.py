@@ -5,9 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.estimation import FitCriteria, NoiseCriteria, SpectraCriteria
+from sim_plant.refine.criteria.judging import JudgeCriteria
 from sim_plant.refine.criteria.records import MatchCriteria, ModelCriteria, RecordCriteria
-from sim_plant.refine.criteria.reporting import JudgeCriteria, ReportCriteria, WithoutLineCriteria
+from sim_plant.refine.criteria.reporting import ReportCriteria
 from sim_plant.refine.criteria.search import SearchCriteria
+from sim_plant.refine.criteria.without_line import WithoutLineCriteria
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -105,7 +105,7 @@ class EventCriteria:
         "moments tried around the best of those",
         "a seam on a wrap is found to its own length only",
     )
-    price: float = criterion(
+    moment_penalty: float = criterion(
         14.0, "chi2", "penalty for choosing a moment", "2 ln of 1200 moments of 50 ms in a minute"
     )
     most_told: int = criterion(

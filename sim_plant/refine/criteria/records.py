@@ -56,7 +56,7 @@ class RecordCriteria:
         "around a step of an angle, whose median says how fast its roll turns there",
         "0.1 s at 5 ms: with a quarter of them starts over the median is of the others",
     )
-    start_over_rad: float = criterion(
+    counter_wrap_rad: float = criterion(
         0.3,
         "rad",
         "an angle that is off the expected one by whole starts over to within this, and its own "
@@ -64,7 +64,7 @@ class RecordCriteria:
         "a speed that is wrong by 2 % over 5.5 steps of 2 rad is off by 0.22 rad; of counts that "
         "begin anew anywhere a tenth is that close to a whole turn",
     )
-    start_over_scatter: float = criterion(
+    counter_wrap_scatter: float = criterion(
         4.0,
         "1",
         "times the scatter (99 % of the steps without a start over) is added to that",

@@ -87,18 +87,18 @@ class Objective:
         the speed of the true line decides: of a channel of such words only what is beyond
         ``coarse_power`` times what is expected counts.
         """
-        return cost - self.expected_cost - self.doubt(residual)
+        return cost - self.expected_cost - self.quantisation_chi2(residual)
 
-    def doubt(self, residual: Array) -> float:
+    def quantisation_chi2(self, residual: Array) -> float:
         """Return the part of a residual's cost that the steps of coarse words alone may leave."""
-        unsure = 0.0
+        chi2 = 0.0
         rows = zip(self.whitening.noise, self.split(residual), strict=True)
         for noise, part in rows:
             expected = noise.share * part.shape[1]
             over = np.sum(part**2, axis=1) - expected
-            doubt = np.clip(over, 0.0, (CRITERIA.fit.coarse_power - 1.0) * expected)
-            unsure += float(np.sum(doubt[np.logical_not(noise.analogue)]))
-        return unsure
+            by_steps = np.clip(over, 0.0, (CRITERIA.fit.coarse_power - 1.0) * expected)
+            chi2 += float(np.sum(by_steps[np.logical_not(noise.analogue)]))
+        return chi2
 
     def residual(
         self, run: Sequence[Array], shifts: dict[str, float] | None = None, quick: bool = True

@@ -130,7 +130,7 @@ def interval_sums(objective: Objective, products: Array) -> Array:
         channels, samples = part.shape
         rows = products[at : at + channels * samples].reshape(channels, samples, -1)
         at += channels * samples
-        each = round(CRITERIA.report.interval_s / twin.declaration.sample_time_s)
+        each = round(CRITERIA.report.block_s / twin.declaration.sample_time_s)
         first = np.arange(0, max(samples - each // 2, 1), each)
         sums.append(np.add.reduceat(rows.sum(axis=0), first, axis=0))
     found: Array = np.concatenate(sums)

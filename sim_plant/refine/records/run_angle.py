@@ -88,4 +88,4 @@ def _expected(steps: Array, gone_s: Array) -> Array:
 def _scatter_rad(off: Array) -> float:
     """Return how far a step may be off the expected one, by those without a start over."""
     usual = float(np.quantile(np.abs(off), 0.99)) if off.size else 0.0
-    return RECORDS.start_over_rad + RECORDS.start_over_scatter * usual
+    return RECORDS.counter_wrap_rad + RECORDS.counter_wrap_scatter * usual

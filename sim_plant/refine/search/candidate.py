@@ -71,18 +71,18 @@ class FittedCandidate:
     chi2_reduction : sure fall of the cost against the fit without it, see ``sure_fall``.
     penalty : price of its free numbers [BIC].
     ceiling : the score is no higher: what is lost when the effect is taken out again.
-    told : of an effect that is a change of declared numbers, the chi-square of that change by the
-        records alone, without the prior of its tolerance; 0 of any other effect.
-    settles : the effect is a change of declared numbers, and with it declared numbers are together
-        within their tolerances, which they are not without it.
+    chi2_by_records : of an effect that is a change of declared numbers, the chi-square of that
+        change by the records alone, without the prior of its tolerance; 0 of any other effect.
+    ends_conflict : the effect is a change of declared numbers, and with it declared numbers are
+        together within their tolerances, which they are not without it.
     """
 
     fit: Fit
     chi2_reduction: float
     penalty: float
     ceiling: float = math.inf
-    told: float = 0.0
-    settles: bool = False
+    chi2_by_records: float = 0.0
+    ends_conflict: bool = False
 
     @property
     def hypothesis(self) -> Hypothesis:
@@ -114,16 +114,16 @@ def sure_fall(objective: Objective, base: Fit, fit: Fit) -> float:
     which drift slowly, and anything slow explains some of them: an effect counts where other
     channels, or more of a word than its steps, show it. See ``sure_part``.
     """
-    doubt = objective.doubt
-    return sure_part(base.cost - fit.cost, before=doubt(base.residual), after=doubt(fit.residual))
+    steps = objective.quantisation_chi2
+    return sure_part(base.cost - fit.cost, before=steps(base.residual), after=steps(fit.residual))
 
 
 def sure_part(fall: float, *, before: float, after: float) -> float:
     """Return the sure part of a fall of the cost.
 
-    ``before`` and ``after`` are the doubt (``Objective.doubt``) of the residuals that it fell from
-    and to.
-    Equation: min of the falls of the cost and of the cost less its doubt  [own].
+    ``before`` and ``after`` are the parts by quantisation (``Objective.quantisation_chi2``) of the
+    residuals that it fell from and to.
+    Equation: min of the falls of the cost and of the cost less that part  [own].
     """
     return min(fall, fall - before + after)
 

@@ -313,7 +313,7 @@ def _best_of_starts(
     ]
     base, *runs = objective.pool.run([fit.case, *cases], keep=False)
     best = replace(c, chi2_reduction=-math.inf)
-    price = bic_penalty(objective, len(h.names)) + EVENTS.price
+    penalty = bic_penalty(objective, len(h.names)) + EVENTS.moment_penalty
     every = objective.columns(runs, base, np.ones(len(runs)))
     parts = np.split(every, len(tried), axis=1)
     known = [k for k, columns in enumerate(parts) if np.isfinite(columns).all()]
@@ -331,14 +331,14 @@ def _best_of_starts(
             best = replace(
                 c,
                 chi2_reduction=linear.chi2_reduction,
-                penalty=price,
+                penalty=penalty,
                 start=(*sizes, *each.start[h.strengths :]),
             )
             best_look = replace(best, hypothesis=each), columns
     if best_look is None:
         return best
     left = objective.projector.project(residual)
-    sure = sure_look(objective, left, objective.doubt(left), *best_look)
+    sure = sure_look(objective, left, objective.quantisation_chi2(left), *best_look)
     return replace(best, chi2_reduction=sure.chi2_reduction)
 
 
@@ -361,5 +361,5 @@ def _without_end(objective: Objective, c: Candidate) -> Candidate:
         low=pick(h.low),
         high=pick(h.high),
     )
-    price = bic_penalty(objective, len(keep)) + EVENTS.price
-    return replace(c, hypothesis=fewer, start=pick(c.start), penalty=price)
+    penalty = bic_penalty(objective, len(keep)) + EVENTS.moment_penalty
+    return replace(c, hypothesis=fewer, start=pick(c.start), penalty=penalty)

@@ -32,9 +32,9 @@ from sim_plant.refine.search.free_terms import (
 )
 from sim_plant.refine.search.number_ranges import with_number_ranges
 from sim_plant.refine.search.outside_prior import (
+    chi2_by_records,
+    ending_conflict,
     fit_conflicts,
-    settling_conflict,
-    told_by_record,
     total_shifts,
 )
 from sim_plant.refine.search.profile_detail import joint_refit
@@ -343,8 +343,8 @@ def best_of(
     if apart is not None:
         fitted = [apart.re_evaluated_candidate(c) for c in fitted]
     if selection.accepted:
-        fitted = [replace(c, told=told_by_record(weigh, c.fit)) for c in fitted]
-        fitted = settling_conflict(weigh, base, fitted)
+        fitted = [replace(c, chi2_by_records=chi2_by_records(weigh, c.fit)) for c in fitted]
+        fitted = ending_conflict(weigh, base, fitted)
     scored = confirmed_scores(
         judged, fitted, lambda fit: chi2_without_last(objective, fit, apart), progress
     )

@@ -103,7 +103,7 @@ def starts_outside_prior(
     return starts
 
 
-def told_by_record(objective: Objective, fit: Fit) -> float:
+def chi2_by_records(objective: Objective, fit: Fit) -> float:
     """Return the chi-square by which the records alone show the change that the last effect is.
 
     Of the declared numbers that it changes the tolerances do not count, those of all others do; 0
@@ -121,25 +121,30 @@ def told_by_record(objective: Objective, fit: Fit) -> float:
     return objective.projector.cost_with_fixed(response, own)
 
 
-def settling_conflict(
+def ending_conflict(
     objective: Objective, base: Fit, fitted: Sequence[FittedCandidate]
 ) -> list[FittedCandidate]:
-    """Return the candidates, ``settles`` set where their fit ends the prior conflict of ``base``.
+    """Return the candidates, ``ends_conflict`` set where their fit ends that of ``base``.
 
-    Only changes of declared numbers are looked at, and only those whose ``told`` is less than a
-    later effect needs: several like numbers that stand in for one share its cost.
+    Only changes of declared numbers are looked at, and only those whose ``chi2_by_records`` is
+    less than a later effect needs: several like numbers that stand in for one share its cost.
     """
-    if not any(_may_settle(c) for c in fitted) or joint_conflict(objective, base) is None:
+    if not any(_may_end_conflict(c) for c in fitted) or joint_conflict(objective, base) is None:
         return list(fitted)
     return [
-        replace(c, settles=joint_conflict(objective, c.fit) is None) if _may_settle(c) else c
+        replace(c, ends_conflict=joint_conflict(objective, c.fit) is None)
+        if _may_end_conflict(c)
+        else c
         for c in fitted
     ]
 
 
-def _may_settle(candidate: FittedCandidate) -> bool:
-    """Return whether a candidate is worth a look for ``settles``."""
-    return 0.0 < candidate.told <= ACCEPTANCE.later_score and candidate.score > ACCEPTANCE.score
+def _may_end_conflict(candidate: FittedCandidate) -> bool:
+    """Return whether a candidate is worth a look for ``ends_conflict``."""
+    return (
+        0.0 < candidate.chi2_by_records <= ACCEPTANCE.later_score
+        and candidate.score > ACCEPTANCE.score
+    )
 
 
 def joint_conflict(objective: Objective, fit: Fit) -> PriorConflict | None:

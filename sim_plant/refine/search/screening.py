@@ -96,15 +96,15 @@ def sure_looks(
     ``columns`` are those that each of them was made from. See ``candidate.sure_part``.
     """
     left = objective.projector.project(residual)
-    doubt = objective.doubt(left)
+    quantisation_chi2 = objective.quantisation_chi2(left)
     rows = sorted(zip(looks, columns, strict=True), key=lambda row: -row[0].score)
-    if doubt <= 0.0:
+    if quantisation_chi2 <= 0.0:
         return [c for c, _ in rows]
     top = 2 * SCREENING.shortlist_length
     sure: set[int] = set()
     while unsure := [k for k, (c, _) in enumerate(rows[:top]) if id(c) not in sure]:
         k = unsure[0]
-        looked = sure_look(objective, left, doubt, *rows[k])
+        looked = sure_look(objective, left, quantisation_chi2, *rows[k])
         sure.add(id(looked))
         rows[k] = looked, rows[k][1]
         rows.sort(key=lambda row: -row[0].score)
@@ -112,11 +112,11 @@ def sure_looks(
 
 
 def sure_look(
-    objective: Objective, left: Array, doubt: float, c: Candidate, columns: Array
+    objective: Objective, left: Array, quantisation_chi2: float, c: Candidate, columns: Array
 ) -> Candidate:
     """Return a first look by what it surely explains of ``left``, the projected residual.
 
-    ``doubt`` is that of ``left``, ``columns`` are those that the look was made from.
+    ``quantisation_chi2`` is that of ``left``, ``columns`` are those that the look was made from.
     """
     h = c.hypothesis
     if not np.isfinite(columns).all() or not c.chi2_reduction > 0.0:
@@ -126,7 +126,9 @@ def sure_look(
         first, absent = np.array(h.start[: h.strengths]), np.array(h.absent[: h.strengths])
         sizes = (np.array(c.start[: h.strengths]) - absent) / (first - absent)
     rest = left - objective.projector.project(columns @ sizes)
-    sure = sure_part(c.chi2_reduction, before=doubt, after=objective.doubt(rest))
+    sure = sure_part(
+        c.chi2_reduction, before=quantisation_chi2, after=objective.quantisation_chi2(rest)
+    )
     return replace(c, chi2_reduction=sure)
 
 

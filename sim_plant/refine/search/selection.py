@@ -98,20 +98,27 @@ def alike_margin(explained: float) -> float:
 
 
 def least_score(
-    selection: Selection, h: Hypothesis, told: float = 0.0, *, settles: bool = False
+    selection: Selection,
+    h: Hypothesis,
+    chi2_by_records: float = 0.0,
+    *,
+    ends_conflict: bool = False,
 ) -> float:
     """Return the score that ``h`` needs beside the effects found, given what those leave.
 
     A declared number gains as an effect no more than its tolerance cost, z squared, which may be
     less than a later effect needs. It needs no more than a first one where the records alone show
-    its change by enough (``told``, see `FittedCandidate`): the model error of other effects moves
-    it only as far as the records leave it free. Or where it ``settles`` a conflict: several like
-    numbers stood in for it (a drag at one of six idlers), each within some tolerances, together
-    beyond. Neither on a roll with a profile: its mean radius is the profile's own.
+    its change by enough (``chi2_by_records``, see `FittedCandidate`): the model error of other
+    effects moves it only as far as the records leave it free. Or where it ``ends_conflict``:
+    several like numbers stood in for it (a drag at one of six idlers), each within some
+    tolerances, together beyond. Neither on a roll with a profile: its mean radius is the profile's
+    own.
     """
     found = [a.hypothesis for a in selection.accepted]
     shaped = {f.location for f in found if f.effect.profiles is not None}
-    beyond = (told > ACCEPTANCE.later_score or settles) and h.location not in shaped
+    beyond = (
+        chi2_by_records > ACCEPTANCE.later_score or ends_conflict
+    ) and h.location not in shaped
     later = found and not beyond
     aperiodic = ACCEPTANCE.later_score if later else ACCEPTANCE.score
     return least_beside(selection, ACCEPTANCE.periodic_score if orders_of(h, 1.0) else aperiodic)
@@ -169,7 +176,7 @@ def confirmed_scores(
     best, passed = 0.0, False
     for c in ranked:
         h = c.hypothesis
-        least = least_score(selection, h, c.told, settles=c.settles)
+        least = least_score(selection, h, c.chi2_by_records, ends_conflict=c.ends_conflict)
         enough = passed and len(looked_at) >= ACCEPTANCE.most_looks
         if enough or c.score < max(least, best - ACCEPTANCE.margin):
             break
@@ -199,7 +206,9 @@ def accept(
         return None
     best = scored[0]
     h = best.hypothesis
-    if best.score < least_score(selection, h, best.told, settles=best.settles):
+    if best.score < least_score(
+        selection, h, best.chi2_by_records, ends_conflict=best.ends_conflict
+    ):
         return None
     others = _others(scored, candidates)
     runner_up, second_score = others[0] if others else (None, 0.0)

@@ -108,7 +108,7 @@ def presence_of(
         return LinePresence(scope=scope, present=tuple(present))
     speeds = [float(np.mean(x.speed_m_s)) for x in items if x.speed_m_s is not None]
     there = [v for v, yes in zip(speeds, present, strict=True) if yes]
-    several = max(there) > WITHOUT_LINE.other_speed * min(there)
+    several = max(there) > (1.0 + CRITERIA.match.one_speed_share) * min(there)
     axis_proven = several or any(
         _axis_proven(item, white, axis, at, value)
         for item, white, at, (value, _), yes in zip(

@@ -149,9 +149,9 @@ def test_beyond_noise_a_channel_of_coarse_words_counts_above_its_doubt_only(obje
     (noise,) = objective.whitening.noise
     coarse = replace(noise, filters=(np.ones(1), np.array([1.0, 0.0])))
     worded = replace(objective, whitening=replace(objective.whitening, noise=(coarse,)))
-    doubt = 0.5 * np.minimum(1.0, (noise.floor[0] / noise.sd[0]) ** 2) * (rows / 2)
+    by_steps = 0.5 * np.minimum(1.0, (noise.floor[0] / noise.sd[0]) ** 2) * (rows / 2)
     assert worded.excess(cost, residual) == pytest.approx(
-        cost - worded.expected_cost - doubt, rel=1e-9
+        cost - worded.expected_cost - by_steps, rel=1e-9
     )
 
 

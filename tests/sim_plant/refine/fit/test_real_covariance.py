@@ -11,7 +11,7 @@ from sim_plant.refine.fit.real_covariance import interval_sums, real_covariance
 from tests.sim_plant.refine.small import STEP_S, formula_twin, objective_of, white
 
 CHANNELS, SAMPLES = ("unwind_tension_N", "rewind_tension_N"), 6000
-INTERVAL = round(CRITERIA.report.interval_s / STEP_S)
+INTERVAL = round(CRITERIA.report.block_s / STEP_S)
 
 
 def quiet_objective():

@@ -53,9 +53,9 @@ def test_of_a_word_counts_what_is_beyond_its_steps(worded):
     """A step of 3 noises is 9 times the power: all but the doubtful half of 1 is sure."""
     base, fit = (fit_leaving(left_in(worded, word=size)) for size in (3.0, 0.0))
     (noise,) = worded.whitening.noise
-    doubt = worded.doubt(base.residual)
-    assert doubt == pytest.approx(0.5 * noise.share[WORD] * worded.rows / 2)
-    assert sure_fall(worded, base, fit) == pytest.approx(base.cost - fit.cost - doubt, rel=0.02)
+    by_steps = worded.quantisation_chi2(base.residual)
+    assert by_steps == pytest.approx(0.5 * noise.share[WORD] * worded.rows / 2)
+    assert sure_fall(worded, base, fit) == pytest.approx(base.cost - fit.cost - by_steps, rel=0.02)
 
 
 def test_a_first_look_at_a_word_gives_way_to_one_that_a_tension_shows(worded):
@@ -71,7 +71,7 @@ def test_a_first_look_at_a_word_gives_way_to_one_that_a_tension_shows(worded):
     ordered = sure_looks(worded, residual, looks, list(columns))
     assert [c.hypothesis.location for c in ordered] == ["R3", "R9"]
     left = worded.projector.project(residual)
-    sure = sure_look(worded, left, worded.doubt(left), looks[0], columns[TENSION])
+    sure = sure_look(worded, left, worded.quantisation_chi2(left), looks[0], columns[TENSION])
     assert sure.score > 0.8 * looks[0].score
 
 

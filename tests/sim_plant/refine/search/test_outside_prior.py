@@ -10,9 +10,9 @@ from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.candidate import fitted_candidate
 from sim_plant.refine.search.outside_prior import (
-    settling_conflict,
+    chi2_by_records,
+    ending_conflict,
     starts_outside_prior,
-    told_by_record,
 )
 from tests.sim_plant.refine.small import fit_of, formula_twin, line_with, objective_of, white
 
@@ -44,14 +44,14 @@ def test_the_record_says_as_much_whatever_the_tolerance(tolerance):
     fit = gauss_newton_fit(objective, (MODULUS,), (MODULUS.start,), {})
     assert fit.values[0][0] == pytest.approx(1.1, abs=0.002)
     whole = objective.whitened([NEWTON * 0.1 * WAVE[None, :]])  # no other number answers alike
-    assert told_by_record(objective, fit) == pytest.approx(float(whole @ whole), rel=0.05)
+    assert chi2_by_records(objective, fit) == pytest.approx(float(whole @ whole), rel=0.05)
     assert whole @ whole > 0.5 * JUDGED * (NEWTON * 0.1) ** 2  # noise takes up some of the wave
 
 
 def test_of_an_effect_that_is_no_declared_number_nothing_is_told():
     twin = formula_twin(response, ["unwind_tension_N"], SAMPLES)
     objective = objective_of(twin, white((1, SAMPLES)))
-    assert told_by_record(objective, fit_of(RIPPLE)) == 0.0
+    assert chi2_by_records(objective, fit_of(RIPPLE)) == 0.0
 
 
 def test_a_number_that_a_fit_has_moved_starts_as_its_effect_with_all_else_as_fitted():
@@ -80,9 +80,9 @@ def braked(case):
     return change / RADIUS_M * WAVE[None, :]
 
 
-@pytest.mark.parametrize(("drag_N_m", "settles"), [(0.11, True), (0.02, False)])
+@pytest.mark.parametrize(("drag_N_m", "ends_conflict"), [(0.11, True), (0.02, False)])
 def test_a_drag_that_like_idlers_stand_in_for_settles_what_their_tolerances_are_not(
-    drag_N_m, settles
+    drag_N_m, ends_conflict
 ):
     numbers = {f"rollers.{r}.friction_constant_N_m": 0.3 for r in IDLERS}
     line = line_with({**numbers, "*": 0.0})
@@ -93,13 +93,13 @@ def test_a_drag_that_like_idlers_stand_in_for_settles_what_their_tolerances_are_
     drag = hypothesis(BY_NAME["bearing_drag"], "R6", line=line)
     fit = gauss_newton_fit(objective, (drag,), ((0.05,),), {})
     candidate = fitted_candidate(objective, base, fit)
-    told = told_by_record(objective, fit)
+    alone = chi2_by_records(objective, fit)
     # own: what seven others share costs z^2 / 7, z in half tolerances of one, with noise beside
     z = fit.values[0][0] / (0.5 * 0.3 * FRICTION_N_M)
-    assert told == pytest.approx(z**2 / 7.0, rel=0.1)
-    assert told < 400.0
-    candidate = replace(candidate, told=told, chi2_reduction=300.0)
-    (found,) = settling_conflict(objective, base, [candidate])
-    assert found.settles is settles
-    (other,) = settling_conflict(objective, base, [replace(candidate, told=0.0)])
-    assert other.settles is False  # no declared number by another name
+    assert alone == pytest.approx(z**2 / 7.0, rel=0.1)
+    assert alone < 400.0
+    candidate = replace(candidate, chi2_by_records=alone, chi2_reduction=300.0)
+    (found,) = ending_conflict(objective, base, [candidate])
+    assert found.ends_conflict is ends_conflict
+    (other,) = ending_conflict(objective, base, [replace(candidate, chi2_by_records=0.0)])
+    assert other.ends_conflict is False  # no declared number by another name

@@ -43,11 +43,15 @@ def selection(cost=COST, nominal=None, **more):
     )
 
 
-def rival(h, worth, told=0.0, settles=False):
+def rival(h, worth, chi2_by_records=0.0, ends_conflict=False):
     """Return a fit whose score is this, and what the record alone says of it."""
     fit = fit_of(h, cost=COST - worth - PENALTY)
     return FittedCandidate(
-        fit=fit, chi2_reduction=COST - fit.cost, penalty=PENALTY, told=told, settles=settles
+        fit=fit,
+        chi2_reduction=COST - fit.cost,
+        penalty=PENALTY,
+        chi2_by_records=chi2_by_records,
+        ends_conflict=ends_conflict,
     )
 
 
@@ -108,21 +112,28 @@ def found_first(name, place):
     return selection(accepted=(there,))
 
 
-@pytest.mark.parametrize(("told", "taken"), [(0.0, False), (350.0, False), (5000.0, True)])
-def test_a_later_effect_that_is_a_declared_number_counts_by_what_the_record_says(told, taken):
+@pytest.mark.parametrize(
+    ("chi2_by_records", "taken"), [(0.0, False), (350.0, False), (5000.0, True)]
+)
+def test_a_later_effect_that_is_a_declared_number_counts_by_what_the_record_says(
+    chi2_by_records, taken
+):
     """13 prior standard deviations gain 170; what a right effect leaves imitates up to 330."""
     found = found_first("torque_ripple", "unwind")
-    said = claimed([rival(MODULUS, 170.0, told)], {MODULUS.key: 170.0}, found)
+    said = claimed([rival(MODULUS, 170.0, chi2_by_records)], {MODULUS.key: 170.0}, found)
     assert (said is not None) is taken
 
 
-@pytest.mark.parametrize(("settles", "taken"), [(False, False), (True, True)])
+@pytest.mark.parametrize(("ends_conflict", "taken"), [(False, False), (True, True)])
 def test_a_later_effect_that_settles_what_no_tolerance_is_needs_no_more_than_a_first(
-    settles, taken
+    ends_conflict, taken
 ):
     """Like numbers that stand in for one keep what the record says of it small."""
     found = found_first("torque_ripple", "unwind")
-    rivals = [rival(DRAG, 230.0, 280.0, settles), rival(FAR_DRAG, 228.0, 280.0, settles)]
+    rivals = [
+        rival(DRAG, 230.0, 280.0, ends_conflict),
+        rival(FAR_DRAG, 228.0, 280.0, ends_conflict),
+    ]
     said = claimed(rivals, {DRAG.key: 230.0, FAR_DRAG.key: 228.0}, found)
     assert (said is not None) is taken
     if taken:

@@ -194,7 +194,9 @@ def test_at_one_speed_a_line_in_time_may_be_one_in_travel_or_at_an_angle(wave, s
     frequency_Hz = 6.2 if wave is in_time else 6.2 * speed
     assert kinds["time"]["frequency_Hz"] == pytest.approx(frequency_Hz, rel=3e-3)
     assert kinds["travel"]["wavenumber_1_m"] == pytest.approx(frequency_Hz / speed, rel=3e-3)
-    orders = [dict(where) for kind, where in [(found.unknown_class, found.coordinate), *found.also]]
+    orders = [
+        dict(where) for kind, where in [(found.unknown_class, found.coordinate), *found.also]
+    ]
     at = {w["roll"]: w["order"] for w in orders if "roll" in w}
     radius_m = {r.name: r.radius_m for r in line_with().rollers}
     for roll, order in at.items():
