@@ -8,7 +8,7 @@ from typing import Any
 
 from aff_runtime.app.card.chain import Chain, Link
 from aff_runtime.app.card.fields import Fields, plain
-from aff_runtime.app.card.figures import Figure, Finding, Sample, Verdict
+from aff_runtime.app.card.figures import Figure, Sample, StepResult, Verdict
 from aff_runtime.base.errors import ConfigError
 
 BEGUN, MEASURED, SIGNED = "begun", "measured", "signed"
@@ -21,7 +21,7 @@ class Begun:
     Attributes
     ----------
     site : path of the site file; ``site_sha256`` : of its text then.
-    site_hash : its revision. ``release`` : of the runtime. ``machine`` : as ``uname`` names it.
+    site_hash : of what it says. ``release`` : of the runtime. ``machine`` : as ``uname`` names it.
     """
 
     line: str
@@ -42,7 +42,7 @@ class Inputs:
 
     Attributes
     ----------
-    site_hash : revision of the site file alone. ``config_hash`` : with what was learned.
+    site_hash : of what the site file says. ``config_hash`` : the revision, with what was learned.
     machine : the one that this was measured on, or is looked at on.
     parts : SHA-256 of each part of the site file by its name, see `site_parts`; empty in an entry
         of an older release.
@@ -103,7 +103,7 @@ class Measured:
 
     step: int
     verdict: Verdict
-    finding: Finding
+    finding: StepResult
     inputs: Inputs
     windows: tuple[RecordWindow, ...] = ()
     typed: tuple[Typed, ...] = ()
@@ -193,7 +193,7 @@ def _measured(said: Fields) -> Measured:
     return Measured(
         step=said.whole("step"),
         verdict=verdict,
-        finding=Finding(
+        finding=StepResult(
             figures=said.each("figures", _figure),
             remarks=said.texts("remarks"),
             proposals=said.texts("proposals"),

@@ -78,7 +78,7 @@ class Sample:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class StepResult:
     """What a step has measured.
 
     Attributes

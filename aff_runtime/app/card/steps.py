@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from aff_runtime.app.card.evidence import Evidence, Need
-from aff_runtime.app.card.figures import Finding
+from aff_runtime.app.card.figures import StepResult
 from aff_runtime.app.card.measure import (
     limits,
     load_cell,
@@ -63,7 +63,7 @@ class Step:
     seconds: float = 0.0
     begins_anew: bool = False
     typed: Callable[[Evidence], Iterable[str]] = lambda _: ()
-    measure: Callable[[Evidence], Finding]
+    measure: Callable[[Evidence], StepResult]
 
 
 _WORDS = (Rest.SITE, Rest.PLC)

@@ -23,7 +23,7 @@ from aff_runtime.app.card.entries import (
     entries_of,
     read_back,
 )
-from aff_runtime.app.card.figures import Finding, Verdict
+from aff_runtime.app.card.figures import StepResult, Verdict
 from aff_runtime.app.card.gather import Sources, gather, inputs_of
 from aff_runtime.app.card.standing import (
     SIGNABLE,
@@ -164,7 +164,7 @@ def leave_out(card: CardFile, number: int, reason: str, inputs: Inputs, by: str)
     kept = Measured(
         step=step_of(number).number,
         verdict=Verdict.NOT_APPLICABLE,
-        finding=Finding(figures=()),
+        finding=StepResult(figures=()),
         inputs=inputs,
         reason=_said(reason, "reason", SHORTEST_REASON, LONGEST_REASON),
         by=by,
@@ -234,7 +234,7 @@ def _may_follow(card: CardFile, said: Measured | Signed, chain: Chain) -> bool:
     )
 
 
-def _bounded(finding: Finding) -> Finding:
+def _bounded(finding: StepResult) -> StepResult:
     """Return a finding with bounded sentences (``LONGEST_SENTENCE``), and few of each kind."""
     return replace(
         finding,

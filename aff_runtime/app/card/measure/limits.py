@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import Figure, Finding, at_least, at_most
+from aff_runtime.app.card.figures import Figure, StepResult, at_least, at_most
 
 FEWEST_COUNTS = 5.0  # a limit is at least so many counts of its word
 WATCHDOG_LIMIT_MS = 300.0
@@ -20,7 +20,7 @@ def typed_names(evidence: Evidence) -> tuple[str, ...]:
     return (*evidence.site.actuators, UNDERSTOOD)
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return each limit against the PLC's, in counts of its word, and the check's warnings."""
     figures: list[Figure] = []
     missing: list[str] = []
@@ -44,14 +44,14 @@ def measure(evidence: Evidence) -> Finding:
                 good=understood == len(warnings) if math.isfinite(understood) else None,
             )
         )
-    return Finding(
+    return StepResult(
         figures=tuple(figures),
         missing=tuple(missing),
         remarks=tuple(f"warning: {text}" for text in warnings),
     )
 
 
-def watchdog(evidence: Evidence) -> Finding:
+def watchdog(evidence: Evidence) -> StepResult:
     """Return the reaction and its time as they were typed."""
     reaction = evidence.typed.word("reaction")
     time_ms = 1e3 * evidence.typed.number("time", "s")
@@ -60,7 +60,7 @@ def watchdog(evidence: Evidence) -> Finding:
         missing.append("type what the drive did: reaction=zero, ramp or hold")
     if not math.isfinite(time_ms):
         missing.append("type how long it took: time=120 ms")
-    return Finding(
+    return StepResult(
         figures=(
             Figure(
                 name=f"reaction of the watchdog: {reaction or 'not typed'}",

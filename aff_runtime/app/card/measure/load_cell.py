@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import Figure, Finding, Sample, at_most, mean_and_half
+from aff_runtime.app.card.figures import Figure, Sample, StepResult, at_most, mean_and_half
 from aff_runtime.app.card.typed_values import NotTypedError
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.confidence import TWO_SIDED_95
@@ -29,7 +29,7 @@ NAMES = ("load_N", "mean_N", "half_N", "sd_N", "readings")
 TYPED = ("load", "signal")
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return errors of zero and span in percent of the span, and the noise, of every cell."""
     signals = dict.fromkeys(one.error.signal for one in evidence.site.actuators.values())
     wanted = [name for name in signals if unit_of_channel(name) == "N"]
@@ -52,7 +52,7 @@ def measure(evidence: Evidence) -> Finding:
         if of_cell:
             figures.append(_noise(signal, of_cell[-1]))
             proposals.extend(_proposals(evidence, signal, noise_N))
-    return Finding(
+    return StepResult(
         figures=tuple(figures),
         samples=(fresh,),
         missing=tuple(missing),

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import Figure, Finding, at_least, at_most, quantile
+from aff_runtime.app.card.figures import Figure, StepResult, at_least, at_most, quantile
 from aff_runtime.base.machine import Machine
 
 WAKE_LIMIT_US = 500.0
@@ -19,7 +19,7 @@ FEWEST_PROCESSORS = 2
 FIFO = "SCHED_FIFO"
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return the wake-up's 99 % point over a minute, the rights, and the machine."""
     columns = evidence.window.table.columns
     time_s = columns["time_s"]
@@ -55,7 +55,7 @@ def measure(evidence: Evidence) -> Finding:
     if evidence.machine is not None:
         figures.append(_processors(evidence.machine))
         remarks.extend(_seen(evidence.machine))
-    return Finding(figures=tuple(figures), remarks=tuple(remarks))
+    return StepResult(figures=tuple(figures), remarks=tuple(remarks))
 
 
 def _processors(machine: Machine) -> Figure:

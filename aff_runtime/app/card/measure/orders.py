@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import NAN, Figure, Finding
+from aff_runtime.app.card.figures import NAN, Figure, StepResult
 from aff_runtime.app.report.block_status import WORDS, BlockStatus
 from aff_runtime.base.signals import State
 from aff_runtime.core.monitor import Trend
@@ -16,7 +16,7 @@ HELD = frozenset(
 )
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return how many orders are held, and per order its reduction and its cost."""
     blocks = evidence.blocks
     held = [one for one in blocks if one.state in HELD]
@@ -30,7 +30,7 @@ def measure(evidence: Evidence) -> Finding:
         limit="0",
         good=not held if is_on else None,
     )
-    return Finding(
+    return StepResult(
         figures=(count, *(figure for one in blocks for figure in _of(one))),
         missing=tuple(missing),
         remarks=tuple(f"{one.actuator} {one.name}: {one.state}, {one.why}" for one in held),

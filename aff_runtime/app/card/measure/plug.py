@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import NAN, Figure, Finding, at_most
+from aff_runtime.app.card.figures import NAN, Figure, StepResult, at_most
 from aff_runtime.app.report.comparison.window import Window
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
@@ -19,7 +19,7 @@ TYPED = (BASE,)
 STALE = float(BY_NAME["PLC_STALE"].code)
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return the time from the heartbeat's last movement to the fault, and both bounds."""
     freshness = evidence.site.freshness
     window = evidence.window
@@ -54,7 +54,7 @@ def measure(evidence: Evidence) -> Finding:
             good=at_most(typed_ms, LIMIT_MS),
         ),
     )
-    return Finding(figures=figures, missing=tuple(_missing(stale_ms, typed_ms, was_shadow)))
+    return StepResult(figures=figures, missing=tuple(_missing(stale_ms, typed_ms, was_shadow)))
 
 
 def stale_after_ms(window: Window) -> tuple[float, bool]:

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import NAN, Figure, Finding, at_most
+from aff_runtime.app.card.figures import NAN, Figure, StepResult, at_most
 from aff_runtime.app.card.measure.phases import Phase, phases
 from aff_runtime.app.report.comparison.comparing import Comparison, OrderRow, compare
 from aff_runtime.app.report.comparison.turns import Change, Estimate
@@ -37,7 +37,7 @@ Key = tuple[str, str, int]
 _DB = 20.0 / math.log(10.0)  # dB of a natural logarithm
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return the reduction of every order that is corrected, and of all together."""
     window = evidence.window
     settle_s = evidence.typed.number("settle", "s")
@@ -46,7 +46,7 @@ def measure(evidence: Evidence) -> Finding:
     promised = evidence.typed.number("promised", "dB")
     chosen = last_off_on_off_on(phases(window), settle_s)
     if not chosen:
-        return Finding(
+        return StepResult(
             figures=(),
             missing=(
                 "off, on, off, on is not in the window, each long enough "
@@ -59,7 +59,7 @@ def measure(evidence: Evidence) -> Finding:
     turns = list(_turns(pairs, wanted))
     conditions = _conditions(pairs, window.table.events)
     short = [one for one in turns if not one.good]
-    return Finding(
+    return StepResult(
         figures=(*overall, *turns, *conditions, *_orders(pairs, wanted)),
         missing=(*(() if overall else (NOTHING_PROVEN,)), *map(_too_short, short)),
         remarks=tuple(_remarks(pairs)),

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import astuple, fields
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import NAN, Figure, Finding, Sample, at_least, at_most
+from aff_runtime.app.card.figures import NAN, Figure, Sample, StepResult, at_least, at_most
 from aff_runtime.app.card.measure.proof import enabled
 from aff_runtime.config.crossings import frequency_Hz as order_Hz
 from aff_runtime.core.probe.estimate import SIGN_BAND, low_direction, measured_sign
@@ -41,7 +41,7 @@ def typed_names(evidence: Evidence) -> tuple[str, ...]:
     return tuple(f"sign_{name}" for name in evidence.site.actuators)
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return per actuator what was probed twice, and what the repeats say."""
     fresh = tuple(_new_samples(evidence))
     samples = (*(one for one in evidence.former if one.kind == KIND), *fresh)
@@ -59,7 +59,7 @@ def measure(evidence: Evidence) -> Finding:
         missing.extend(_missing(name, groups))
         missing.extend(_undecided(name, mine[-1]))
         remarks.extend(_remarks(evidence, name, mine))
-    return Finding(
+    return StepResult(
         figures=tuple(figures), samples=fresh, missing=tuple(missing), remarks=tuple(remarks)
     )
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import Figure, Finding, Sample
+from aff_runtime.app.card.figures import Figure, Sample, StepResult
 from aff_runtime.app.card.measure.phases import Phase, phases
 from aff_runtime.app.card.measure.proof import (
     SETTLES,
@@ -31,19 +31,19 @@ _MOST_TURNS = 400  # a course of twice as many or more is thinned to this many, 
 KIND, COLUMNS = "course", ("time_s", "amplitude")
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return the reduction once the settling time is over, its course, and the response ratio."""
     window = evidence.window
     found = phases(window)
     armings = [k for k in range(len(found) - 1) if not found[k].on and found[k + 1].on]
     if not armings:
-        return Finding(
+        return StepResult(
             figures=(), missing=("no arming in the window: begin it some turns before",)
         )
     off, on = found[armings[-1]], found[armings[-1] + 1]
     waits_s = max(_wait_s(evidence, one, window) for one in evidence.site.actuators.values())
     if not on.to_s - on.from_s > waits_s + 1.0:
-        return Finding(
+        return StepResult(
             figures=(), missing=(f"stay armed for more than {waits_s:.0f} s, and some turns",)
         )
     both = compare(off.of(window), on.later(waits_s).of(window))
@@ -51,7 +51,7 @@ def measure(evidence: Evidence) -> Finding:
     rows = {(row.signal, row.roll, row.order): row for row in both.rows}
     orders = [reduction_figure(key, [row.change]) for key, row in rows.items() if key in wanted]
     settling = Figure(name="left to settle from arming on", value=waits_s, unit="s")
-    return Finding(
+    return StepResult(
         figures=(settling, *orders, *_ratios(on, window)),
         samples=tuple(_courses(evidence, window, off, on)),
         missing=tuple(_no_fall(orders)),

@@ -13,7 +13,7 @@ from enum import StrEnum
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence, Try
-from aff_runtime.app.card.figures import NAN, Figure, Finding, Sample
+from aff_runtime.app.card.figures import NAN, Figure, Sample, StepResult
 from aff_runtime.app.card.measure.proof import enabled, root_sum
 from aff_runtime.app.report.comparison.comparing import estimates
 from aff_runtime.app.report.comparison.window import Window, roll_angle
@@ -183,7 +183,7 @@ def candidate(evidence: Evidence, one: Try, window: Window | None) -> Candidate:
     )
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return the table of candidates, and the setting that it proposes."""
     if not evidence.tries:
         raise RefusedError("step 9: nothing was tried")
@@ -196,7 +196,7 @@ def measure(evidence: Evidence) -> Finding:
         for path, value in values_of(evidence.site, actuator).items()
         if end in (*RESULTS, End.MOST) and factor < 1.0
     ]
-    return Finding(
+    return StepResult(
         figures=tuple(_figures(evidence.site.actuators[actuator], table, end)),
         samples=(
             Sample(

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import NAN, Array, Figure, Finding, at_least, at_most
+from aff_runtime.app.card.figures import NAN, Array, Figure, StepResult, at_least, at_most
 from aff_runtime.app.report.comparison.comparing import tensions
 from aff_runtime.app.report.comparison.window import RollAngle, Window, orders_of, roll_angle
 from aff_runtime.base.signals import State
@@ -23,7 +23,7 @@ PER_TURN = 16
 FEWEST_TURNS = 50  # of a roll; with fewer nothing is compared
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return length, missed ticks, overruns, and per roll the frequency's difference."""
     window = evidence.window
     columns = window.table.columns
@@ -51,7 +51,7 @@ def measure(evidence: Evidence) -> Finding:
             missing.append(f"{roll}: its angle is not known in the window")
             continue
         figures.append(_frequency(window, roll, angle))
-    return Finding(
+    return StepResult(
         figures=tuple(figures), missing=tuple(missing), remarks=(*window.labels, *_silent(figures))
     )
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import NAN, Figure, Finding, Sample, at_most
+from aff_runtime.app.card.figures import NAN, Figure, Sample, StepResult, at_most
 from aff_runtime.app.card.typed_values import NotTypedError
 from aff_runtime.app.report.comparison.window import Window, sum_of_corrections
 from aff_runtime.base.errors import RefusedError
@@ -44,7 +44,7 @@ KIND, NAMES = "trip", ("time_ms", "error_ms", "bump_sigmas", "came_back")
 """Numbers of a sample. ``error_ms``: two cycles."""
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return the figures of every trip that was made; the missing ones are named."""
     trip = evidence.typed.word("trip")
     if trip not in COMES_BACK:
@@ -53,7 +53,7 @@ def measure(evidence: Evidence) -> Finding:
     last = {one.of: one for one in (*evidence.former, fresh) if one.kind == KIND}
     figures = [figure for one in last.values() for figure in _figures(one)]
     missing = [f"make the trip, and type trip={name}" for name in COMES_BACK if name not in last]
-    return Finding(figures=tuple(figures), samples=(fresh,), missing=tuple(missing))
+    return StepResult(figures=tuple(figures), samples=(fresh,), missing=tuple(missing))
 
 
 def bump_sigmas(before: Sequence[float], after: Sequence[float]) -> float:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
-from aff_runtime.app.card.figures import NAN, Array, Figure, Finding, at_most, mean_and_half
+from aff_runtime.app.card.figures import NAN, Array, Figure, StepResult, at_most, mean_and_half
 from aff_runtime.app.report.comparison.window import Window
 from aff_runtime.app.wiring.site_to_guard import echo_params
 from aff_runtime.base.channel_units import unit_of_name
@@ -44,7 +44,7 @@ def wanted(evidence: Evidence) -> tuple[str, ...]:
     return tuple(name for name in dict.fromkeys(names) if name)
 
 
-def measure(evidence: Evidence) -> Finding:
+def measure(evidence: Evidence) -> StepResult:
     """Return how long the heartbeat rests, the echo's age, and differences from the display."""
     window = evidence.window
     heartbeat, again = _heartbeat(window, evidence.site.freshness.hold_after_ms)
@@ -63,7 +63,7 @@ def measure(evidence: Evidence) -> Finding:
             "aff_echo is not mapped: a second master that always writes after us is not noticed",
         )
     )
-    return Finding(figures=tuple(figures), missing=tuple(missing), remarks=tuple(remarks))
+    return StepResult(figures=tuple(figures), missing=tuple(missing), remarks=tuple(remarks))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

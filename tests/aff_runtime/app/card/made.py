@@ -11,7 +11,7 @@ from aff_runtime.app.card.entries import (
     Signed,
     as_plain,
 )
-from aff_runtime.app.card.figures import Figure, Finding
+from aff_runtime.app.card.figures import Figure, StepResult
 
 UTC = "2026-01-02T03:04:05.000+00:00"
 BEGUN_OF = Begun(
@@ -45,7 +45,7 @@ def book(folder):
 
 def measured(step=0, figures=(GOOD,), inputs=INPUTS, **finding):
     """Return a measurement."""
-    what = Finding(figures=tuple(figures), **finding)
+    what = StepResult(figures=tuple(figures), **finding)
     return Measured(step=step, verdict=what.verdict, finding=what, inputs=inputs, by="root")
 
 
