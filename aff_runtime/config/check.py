@@ -126,8 +126,8 @@ def _counted(count: int, noun: str) -> str:
 
 def _fact_lines(facts: Facts, bus: tuple[str, ...]) -> Iterator[str]:
     yield (
-        f"revision {facts.revision[:12]}; PLC word 0x{facts.revision[-4:]} until a response or a "
-        "shape is learned, and on CAN from the start, as `status` says"
+        f"revision {facts.site_hash[:12]}; PLC word 0x{facts.site_hash[-4:]} until a response or "
+        "a shape is learned, and on CAN from the start, as `status` says"
     )
     if facts.rows:
         for title, (first, words) in (("read", facts.read_block), ("write", facts.write_block)):

@@ -10,7 +10,7 @@ from aff_runtime.config.findings import dotted
 from aff_runtime.config.leaves import leaves
 from aff_runtime.config.models import Site
 from aff_runtime.config.registers import Row, block_of, read_rows, write_rows
-from aff_runtime.config.revision import revision_hash
+from aff_runtime.config.revision import site_hash_of
 from aff_runtime.core.bandwidth import Band
 
 
@@ -91,7 +91,7 @@ class Facts:
     ``path: value`` of keys that the file does not give.
     """
 
-    revision: str
+    site_hash: str
     orders: tuple[OrderFact, ...]
     shapes: tuple[ShapeFact, ...]
     limits: tuple[LimitFact, ...]
@@ -112,7 +112,7 @@ def facts_of(site: Site, speeds_m_s: tuple[float, ...] = ()) -> Facts:
     read, write = read_rows(site), write_rows(site)
     speeds = speeds_m_s or (site.speed_max_m_s,)
     return Facts(
-        revision=revision_hash(site),
+        site_hash=site_hash_of(site),
         orders=tuple(_orders(site, speeds)),
         shapes=tuple(_shapes(site, speeds)),
         limits=tuple(_limits(site)),

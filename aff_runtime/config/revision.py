@@ -1,6 +1,6 @@
-"""The revision of a site: a hash of what it says and of what was learned for it.
+"""The revision: a hash of what a site says (its site hash) and of what was learned for it.
 
-The site's own revision is for writing down. What runs is that and the learned files: a response
+The site hash is for writing down. What runs is that and the learned files: a response
 or a DBC file that is exchanged changes sign and phase of the loop as much as a key of the site
 file does.
 """
@@ -18,7 +18,7 @@ from aff_runtime.config.models import Site
 SHORT = 12
 
 
-def revision_hash(site: Site) -> str:
+def site_hash_of(site: Site) -> str:
     """Return the sha256 of every value and its path, as 64 hex digits.
 
     Comments, layout, units as written and spelled-out defaults do not change it; the order of
@@ -55,7 +55,7 @@ def revision_with(
 
     Parameters
     ----------
-    site_hash : ``revision_hash`` of the site.
+    site_hash : ``site_hash_of`` of the site.
     learned : as ``learned_digests`` returns it.
     wire : digests of the DBC or EDS files by name: where each value lies, its scale and sign.
     """

@@ -16,7 +16,7 @@ from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.run_table import events_of, time_of
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.config.loader import load_recorded_site
-from aff_runtime.config.revision import SHORT, revision_hash
+from aff_runtime.config.revision import SHORT, site_hash_of
 
 EDIT, SETTINGS, APPLIED = "EDIT", "SETTINGS", "CONFIG_APPLIED"
 AT_START = " started by "
@@ -78,7 +78,7 @@ def in_force(window: Window) -> InForce:
     earlier_s = [one for one in changed_s if not one > begins_s]  # one without a time too
     if earlier_s or not is_whole:
         raise RefusedError(_untold(table.window, earlier_s))
-    began = revision_hash(load_recorded_site(table.site_text, f"{folder}/site.yaml"))
+    began = site_hash_of(load_recorded_site(table.site_text, f"{folder}/site.yaml"))
     if inside:
         return inside[0]  # noted with the first rows
     return InForce(from_s=begins_s, site=began[:SHORT])

@@ -38,7 +38,7 @@ from aff_runtime.config.learned_responses import (
     response_files,
 )
 from aff_runtime.config.loader import Reading, read_site
-from aff_runtime.config.revision import file_digest, learned_digests, revision_hash, revision_with
+from aff_runtime.config.revision import file_digest, learned_digests, revision_with, site_hash_of
 from aff_runtime.config.site_paths import STATE_DIRECTORY, shape_path
 from aff_runtime.config.yaml_marks import MAX_BYTES
 from aff_runtime.core.compiled.binary import arithmetic_name
@@ -93,7 +93,7 @@ def parameter_record(
         When a response file cannot be used or the rooms refuse the numbers.
     """
     site = reading.site
-    site_hash = revision_hash(site)
+    site_hash = site_hash_of(site)
     folder = path.absolute().parent
     files = response_files(reading, folder)
     if wrong := (*learned_by.errors, *learned_by.closed.values()):

@@ -86,8 +86,8 @@ def sources(
     parameters = parameters_of(site, where.state)
     with bounded_effort(str(site), ConfigError):
         report = check_site(site, (), where.state)
-    revision = report.facts.revision if report.facts is not None else ""
-    if report.site is None or report.facts is None or revision != parameters.site_hash:
+    site_hash = report.facts.site_hash if report.facts is not None else ""
+    if report.site is None or report.facts is None or site_hash != parameters.site_hash:
         raise RefusedError(f"{site}: somebody has saved it meanwhile; do it again")
     return Sources(
         parameters=parameters,

@@ -21,7 +21,7 @@ class ParameterRecord(BaseModel):
 
     Attributes
     ----------
-    site_hash, config_hash : revision of the site alone, and with what was learned.
+    site_hash, config_hash : of the site alone; the revision, with what was learned.
     learned : digests of learned files by actuator and kind (``response``, ``shape``).
     permissives : status bits that are needed, in the order in which a missing one is named.
     responses, shapes : texts of learned files by actuator.

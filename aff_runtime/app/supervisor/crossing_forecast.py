@@ -59,7 +59,7 @@ class CrossingForecast:
     """Follows the radii of the rolls and says which orders meet next, and when."""
 
     def __init__(self) -> None:
-        self._revision = ""
+        self._config_hash = ""
         self._site: Site | None = None
         self._crossings: dict[str, tuple[Crossing, ...]] = {}
         self._tracks: dict[str, RadiusTrack] = {}
@@ -85,9 +85,9 @@ class CrossingForecast:
             track.step(radius_m, speed_m_s, elapsed_s)
 
     def _follow(self, parameters: ParameterRecord) -> None:
-        if self._revision == parameters.config_hash:
+        if self._config_hash == parameters.config_hash:
             return
-        self._revision = parameters.config_hash
+        self._config_hash = parameters.config_hash
         site = self._site = parameters.site
         self._crossings = {
             name: tuple(c for c in crossings_of(site, actuator) if not c.always)

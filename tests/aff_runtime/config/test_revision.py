@@ -4,7 +4,7 @@ import pytest
 
 from aff_runtime.config.leaves import leaves
 from aff_runtime.config.loader import load_site
-from aff_runtime.config.revision import revision_hash
+from aff_runtime.config.revision import site_hash_of
 from tests.aff_runtime.config.shipped import EUCLID, edited
 
 
@@ -15,7 +15,7 @@ def test_writing_does_not_matter(tmp_path):
         ("#deadline_ms: 3.0", "deadline_ms: 3"),
         ("soft_start_s: 1.5", "soft_start_s: 1500 ms"),
     )
-    assert revision_hash(load_site(path)) == revision_hash(load_site(EUCLID))
+    assert site_hash_of(load_site(path)) == site_hash_of(load_site(EUCLID))
 
 
 @pytest.mark.parametrize(
@@ -28,14 +28,14 @@ def test_writing_does_not_matter(tmp_path):
     ],
 )
 def test_content_matters(edit, tmp_path):
-    assert revision_hash(load_site(edited(tmp_path, edit))) != revision_hash(load_site(EUCLID))
+    assert site_hash_of(load_site(edited(tmp_path, edit))) != site_hash_of(load_site(EUCLID))
 
 
 def test_order_of_channels_matters(tmp_path):
     one = "      tension_ref_N: { register: 4, type: u16, scale: 0.01 }\n"
     two = "      line_speed_m_s: { register: 5, type: i16, scale: 0.001 }\n"
     path = edited(tmp_path, (one + two, two + one))
-    assert revision_hash(load_site(path)) != revision_hash(load_site(EUCLID))
+    assert site_hash_of(load_site(path)) != site_hash_of(load_site(EUCLID))
 
 
 def test_every_value_of_the_file_is_hashed():

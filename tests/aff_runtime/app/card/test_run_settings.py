@@ -15,7 +15,7 @@ from aff_runtime.app.report.status_answer import Live, StatusAnswer
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.config.loader import load_recorded_site
-from aff_runtime.config.revision import SHORT, file_digest, revision_hash
+from aff_runtime.config.revision import SHORT, file_digest, site_hash_of
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE, recorded, steady, window
@@ -41,7 +41,7 @@ THEN, TODAY = response(1.0), response(2.0)
 
 def parameters(text):
     site = load_recorded_site(text, "site.yaml")
-    record = record_of(site, site_text=text, site_hash=revision_hash(site))
+    record = record_of(site, site_text=text, site_hash=site_hash_of(site))
     return record.model_copy(update={"responses": {"unwind": TODAY}})
 
 

@@ -15,7 +15,7 @@ from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_sentences
 from aff_runtime.config.leaves import leaves
 from aff_runtime.config.loader import load_recorded_site, load_site
-from aff_runtime.config.revision import SHORT, file_digest, revision_hash
+from aff_runtime.config.revision import SHORT, file_digest, site_hash_of
 from tests.aff_runtime.app.card.made import add, book, measured
 from tests.aff_runtime.app.card.measure.recorded import SITE, SITE_FILE
 from tests.parameter_records import CONFIG, record_of
@@ -48,7 +48,7 @@ that come before the step of the card or the runbook that asks for it."""
 def site_record(text):
     """Return what the check says of a site file; one with a response of its unwind."""
     site = load_recorded_site(text, "site.yaml")
-    digest = revision_hash(site)
+    digest = site_hash_of(site)
     files = {"unwind": Path("learned/euclid_unwind.json")}
     made = record_of(site, site_text=text, site_hash=digest, response_files=files)
     return made.model_copy(update={"responses": {"unwind": "{}"}}).with_shapes({})

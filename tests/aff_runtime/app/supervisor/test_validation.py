@@ -18,7 +18,7 @@ from aff_runtime.app.wiring.assemble import controller_of
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.learned_responses import MAX_RESPONSE_BYTES
 from aff_runtime.config.loader import load_site
-from aff_runtime.config.revision import revision_hash
+from aff_runtime.config.revision import site_hash_of
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 
 SITE = Path(__file__).parents[4] / "config" / "euclid_blocks.yaml"
@@ -55,7 +55,7 @@ def test_the_record_of_a_good_file_carries_the_whole_site() -> None:
     assert parameters is not None
     assert parameters.site == load_site(SITE)
     assert parameters.site_text == SITE.read_text()
-    digest = revision_hash(load_site(SITE))
+    digest = site_hash_of(load_site(SITE))
     assert len(digest) == 64
     assert parameters.revision_word == int(digest, 16) % 65536
     assert controller_of(parameters.site, {}, {}).arming_objections()
