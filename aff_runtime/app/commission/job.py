@@ -21,9 +21,9 @@ from aff_runtime.app.commission import (
     setup_jobs,
 )
 from aff_runtime.app.commission.answers import Answer
+from aff_runtime.app.commission.background_process import LOWEST, end_with_parent, leave_to_control
 from aff_runtime.app.commission.job_lines import Ended, Refused, read_start
 from aff_runtime.app.commission.messages import LONG, Request
-from aff_runtime.app.commission.own_process import LOWEST, end_with_parent, leave_to_control
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.base.errors import AffError

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 
 from aff_runtime.app.check.limits import ONE_THREAD
-from aff_runtime.app.commission.own_process import give_way
+from aff_runtime.app.commission.background_process import give_way
 from aff_runtime.app.supervisor.child_environment import without_service_manager
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError

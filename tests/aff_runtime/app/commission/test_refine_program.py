@@ -81,8 +81,8 @@ def test_nothing_begins_where_the_disk_has_little_room(tmp_path, monkeypatch):
 JOB = """
 import sys
 from pathlib import Path
-from aff_runtime.app.commission import own_process, refine_program
-own_process.leave_to_control()
+from aff_runtime.app.commission import background_process, refine_program
+background_process.leave_to_control()
 refine_program.program = lambda: Path(sys.argv[1])
 refine_program.run((), Path(sys.argv[2]), lambda line: print(line, flush=True))
 """
