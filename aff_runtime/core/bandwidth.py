@@ -27,20 +27,20 @@ class Band:
     end_Hz: float
 
 
-def held_Hz(cycle_s: float) -> float:
-    """Return up to which frequency a command that is held for a cycle still stands for its order.
+def hold_limit_Hz(cycle_s: float) -> float:
+    """Return up to which frequency a command under a zero-order hold still stands for its order.
 
-    Derivation. A hold of T leaves the order f with an image at f' = 1/T - f, sin(pi f T)/(pi f T)
-    and sin(pi f' T)/(pi f' T) of it; the two sines are equal, so the image is f/f'. The web adds
-    up length, another f/f'; a drive takes off more, a fast one does not. (f/f')^2 = 1/10 gives
-    f = 1/(T (1 + sqrt 10)) = 0.24/T. A delay that is half a cycle longer or shorter than the
-    measured one, as where the grids of two clocks pass each other, turns the phase by pi f T: at
-    most 43 degrees here, within the 60 at which a correction helps no more.
+    Derivation. A zero-order hold of T leaves the order f with an image at f' = 1/T - f,
+    sin(pi f T)/(pi f T) and sin(pi f' T)/(pi f' T) of it; the two sines are equal, so the image
+    is f/f'. The web adds up length, another f/f'; a drive takes off more, a fast one does not.
+    (f/f')^2 = 1/10 gives f = 1/(T (1 + sqrt 10)) = 0.24/T. A delay that is half a cycle longer
+    or shorter than the measured one, as where the grids of two clocks pass each other, turns the
+    phase by pi f T: at most 43 degrees here, within the 60 at which a correction helps no more.
     """
     return 1.0 / (cycle_s * (1.0 + math.sqrt(1.0 / IMAGE)))
 
 
-def driven_Hz(K_ref_rad_s: float, corner_rad_s: float) -> float:
+def drive_limit_Hz(K_ref_rad_s: float, corner_rad_s: float) -> float:
     """Return up to which frequency a speed loop lets an eighth of its reference through.
 
     Derivation. A speed v takes the reference v (1 + s^2/(K (s + c))), see ``ShapeBasis``. With
@@ -54,5 +54,5 @@ def driven_Hz(K_ref_rad_s: float, corner_rad_s: float) -> float:
 
 def band_of(K_ref_rad_s: float, corner_rad_s: float, cycle_s: float) -> Band:
     """Return the band of one actuator, by drive and cycle; its response may allow less."""
-    end_Hz = min(held_Hz(cycle_s), driven_Hz(K_ref_rad_s, corner_rad_s))
+    end_Hz = min(hold_limit_Hz(cycle_s), drive_limit_Hz(K_ref_rad_s, corner_rad_s))
     return Band(full_Hz=FADE_FROM * end_Hz, end_Hz=end_Hz)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from aff_runtime.core.bandwidth import band_of, driven_Hz, held_Hz
+from aff_runtime.core.bandwidth import band_of, drive_limit_Hz, hold_limit_Hz
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD
 
 GAINS = st.floats(0.5, 1000.0)
@@ -28,7 +28,7 @@ def cost(frequency_Hz, K_rad_s, c_rad_s):
 @given(GAINS, DAMPINGS)
 def test_where_the_drive_ends_it_lets_an_eighth_through(K_rad_s, zeta):
     c = corner(K_rad_s, zeta)
-    assert cost(driven_Hz(K_rad_s, c), K_rad_s, c) == pytest.approx(8.0, rel=1e-9)
+    assert cost(drive_limit_Hz(K_rad_s, c), K_rad_s, c) == pytest.approx(8.0, rel=1e-9)
 
 
 @given(GAINS, DAMPINGS, CYCLES)
@@ -52,7 +52,7 @@ def test_a_faster_drive_and_a_shorter_cycle_never_narrow_it(K_rad_s, zeta, cycle
 def test_the_image_of_the_hold_is_a_tenth_of_the_order_in_length(cycle_s):
     """A sine held for a cycle each, finely sampled, its spectrum over j omega."""
     fine, periods = 64, 240
-    cycles = round(periods / (held_Hz(cycle_s) * cycle_s))
+    cycles = round(periods / (hold_limit_Hz(cycle_s) * cycle_s))
     f = periods / (cycles * cycle_s)  # whole periods in whole cycles: no leakage
     held = np.repeat(np.sin(2 * np.pi * f * cycle_s * np.arange(cycles)), fine)
     length = np.abs(np.fft.rfft(held))
