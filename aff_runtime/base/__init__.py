@@ -11,6 +11,7 @@ __all__ = [
     "events",
     "files",
     "machine",
+    "numbers",
     "order_columns",
     "ports",
     "printable",

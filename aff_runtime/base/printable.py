@@ -29,7 +29,7 @@ def _shown(char: str) -> str:
     return char if char.isprintable() else char.encode("unicode_escape").decode("ascii")
 
 
-def word(value: object, absent: str = "") -> str:
+def text_or(value: object, absent: str = "") -> str:
     """Return ``value`` where it is a text of a file, else ``absent``.
 
     What is nested is never turned into text: its aliases could unfold to more than there is room

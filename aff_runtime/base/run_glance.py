@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import gzip
-import math
 import re
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
+from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.base.printable import printable
 from aff_runtime.base.run_files import open_plain, text_of, yaml_values
 from aff_runtime.base.run_segment import segments_of
@@ -74,4 +74,4 @@ def _first_time_s(path: Path) -> float | None:
             time_s = float(file.readline(_LONGEST_ROW).split(b",")[0])
     except (EOFError, OSError, zlib.error, ValueError):
         return None
-    return time_s if math.isfinite(time_s) else None
+    return finite_or_none(time_s)

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.files import CLOSED, is_closed
-from aff_runtime.base.printable import printable, word
+from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.run_files import text_of, yaml_values
 from aff_runtime.base.run_segment import (
     LARGEST_VALUES,
@@ -151,7 +151,7 @@ def run_id(folder: Path) -> str:
 
 def other_line(about: Section, site_line: str) -> str:
     """Return a sentence where a run's site file is of another line than its ``run.yaml``."""
-    by_run, by_site = (" ".join(word(name).split()) for name in (about.get("name"), site_line))
+    by_run, by_site = (" ".join(text_or(name).split()) for name in (about.get("name"), site_line))
     if not by_run or not by_site or printable(by_run) == printable(by_site):
         return ""
     return (

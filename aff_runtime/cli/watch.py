@@ -65,11 +65,11 @@ def _add_limits(act: argparse.ArgumentParser) -> None:
 
 def add_runs(options: argparse.Namespace) -> int:
     """Take runs into the store; 1 where none could be read."""
-    from aff_runtime.app.report.watching import taking  # noqa: PLC0415 - numpy, pyarrow
+    from aff_runtime.app.report.watching import ingest  # noqa: PLC0415 - numpy, pyarrow
 
     limits = _limits(options.limit)
     runs = list(_runs(options.runs))
-    taken = taking.take_runs(options.store, runs, say, complain, limits or None)
+    taken = ingest.ingest_runs(options.store, runs, say, complain, limits or None)
     for line in taken.notes:
         say(line)
     return 1 if taken.refused == taken.runs else 0
@@ -78,12 +78,12 @@ def add_runs(options: argparse.Namespace) -> int:
 def trend(options: argparse.Namespace) -> int:
     """Print what the store says: what to know first, then everything."""
     from aff_runtime.app.report.watching import findings, sentences  # noqa: PLC0415
+    from aff_runtime.app.report.watching.ingest import parse_utc  # noqa: PLC0415
     from aff_runtime.app.report.watching.store import load_store  # noqa: PLC0415
-    from aff_runtime.app.report.watching.taking import moment  # noqa: PLC0415
     from aff_runtime.app.report.watching.wound_rolls import rankings  # noqa: PLC0415
 
     store = load_store(options.store)
-    found = findings.findings(store, _limits(options.limit), now=moment(wall_time_iso()))
+    found = findings.findings(store, _limits(options.limit), now=parse_utc(wall_time_iso()))
     if options.json:
         say(sentences.as_json(store.line, found))
         return 0
@@ -103,9 +103,9 @@ def trend(options: argparse.Namespace) -> int:
 
 def exchange(options: argparse.Namespace) -> int:
     """Begin a new life of a roller."""
-    from aff_runtime.app.report.watching import taking  # noqa: PLC0415 - numpy, pyarrow
+    from aff_runtime.app.report.watching import ingest  # noqa: PLC0415 - numpy, pyarrow
 
-    taking.exchange(options.store, options.roll, options.on, options.why)
+    ingest.exchange(options.store, options.roll, options.on, options.why)
     say(f"{printable(options.roll)}: a new life from {options.on:%Y-%m-%d %H:%M} UTC")
     return 0
 
@@ -166,9 +166,9 @@ def _day(text: str) -> datetime:
     argparse.ArgumentTypeError
         It is none.
     """
-    from aff_runtime.app.report.watching.taking import moment  # noqa: PLC0415 - numpy, pyarrow
+    from aff_runtime.app.report.watching.ingest import parse_utc  # noqa: PLC0415 - numpy, pyarrow
 
     try:
-        return moment(text)
+        return parse_utc(text)
     except ConfigError as error:
         raise argparse.ArgumentTypeError(str(error)) from None

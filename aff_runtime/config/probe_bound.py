@@ -38,7 +38,7 @@ class ProbeBound:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class FirstRipple:
+class ExpectedRipple:
     """How far a probe moves a tension before any probe has measured it.
 
     Attributes
@@ -52,7 +52,9 @@ class FirstRipple:
     lacks: tuple[str, ...]
 
 
-def first_ripple(site: Site, actuator: str, amplitude: float, speed_m_s: float) -> FirstRipple:
+def expected_ripple(
+    site: Site, actuator: str, amplitude: float, speed_m_s: float
+) -> ExpectedRipple:
     """Return by how much a probe moves the tension at most, by what the web is.
 
     The span behind a roller whose speed is off by ``a`` sin(w t) holds a tension of amplitude
@@ -66,7 +68,7 @@ def first_ripple(site: Site, actuator: str, amplitude: float, speed_m_s: float) 
     """
     row, probe = site.actuators[actuator], site.probe
     if row.output != "velocity_reference" or unit_of_channel(row.error.signal) != "N":
-        return FirstRipple(ripple_N=None, speed_m_s=None, lacks=(OF_SPEED_ALONE,))
+        return ExpectedRipple(ripple_N=None, speed_m_s=None, lacks=(OF_SPEED_ALONE,))
     declared = row.drive.web_width_m if row.drive is not None else 0.0
     width_m = probe.web_width_m or declared or None
     known = {
@@ -77,9 +79,11 @@ def first_ripple(site: Site, actuator: str, amplitude: float, speed_m_s: float) 
     }
     lacks = tuple(name for name, value in known.items() if value is None)
     if lacks:
-        return FirstRipple(ripple_N=None, speed_m_s=None, lacks=lacks)
+        return ExpectedRipple(ripple_N=None, speed_m_s=None, lacks=lacks)
     stiffness_N = math.prod(v for n, v in known.items() if n != LINE_SPEED and v is not None)
-    return FirstRipple(ripple_N=amplitude * stiffness_N / speed_m_s, speed_m_s=speed_m_s, lacks=())
+    return ExpectedRipple(
+        ripple_N=amplitude * stiffness_N / speed_m_s, speed_m_s=speed_m_s, lacks=()
+    )
 
 
 def probe_bound(site: Site, actuator: str) -> ProbeBound:

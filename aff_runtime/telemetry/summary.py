@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from aff_runtime.base.numbers import finite_or_none
+
 _BINS_US = np.geomspace(1.0, 1e6, 361)  # upper edges, each 3.9 % above the one before
 
 
@@ -116,11 +118,11 @@ class ColumnStatistics:
             mean = self._sum[i] / self._count[i]
             variance = max(0.0, self._sum2[i] / self._count[i] - mean**2)
             table[name] = {
-                "mean": _rounded(mean + self._origin[i]),
-                "sd": _rounded(variance**0.5),
-                "min": _rounded(self._min[i]),
-                "max": _rounded(self._max[i]),
-                "last": _rounded(self._last[i]),
+                "mean": finite_or_none(mean + self._origin[i], 7),
+                "sd": finite_or_none(variance**0.5, 7),
+                "min": finite_or_none(self._min[i], 7),
+                "max": finite_or_none(self._max[i], 7),
+                "last": finite_or_none(self._last[i], 7),
             }
         return table
 
@@ -194,11 +196,8 @@ class RunSummary:
         result: dict[str, float | None] = {}
         for name, share in (("p50", 0.5), ("p99", 0.99), ("p99.9", 0.999)):
             at = int(np.searchsorted(cumulative, share * total))
-            result[name] = _rounded(min(_BINS_US[min(at, len(_BINS_US) - 1)], self._timing_max[i]))
-        result["max"] = _rounded(self._timing_max[i])
+            result[name] = finite_or_none(
+                min(_BINS_US[min(at, len(_BINS_US) - 1)], self._timing_max[i]), 7
+            )
+        result["max"] = finite_or_none(self._timing_max[i], 7)
         return result
-
-
-def _rounded(value: float) -> float | None:
-    """Return ``value`` with seven significant digits, None where it is not finite."""
-    return float(f"{value:.7g}") if np.isfinite(value) else None

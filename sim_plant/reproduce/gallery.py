@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.numbers import finite_or_none
 from sim_plant.base.worker_pool import LostJobError, WorkerPool
 from sim_plant.reproduce.catalogue import BY_IDENTITY, CATALOGUE
 from sim_plant.reproduce.entry import Experiment, Result
@@ -111,9 +111,9 @@ def counts(done: Sequence[Done]) -> dict[str, int]:
 def as_plain(done: Done) -> dict[str, object]:
     """Return one experiment as JSON data; numbers that are not finite become null."""
     e, r = done.experiment, done.result
-    rows = [asdict(row) | {"ours": _finite(row.ours)} for row in r.rows]
+    rows = [asdict(row) | {"ours": finite_or_none(row.ours)} for row in r.rows]
     gaps = [
-        asdict(gap) | {"difference": _finite(gap.difference), "within": gap.within}
+        asdict(gap) | {"difference": finite_or_none(gap.difference), "within": gap.within}
         for gap in r.disagreements
     ]
     return {
@@ -126,10 +126,6 @@ def as_plain(done: Done) -> dict[str, object]:
         "notes": list(r.notes),
         "figures": len(r.figures),
     }
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def number_text(value: float) -> str:

@@ -22,7 +22,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import math
 import os
 import socket
 from collections.abc import Callable
@@ -31,6 +30,7 @@ from pathlib import Path
 from typing import Protocol
 
 from aff_runtime.base.errors import AffError, PlantError, RefusedError
+from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import Status
 from aff_runtime.base.socket_file import identity, listens, make_room, remove_own
@@ -193,7 +193,7 @@ class ControlSocket:
         if name not in measured:
             raise PlantError(f"value {name}: no such channel; there are {', '.join(measured)}")
         value = measured[name]
-        return Value(time_s=self._plant.time_s, value=value if math.isfinite(value) else None)
+        return Value(time_s=self._plant.time_s, value=finite_or_none(value))
 
     def _reset(self, arguments: list[str]) -> Done:
         del arguments

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import math
 import signal
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from aff_runtime.base.errors import WireError
+from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.base.signals import StateBits, Status
 from sim_plant.base.ports import SteppedLine
 from sim_plant.servers.answers import Counts, PlantStatus, WebReport
@@ -273,7 +273,7 @@ class PlantService:
         """Return what the plant does now."""
         plant, registers, plc_map = self.plant, self.plant.registers, self.plant.plc.map
         words = {name: plc_map.write_word(registers.write_words, name) for name in plc_map.write}
-        values = {n: v if math.isfinite(v) else None for n, v in plant.measured.items()}
+        values = {n: finite_or_none(v) for n, v in plant.measured.items()}
         true_values = {n: v for n, v in values.items() if n.startswith("true_")}
         return PlantStatus(
             time_s=plant.time_s,

@@ -22,12 +22,13 @@ from aff_runtime.app.commission.views import (
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
+from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.config.check import check_site
 from aff_runtime.config.identified_drive import with_identified
 from aff_runtime.config.learned_responses import MAX_RESPONSE_BYTES
 from aff_runtime.config.models import Site
 from aff_runtime.config.plain_file import read_plain
-from aff_runtime.config.probe_bound import TIMES_LOUDER, first_ripple, probe_bound
+from aff_runtime.config.probe_bound import TIMES_LOUDER, expected_ripple, probe_bound
 from aff_runtime.core.identified import Estimate, IdentifiedDrive
 from aff_runtime.core.probe.repeats import MOST_REPEAT_ERRORS
 from aff_runtime.core.response import MIN_COHERENCE, Response
@@ -92,8 +93,8 @@ def _bounds(site: Site, responses: dict[str, Response], speed_m_s: float) -> Pro
         amplitude = bound.most if bound.given is None else bound.given
         former = responses.get(name)
         ripple = amplitude * _gain_of(former)
-        first = first_ripple(site, name, amplitude, speed_m_s)
-        least_N = math.inf if bound.bound_N is None else bound.bound_N
+        expected = expected_ripple(site, name, amplitude, speed_m_s)
+        most_N = math.inf if bound.bound_N is None else bound.bound_N
         rows.append(
             ProbeRow(
                 actuator=name,
@@ -102,14 +103,16 @@ def _bounds(site: Site, responses: dict[str, Response], speed_m_s: float) -> Pro
                 unit=actuator.unit,
                 signal=actuator.error.signal,
                 signal_unit=unit_of_channel(actuator.error.signal) or "1",
-                ripple=_known(ripple if bound.bound_N is None else min(ripple, bound.bound_N)),
-                first_N=min(first.ripple_N, least_N) if first.ripple_N is not None else None,
-                speed_m_s=first.speed_m_s,
-                lacks=first.lacks,
+                ripple=finite_or_none(
+                    ripple if bound.bound_N is None else min(ripple, bound.bound_N)
+                ),
+                first_N=min(expected.ripple_N, most_N) if expected.ripple_N is not None else None,
+                speed_m_s=expected.speed_m_s,
+                lacks=expected.lacks,
                 is_chosen=bound.given is None,
                 bound_N=bound.bound_N,
                 bound_share=bound.share,
-                sent=_known(former.provenance.amplitude) if former else None,
+                sent=finite_or_none(former.provenance.amplitude) if former else None,
                 louder=_louder(former, max(amplitude, bound.most)),
             )
         )
@@ -136,8 +139,8 @@ def _response(name: str, response: Response, site: Site) -> ResponseView:
         actuator=name,
         unit=site.actuators[name].response_unit,
         measured_at=about.measured_at,
-        speed_m_s=_known(about.line_speed_m_s),
-        radius_m=_known(about.radius_m),
+        speed_m_s=finite_or_none(about.line_speed_m_s),
+        radius_m=finite_or_none(about.radius_m),
         delay_s=response.delay_s,
         points=tuple(
             PointView(
@@ -150,7 +153,7 @@ def _response(name: str, response: Response, site: Site) -> ResponseView:
             for one in response.points
         ),
         drive=_drive(response.drive) if response.drive is not None else (),
-        repeat_sigmas=_known(about.repeat_sigmas),
+        repeat_sigmas=finite_or_none(about.repeat_sigmas),
         repeat_most=MOST_REPEAT_ERRORS,
     )
 
@@ -163,7 +166,3 @@ def _drive(drive: IdentifiedDrive) -> tuple[DriveRow, ...]:
         for name, one in numbers
         if isinstance(one, Estimate)
     )
-
-
-def _known(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -24,7 +24,7 @@ from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.run_list import runs_folder
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.commission.talk import Talk
-from aff_runtime.app.report.watching import sentences, taking
+from aff_runtime.app.report.watching import ingest, sentences
 from aff_runtime.app.report.watching.findings import QUANTITIES, Finding, findings
 from aff_runtime.app.report.watching.lives import Life, lives
 from aff_runtime.app.report.watching.store import Store, load_store
@@ -69,15 +69,15 @@ def add_runs(where: Paths, asked: Request, talk: Talk) -> Answer:
         raise RefusedError(f"{folder}: {error.strerror}") from None
     if not runs:
         raise RefusedError(f"{folder}: holds no run yet")
-    taken = taking.take_runs(store_of(where), runs, talk.say, talk.complain)
+    taken = ingest.ingest_runs(store_of(where), runs, talk.say, talk.complain)
     return Done(text=f"runs tried: {taken.runs}, left out: {taken.refused}")
 
 
 def exchange(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Begin a new life of a roller that was exchanged."""
-    on = taking.moment(asked.on)
+    on = ingest.parse_utc(asked.on)
     why = f"{asked.reason} ({asked.account} at the screen)" if asked.reason else asked.account
-    taking.exchange(store_of(where), asked.roll, on, why)
+    ingest.exchange(store_of(where), asked.roll, on, why)
     return Done(text=f"{asked.roll}: a new life from {on:%Y-%m-%d %H:%M} UTC")
 
 
@@ -86,7 +86,7 @@ def exchange(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 def maintenance_view(folder: Path, store: Store) -> MaintenanceView:
     """Return what a screen is shown of a store."""
-    found = findings(store, now=taking.moment(wall_time_iso()))
+    found = findings(store, now=ingest.parse_utc(wall_time_iso()))
     times = store.hours["time_utc"]
     nothing = "none of the rollers in place has been read yet: runs at a steady speed are needed"
     return MaintenanceView(

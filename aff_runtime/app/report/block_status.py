@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.core.monitor import Trend
 from aff_runtime.core.order_status import OrderStatus
 from aff_runtime.core.params import IMBALANCE_N_M_PER_M
@@ -116,21 +117,21 @@ def _row(tick: TickRow, site: Site, order: OrderStatus) -> BlockStatus:
         order=order.order,
         state="" if order.state is None else WORDS[order.state],
         why=_why(order.state, order.law),
-        frequency_Hz=_finite(order.order * omega / math.tau),
+        frequency_Hz=finite_or_none(order.order * omega / math.tau),
         law=order.law,
-        amplitude=_finite(size.amplitude),
+        amplitude=finite_or_none(size.amplitude),
         unit=size.unit,
         limit=size.limit,
-        out=_finite(share * tick.applied_ratio(order.actuator)),
-        phase_deg=_finite(order.phase_deg),
-        encoder_deg=_finite(of_encoder_deg),
-        ripple_before=_finite(order.ripple_before),
-        ripple=_finite(order.ripple),
-        benefit_dB=_finite(_benefit_dB(order.ripple_before, order.ripple)),
+        out=finite_or_none(share * tick.applied_ratio(order.actuator)),
+        phase_deg=finite_or_none(order.phase_deg),
+        encoder_deg=finite_or_none(of_encoder_deg),
+        ripple_before=finite_or_none(order.ripple_before),
+        ripple=finite_or_none(order.ripple),
+        benefit_dB=finite_or_none(_benefit_dB(order.ripple_before, order.ripple)),
         ripple_unit="N" if signal.endswith("_N") else "m/s" if signal.endswith("_m_s") else "",
         settle_s=block.settle_s if block is not None else None,
-        share=_finite(order.share) if shape else None,
-        response_ratio=_finite(order.response_ratio) if shape else None,
+        share=finite_or_none(order.share) if shape else None,
+        response_ratio=finite_or_none(order.response_ratio) if shape else None,
     )
 
 
@@ -217,7 +218,3 @@ def _block(actuator: Actuator | None, roll: str, order: int) -> Block | None:
         if block.roll == roll and order in block.orders:
             return block
     return None
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None

@@ -7,7 +7,7 @@ from pathlib import Path
 from aff_runtime.app.report.parquet import Field, write_parquet
 from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.order_columns import RESPONSE_RATIO, is_part
-from aff_runtime.base.printable import printable, word
+from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import PROGRESS
 from aff_runtime.base.run_files import yaml_values
 from aff_runtime.base.run_table import read_table
@@ -33,9 +33,9 @@ def export_run(window: RunWindow, path: Path) -> tuple[int, tuple[str, ...]]:
     site = _site(table.site_text)
     fields = [Field(name=name, unit=unit_of_column(name, site)) for name in table.columns]
     about = {
-        "line": printable(word(table.about.get("name")), 100),
-        "start_utc": printable(word(table.about.get("start_utc")), 40),
-        "config_hash": printable(word(table.about.get("config_hash")), 64),
+        "line": printable(text_or(table.about.get("name")), 100),
+        "start_utc": printable(text_or(table.about.get("start_utc")), 40),
+        "config_hash": printable(text_or(table.about.get("config_hash")), 64),
         "run": printable(str(window), 500),
     }
     write_parquet(path, fields, table.columns, about)
@@ -51,7 +51,7 @@ def unit_of_column(name: str, site: Section | None = None) -> str:
     last = name.rpartition(".")[2]
     if last in OF_SIGNAL and is_part(name, *OF_SIGNAL):
         actuator = (site or Section()).section("actuators").section(name.partition(".")[0])
-        return unit_of_name(word(actuator.section("error").get("signal")))
+        return unit_of_name(text_or(actuator.section("error").get("signal")))
     if last.startswith(("applied_ratio", "limit_ratio")) or last in RATIOS or name == PROGRESS:
         return "1"
     own = next((unit for end, unit in OF_COLUMNS if last.endswith(end)), "")

@@ -10,7 +10,7 @@ from typing import Any
 from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.counted_angle import modulus_rad
 from aff_runtime.base.errors import PlantError
-from aff_runtime.base.printable import printable, word
+from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.run_files import yaml_values
 from aff_runtime.base.units import UnitError, read_scale
 from aff_runtime.base.yaml_section import Section
@@ -85,10 +85,10 @@ def run_site(text: str, where: str) -> RunSite:
         line, gateway = data["line"], data["gateway"]
         channels, written = gateway["read"]["channels"], gateway["write"]["corrections"]
         return RunSite(
-            name=printable(word(line.get("name"))),
+            name=printable(text_or(line.get("name"))),
             cycle_s=1e-3 * _number(line.get("cycle_ms"), "ms", 0.0),
-            speed=word(line.get("speed"), DEFAULT_SPEED),
-            speed_reference=word(line.get("speed_reference")),
+            speed=text_or(line.get("speed"), DEFAULT_SPEED),
+            speed_reference=text_or(line.get("speed_reference")),
             rolls={str(name): _channels(roll) for name, roll in data["rolls"].items()},
             actuators={
                 str(name): _actuator(given, written.get(name) or {})
@@ -123,18 +123,20 @@ def _what_it_lacks(error: Exception) -> str:
 
 def _needed(data: Any) -> frozenset[str]:
     """Return what the line, rolls, errors and believable ranges of the file name."""
-    names = {word(data["line"].get("speed"), DEFAULT_SPEED)}
+    names = {text_or(data["line"].get("speed"), DEFAULT_SPEED)}
     names |= {str(name) for name in data.get("plausibility") or {}}
     for roll in data["rolls"].values():
-        names |= {word(roll.get(use)) for use in ("angle", "speed", "line_speed", "radius")}
+        names |= {text_or(roll.get(use)) for use in ("angle", "speed", "line_speed", "radius")}
     for actuator in data["actuators"].values():
-        names |= {word(actuator["error"].get(use)) for use in ("signal", "reference")}
+        names |= {text_or(actuator["error"].get(use)) for use in ("signal", "reference")}
     return frozenset(names) - {""}
 
 
 def _channels(roll: Mapping[str, Any]) -> dict[str, str]:
     return {
-        use: word(roll.get(use)) for use in ("angle", "speed", "radius") if word(roll.get(use))
+        use: text_or(roll.get(use))
+        for use in ("angle", "speed", "radius")
+        if text_or(roll.get(use))
     }
 
 
@@ -144,11 +146,11 @@ def _actuator(given: Mapping[str, Any], written: Mapping[str, Any]) -> RunActuat
     transport = drive.get("transport_ms")
     return RunActuator(
         suffix=suffix,
-        signal=word(given["error"]["signal"]),
-        reference=word(given["error"].get("reference")),
+        signal=text_or(given["error"]["signal"]),
+        reference=text_or(given["error"].get("reference")),
         # a float comes as it was sent: its scale is a factor, not a count
         count=0.0 if written.get("type") == FLOAT else _number(written.get("scale"), unit, 0.0),
-        roll=word(drive.get("roll")),
+        roll=text_or(drive.get("roll")),
         transport_s=None if transport is None else 1e-3 * _number(transport, "ms", 0.0),
     )
 

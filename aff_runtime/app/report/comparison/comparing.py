@@ -31,7 +31,7 @@ from aff_runtime.app.report.comparison.window import (
 )
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.base.printable import printable, word
+from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.run_table import PERIODS
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
@@ -205,7 +205,7 @@ def percentiles(values: Any) -> tuple[float, float, float, float]:
 def tensions(window: Window) -> Iterator[tuple[str, Any]]:
     """Yield every measured tension; set points are none."""
     references = {
-        word(actuator.section("error").get("reference"))
+        text_or(actuator.section("error").get("reference"))
         for actuator in window.section("actuators").sections()
     }
     for name, _ in window.section("gateway").section("read").section("channels").items():
@@ -338,7 +338,7 @@ def _is_later(one: Window, other: Window) -> bool:
 def _start_s(window: Window) -> float:
     """Return when a run's folder was begun, s of wall time; NaN where it does not say."""
     try:
-        start = datetime.fromisoformat(word(window.table.about.get("start_utc")))
+        start = datetime.fromisoformat(text_or(window.table.about.get("start_utc")))
     except ValueError:
         return math.nan
     return (start if start.tzinfo else start.replace(tzinfo=UTC)).timestamp()

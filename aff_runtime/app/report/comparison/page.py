@@ -10,6 +10,7 @@ from typing import Any
 
 from aff_runtime.app.report.comparison.comparing import Comparison, Facts, OrderRow
 from aff_runtime.app.report.comparison.turns import Change, Estimate
+from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.base.printable import printable
 
 VERSION = 1
@@ -42,7 +43,7 @@ def _plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_plain(inner) for inner in value]
     if isinstance(value, float):
-        return float(f"{value:.7g}") if math.isfinite(value) else None
+        return finite_or_none(value, 7)
     return value
 
 

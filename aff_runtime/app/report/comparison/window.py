@@ -11,7 +11,7 @@ import numpy as np
 
 from aff_runtime.app.report.comparison.turns import Array, Flags
 from aff_runtime.base.counted_angle import LONGEST_GAP_CYCLES, Numbers, counted_angle, modulus_rad
-from aff_runtime.base.printable import printable, word
+from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.run_files import yaml_values
 from aff_runtime.base.run_table import (
@@ -76,13 +76,13 @@ class Window:
     def line(self) -> str:
         """Name of the line."""
         return printable(
-            word(self.section("line").get("name")) or word(self.table.about.get("name"))
+            text_or(self.section("line").get("name")) or text_or(self.table.about.get("name"))
         )
 
     @property
     def speed(self) -> Array | None:
         """Line speed, m/s."""
-        return self.readings(word(self.section("line").get("speed"), DEFAULT_SPEED))
+        return self.readings(text_or(self.section("line").get("speed"), DEFAULT_SPEED))
 
     def in_state(self, state: State) -> float:
         """Return the share of all rows in this state."""
@@ -160,7 +160,7 @@ def _odd(window: Window) -> list[str]:
     columns, said = window.table.columns, []
     if not window.site:
         said.append("its site file cannot be read: rolls and orders are not known")
-    if other := other_line(window.table.about, word(window.section("line").get("name"))):
+    if other := other_line(window.table.about, text_or(window.section("line").get("name"))):
         said.append(other)
     said += _other_cycle(window)
     mapped = [
@@ -270,15 +270,15 @@ def roll_angle(window: Window, given: Section) -> RollAngle | None:
     """Return the angle of a roll as its section of the site file says, None without a source."""
     radius = _radius(window, given)
     ends = (_mean(radius[:END_READINGS]), _mean(radius[-END_READINGS:]))
-    name = word(given.get("angle"))
+    name = text_or(given.get("angle"))
     counted = window.readings(name)
     if counted is not None:
         return _counted(window, name, counted, ends)
-    speed = window.readings(word(given.get("speed")))
-    if speed is not None and word(given.get("speed")).endswith("_m_s"):
+    speed = window.readings(text_or(given.get("speed")))
+    if speed is not None and text_or(given.get("speed")).endswith("_m_s"):
         speed = speed / radius
     if speed is None:
-        along = window.readings(word(given.get("line_speed"))) if given else None
+        along = window.readings(text_or(given.get("line_speed"))) if given else None
         along = window.speed if along is None else along
         speed = None if along is None else along / radius
     if speed is None or not np.isfinite(ends[0]):
@@ -302,7 +302,7 @@ def _mean(values: Array) -> float:
 
 
 def _radius(window: Window, given: Section) -> Array:
-    measured = window.readings(word(given.get("radius")))
+    measured = window.readings(text_or(given.get("radius")))
     if measured is not None:
         return measured
     return np.full(window.time_s.shape, number(given.get("radius_m"), "m"))

@@ -1,3 +1,3 @@
 """One line over weeks: what its runs say of each roller, in a store that others can read."""
 
-__all__ = ["findings", "lives", "sentences", "store", "taking", "trend", "wound_rolls"]
+__all__ = ["findings", "ingest", "lives", "sentences", "store", "trend", "wound_rolls"]

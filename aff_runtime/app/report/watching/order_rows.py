@@ -14,7 +14,7 @@ from aff_runtime.app.report.comparison.window import Window, number, orders_of, 
 from aff_runtime.app.report.watching.tables import HourRow, OrderRow
 from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.order_columns import OrderColumns, order_columns
-from aff_runtime.base.printable import printable, word
+from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.yaml_section import Section
 from aff_runtime.config.models import Actuator
 from aff_runtime.core.monitor import Trend
@@ -94,7 +94,7 @@ def order_rows(window: Window, hour: HourRow) -> Iterator[OrderRow]:
 
 def is_wound(roll: Section) -> bool:
     """Return whether a section of ``rolls`` is of wound web, which is exchanged in operation."""
-    return bool(word(roll.get("radius"))) or roll.get("resets_on") == "splice"
+    return bool(text_or(roll.get("radius"))) or roll.get("resets_on") == "splice"
 
 
 def _roll_id(window: Window) -> int:
@@ -112,7 +112,7 @@ def _learned(window: Window, signal: str, at: tuple[str, int], frequency_Hz: flo
     """Return what the law of the actuator that keeps ``signal`` quiet has of a roll's order."""
     for name, given in window.section("actuators").items():
         actuator = Section.of(given)
-        if word(actuator.section("error").get("signal")) != signal:
+        if text_or(actuator.section("error").get("signal")) != signal:
             continue
         columns = {n: v[v.size // 2 :] for n, v in window.table.columns.items()}
         order = next((o for o in order_columns(columns) if _is(o, name, at)), None)

@@ -18,7 +18,7 @@ from aff_runtime.app.report.watching.stretches import SHORTEST_S, is_correcting,
 from aff_runtime.app.report.watching.tables import HourRow, OrderRow
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.order_columns import RESPONSE_RATIO, SIZES, is_part
-from aff_runtime.base.printable import printable, word
+from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import STAGE
 from aff_runtime.base.run_files import text_of, yaml_values
 from aff_runtime.base.run_segment import RunSegments
@@ -178,13 +178,15 @@ def run_hours(folder: Path) -> RunHours:
     segments = RunSegments.known(folder, {one.number: one.values["time_s"] for one in rows})
     times, speeds, lost = _speeds(segments, begins, _speed_name(site), folder)
     segment_s = _segment_s(about)
-    if other := other_line(about, word(site.section("line").get("name"))):
+    if other := other_line(about, text_or(site.section("line").get("name"))):
         raise AffError(f"{shown}: {other}")
     return RunHours(
         folder=folder,
         run_id=run_id(folder),
-        config_hash=printable(word(about.get("config_hash")), 64),
-        line=printable(word(site.section("line").get("name")) or word(about.get("name")), 100),
+        config_hash=printable(text_or(about.get("config_hash")), 64),
+        line=printable(
+            text_or(site.section("line").get("name")) or text_or(about.get("name")), 100
+        ),
         site=site,
         start_utc=_start(shown, about),
         start_s=max(0.0, begins[0].values["time_s"] - (begins[0].number - 1) * segment_s),
@@ -260,11 +262,11 @@ def _site(folder: Path) -> Section:
 
 
 def _speed_name(site: Section) -> str:
-    return word(site.section("line").get("speed"), DEFAULT_SPEED)
+    return text_or(site.section("line").get("speed"), DEFAULT_SPEED)
 
 
 def _start(shown: str, about: Section) -> datetime:
-    said = word(about.get("start_utc"))
+    said = text_or(about.get("start_utc"))
     try:
         found = datetime.fromisoformat(said)
         start = found.astimezone(UTC) if found.tzinfo else found.replace(tzinfo=UTC)

@@ -14,6 +14,7 @@ from aff_runtime.app.report.watching.store import Taken
 from aff_runtime.app.report.watching.trend import SIGMA, Slope
 from aff_runtime.app.report.watching.wound_rolls import Ranking
 from aff_runtime.base.confidence import TWO_SIDED_95
+from aff_runtime.base.numbers import finite_or_none
 
 SHOWN = {"m": ("um", 1e6), "N": ("N", 1.0), "": ("", 1.0)}
 PER_KM = 1000.0  # a slope is shown per so many km
@@ -133,11 +134,11 @@ def _said(one: Finding) -> Said:
         hours_at_another_speed=readings.left_out,
         speed_m_s=readings.at_m_s,
         last=float(readings.size[-1]),
-        limit=_number(readings.limit),
+        limit=finite_or_none(readings.limit),
         stands_out=one.stands_out,
         per_km=_line(one.per_km),
         per_day=_line(one.per_day),
-        weeks_to_limit=None if one.weeks is None else tuple(_number(w) for w in one.weeks),
+        weeks_to_limit=None if one.weeks is None else tuple(finite_or_none(w) for w in one.weeks),
         jump_on=None if step is None else str(readings.times[step.index].astype("M8[D]")),
     )
 
@@ -152,10 +153,6 @@ def _line(line: Slope | None) -> LineSaid | None:
         scatter=line.scatter,
         readings=line.readings,
     )
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def _grows(one: Finding) -> str:

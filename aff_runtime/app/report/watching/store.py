@@ -23,9 +23,9 @@ from aff_runtime.app.report.parquet import (
 )
 from aff_runtime.app.report.watching.run_hours import HourRead, RecordedHour, RunHours
 from aff_runtime.app.report.watching.tables import (
-    EXCHANGES,
-    HOURS,
-    ORDERS,
+    EXCHANGE_FIELDS,
+    HOUR_FIELDS,
+    ORDER_FIELDS,
     ExchangeRow,
     HourRow,
     OrderRow,
@@ -71,9 +71,9 @@ class Store:
     """
 
     line: str = ""
-    hours: Columns = field(default_factory=lambda: empty(HOURS))
-    orders: Columns = field(default_factory=lambda: empty(ORDERS))
-    exchanges: Columns = field(default_factory=lambda: empty(EXCHANGES))
+    hours: Columns = field(default_factory=lambda: empty(HOUR_FIELDS))
+    orders: Columns = field(default_factory=lambda: empty(ORDER_FIELDS))
+    exchanges: Columns = field(default_factory=lambda: empty(EXCHANGE_FIELDS))
     thinned_utc: np.datetime64 = NEVER
 
     def unread(self, run: RunHours) -> tuple[RecordedHour, ...]:
@@ -152,7 +152,7 @@ class Store:
         if old["roll"].size >= MOST_EXCHANGES:
             raise ConfigError(f"the store holds {MOST_EXCHANGES} exchanges; begin another one")
         row = ExchangeRow(roll=roll, on_utc=at, why=why)
-        self.exchanges = _joined(old, table(EXCHANGES, [row]), EXCHANGES)
+        self.exchanges = _joined(old, table(EXCHANGE_FIELDS, [row]), EXCHANGE_FIELDS)
         self._number()
 
     def check_roller(self, roll: str) -> None:
@@ -186,7 +186,10 @@ class Store:
     def _replace(self, run_id: str, hours: list[HourRow], orders: list[OrderRow]) -> None:
         """Put rows in the place of those of the same hours."""
         again = [row.hour for row in hours]
-        for name, fields, rows in (("hours", HOURS, hours), ("orders", ORDERS, orders)):
+        for name, fields, rows in (
+            ("hours", HOUR_FIELDS, hours),
+            ("orders", ORDER_FIELDS, orders),
+        ):
             old: Columns = getattr(self, name)
             stays = ~((old["run_id"] == run_id) & np.isin(old["hour"], again))
             setattr(self, name, _joined(_chosen(old, stays), table(fields, rows), fields))
@@ -257,7 +260,7 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
         raise ConfigError(
             f"{folder}: holds no store; `aff-runtime watch add STORE RUN_DIR` begins one"
         )
-    hours, about = read_parquet(paths[0], HOURS)
+    hours, about = read_parquet(paths[0], HOUR_FIELDS)
     if about.get("version") != VERSION or not about.get("line"):
         raise ConfigError(
             f"{paths[0]}: is no store of this release's `aff-runtime watch`; move it away"
@@ -266,7 +269,7 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
         return _begun(paths[2], about["line"])
     tables = [
         read_parquet(path, fields)[0] if path.exists() else empty(fields)
-        for path, fields in zip(paths[1:], (ORDERS, EXCHANGES), strict=True)
+        for path, fields in zip(paths[1:], (ORDER_FIELDS, EXCHANGE_FIELDS), strict=True)
     ]
     store = Store(
         line=about["line"],
@@ -283,7 +286,7 @@ def _begun(exchanges: Path, line: str = "") -> Store:
     """Return a store without hours, with the exchanges that people reported."""
     if not exchanges.exists():
         return Store(line=line)
-    rows, about = read_parquet(exchanges, EXCHANGES)
+    rows, about = read_parquet(exchanges, EXCHANGE_FIELDS)
     return Store(line=line or about.get("line", ""), exchanges=rows)
 
 
@@ -297,16 +300,16 @@ def save_store(folder: Path, store: Store) -> None:
     """
     about = {"line": store.line, "version": VERSION, "thinned_utc": str(store.thinned_utc)}
     named = (
-        (FILES[2], EXCHANGES, store.exchanges),
-        (FILES[1], ORDERS, store.orders),
-        (FILES[0], HOURS, store.hours),
+        (FILES[2], EXCHANGE_FIELDS, store.exchanges),
+        (FILES[1], ORDER_FIELDS, store.orders),
+        (FILES[0], HOUR_FIELDS, store.hours),
     )
     for name, fields, columns in named:
         write_parquet(folder / name, fields, columns, about)
 
 
 @contextlib.contextmanager
-def alone(folder: Path) -> Iterator[None]:
+def lock_store(folder: Path) -> Iterator[None]:
     """Hold a store for oneself while it is read, changed and written.
 
     Raises

@@ -11,7 +11,7 @@ import numpy as np
 from aff_runtime.app.report.parquet import UNIT, fields_of
 
 
-def _si(unit: str) -> Any:
+def _number(unit: str) -> Any:
     """Return a number in ``unit``, NaN where it is not known."""
     return field(default=math.nan, metadata={UNIT: unit})
 
@@ -33,19 +33,19 @@ class HourRow:
     time_utc: np.datetime64
     run: str
     config_hash: str
-    covered_s: float = _si("s")
-    length_m: float = _si("m")
-    offset_m: float = _si("m")
-    travelled_km: float = _si("km")
-    stretch_s: float = _si("s")
-    speed_m_s: float = _si("m/s")
+    covered_s: float = _number("s")
+    length_m: float = _number("m")
+    offset_m: float = _number("m")
+    travelled_km: float = _number("km")
+    stretch_s: float = _number("s")
+    speed_m_s: float = _number("m/s")
     correcting: bool = False
     missed_count: int = 0
-    wake_p99_us: float = _si("us")
-    io_p99_us: float = _si("us")
-    tick_p50_us: float = _si("us")
-    tick_p99_us: float = _si("us")
-    tick_max_us: float = _si("us")
+    wake_p99_us: float = _number("us")
+    io_p99_us: float = _number("us")
+    tick_p50_us: float = _number("us")
+    tick_p99_us: float = _number("us")
+    tick_max_us: float = _number("us")
     lacks: str = ""
 
 
@@ -72,24 +72,24 @@ class OrderRow:
     order: int
     is_roll: bool
     correcting: bool
-    travelled_km: float = _si("km")
+    travelled_km: float = _number("km")
     life: int = 1
     roll_id: int = 0
-    speed_m_s: float = _si("m/s")
-    radius_m: float = _si("m")
-    frequency_Hz: float = _si("Hz")
+    speed_m_s: float = _number("m/s")
+    radius_m: float = _number("m")
+    frequency_Hz: float = _number("Hz")
     turns: int = 0
-    ripple_N: float = _si("N")
-    ripple_error_N: float = _si("N")
-    floor_N: float = _si("N")
-    noise_N: float = _si("N")
-    shape_m: float = _si("m")
-    shape_error_m: float = _si("m")
-    stroke_m: float = _si("m")
-    stroke_error_m: float = _si("m")
-    response_ratio: float = _si("1")
-    response_ratio_error: float = _si("1")
-    limit_m: float = _si("m")
+    ripple_N: float = _number("N")
+    ripple_error_N: float = _number("N")
+    floor_N: float = _number("N")
+    noise_N: float = _number("N")
+    shape_m: float = _number("m")
+    shape_error_m: float = _number("m")
+    stroke_m: float = _number("m")
+    stroke_error_m: float = _number("m")
+    response_ratio: float = _number("1")
+    response_ratio_error: float = _number("1")
+    limit_m: float = _number("m")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,4 +101,6 @@ class ExchangeRow:
     why: str
 
 
-HOURS, ORDERS, EXCHANGES = (fields_of(row) for row in (HourRow, OrderRow, ExchangeRow))
+HOUR_FIELDS, ORDER_FIELDS, EXCHANGE_FIELDS = (
+    fields_of(row) for row in (HourRow, OrderRow, ExchangeRow)
+)

@@ -8,7 +8,7 @@ import numpy as np
 
 from aff_runtime.app.report.parquet import table
 from aff_runtime.app.report.watching.store import Store
-from aff_runtime.app.report.watching.tables import HOURS, ORDERS, HourRow, OrderRow
+from aff_runtime.app.report.watching.tables import HOUR_FIELDS, ORDER_FIELDS, HourRow, OrderRow
 
 BEGAN = np.datetime64("2026-01-05T06:00:00", "us")
 DAY = np.timedelta64(86_400_000_000, "us")
@@ -75,6 +75,6 @@ def made_store(days: int = 30) -> Store:
             )
     return Store(
         line="Euclid",
-        hours=table(HOURS, [hour(day) for day in range(days)]),
-        orders=table(ORDERS, orders),
+        hours=table(HOUR_FIELDS, [hour(day) for day in range(days)]),
+        orders=table(ORDER_FIELDS, orders),
     )

@@ -10,7 +10,7 @@ import pytest
 from aff_runtime.app.report.parquet import table
 from aff_runtime.app.report.watching.findings import findings
 from aff_runtime.app.report.watching.store import Store
-from aff_runtime.app.report.watching.tables import HOURS, ORDERS
+from aff_runtime.app.report.watching.tables import HOUR_FIELDS, ORDER_FIELDS
 from aff_runtime.base.errors import ConfigError
 from tests.aff_runtime.app.report.watching.made_store import (
     BEGAN,
@@ -44,10 +44,12 @@ def test_readings_before_an_exchange_count_no_longer_though_no_hour_is_newer():
     store = exchanged(made_store(DAYS), 1)
     now = LAST + 2 * DAY
     assert stroke_of(findings(store, now=at(now))) == []
-    store.hours = table(HOURS, [hour(day) for day in range(DAYS + 2)])
+    store.hours = table(HOUR_FIELDS, [hour(day) for day in range(DAYS + 2)])
     again = {"stroke_m": 1e-5, "stroke_error_m": SCATTER_M, "limit_m": LIMIT_M}
     rows = [order(day, stroke_m=4e-5, stroke_error_m=SCATTER_M) for day in range(DAYS)]
-    store.orders = table(ORDERS, [*rows, *(order(DAYS + k, life=2, **again) for k in (0, 1))])
+    store.orders = table(
+        ORDER_FIELDS, [*rows, *(order(DAYS + k, life=2, **again) for k in (0, 1))]
+    )
     (new,) = stroke_of(findings(store, now=at(now)))
     assert (new.readings.life, new.readings.size.tolist()) == (2, pytest.approx([1e-5, 1e-5]))
 
@@ -68,7 +70,7 @@ def test_a_clock_that_is_behind_the_readings_brings_no_former_life_back():
 
 def test_an_exchange_is_of_one_roller():
     store = made_store(DAYS)
-    other = table(ORDERS, [order(0, roll="r7", stroke_m=4e-5, stroke_error_m=SCATTER_M)])
+    other = table(ORDER_FIELDS, [order(0, roll="r7", stroke_m=4e-5, stroke_error_m=SCATTER_M)])
     store.orders = {
         name: np.concatenate([store.orders[name], other[name]]) for name in store.orders
     }
@@ -84,7 +86,9 @@ def both() -> Store:
         rows.append(order(day, stroke_m=4e-5, stroke_error_m=SCATTER_M, limit_m=LIMIT_M))
         rows.append(order(day, ripple_N=1.0, ripple_error_N=0.01, correcting=False))
     return Store(
-        line="E", hours=table(HOURS, [hour(d) for d in range(DAYS)]), orders=table(ORDERS, rows)
+        line="E",
+        hours=table(HOUR_FIELDS, [hour(d) for d in range(DAYS)]),
+        orders=table(ORDER_FIELDS, rows),
     )
 
 

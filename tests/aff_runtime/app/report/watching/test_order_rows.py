@@ -13,7 +13,7 @@ from aff_runtime.app.report.watching import order_rows as module
 from aff_runtime.app.report.watching.findings import findings
 from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.store import Store
-from aff_runtime.app.report.watching.tables import ORDERS, HourRow
+from aff_runtime.app.report.watching.tables import ORDER_FIELDS, HourRow
 from aff_runtime.base.run_table import RunTable
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.yaml_section import Section
@@ -134,7 +134,7 @@ def test_a_law_that_was_held_or_at_a_limit_for_a_moment_has_no_size(state, at):
 def test_rows_of_no_known_speed_or_place_are_no_readings():
     for lacking in ({"speed_m_s": math.nan, "travelled_km": 1.0}, {}):
         known = [replace(row, **lacking) for row in rows().values()]
-        assert findings(Store(line="Euclid", orders=table(ORDERS, known))) == []
+        assert findings(Store(line="Euclid", orders=table(ORDER_FIELDS, known))) == []
 
 
 def test_an_order_that_is_learned_all_along_but_never_settled_has_no_size():
@@ -146,7 +146,7 @@ def test_web_is_marked_with_the_plcs_counter_and_has_no_trend():
     assert (found["web", 1].is_roll, found["web", 1].roll_id) == (True, 12)
     assert not found["roller", 1].is_roll
     known = [replace(row, travelled_km=1.0) for row in found.values()]
-    store = Store(line="Euclid", orders=table(ORDERS, known))
+    store = Store(line="Euclid", orders=table(ORDER_FIELDS, known))
     assert {one.readings.roll for one in findings(store)} == {"roller"}
 
 

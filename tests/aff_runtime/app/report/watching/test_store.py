@@ -16,8 +16,8 @@ import pytest
 
 from aff_runtime.app.report.watching import store as stores
 from aff_runtime.app.report.watching.run_hours import run_hours
-from aff_runtime.app.report.watching.store import FILES, Store, alone, load_store, save_store
-from aff_runtime.app.report.watching.tables import HOURS, ORDERS
+from aff_runtime.app.report.watching.store import FILES, Store, load_store, lock_store, save_store
+from aff_runtime.app.report.watching.tables import HOUR_FIELDS, ORDER_FIELDS
 from aff_runtime.base.errors import AffError, ConfigError
 from tests.doubles.virtual_weeks import BEGAN, KM_A_DAY, SPEED_M_S, Weeks, write_weeks
 
@@ -241,12 +241,12 @@ def test_a_table_that_broke_is_moved_away_and_read_anew_with_the_exchanges_kept(
 
 def test_a_second_command_on_the_same_store_is_refused(tmp_path):
     with (
-        alone(tmp_path),
+        lock_store(tmp_path),
         pytest.raises(ConfigError, match=r"another .* is at it"),
-        alone(tmp_path),
+        lock_store(tmp_path),
     ):
         pass
-    with alone(tmp_path):
+    with lock_store(tmp_path):
         pass
 
 
@@ -308,7 +308,7 @@ def test_pandas_reads_a_store_as_it_is_with_units_in_the_metadata(runs, tmp_path
     frame = pd.read_parquet(tmp_path / "orders.parquet")
     assert frame["stroke_m"].notna().sum() == 2 * DAYS
     assert str(frame["time_utc"].dt.tz) == "UTC"
-    for name, layout in (("hours", HOURS), ("orders", ORDERS)):
+    for name, layout in (("hours", HOUR_FIELDS), ("orders", ORDER_FIELDS)):
         schema = pyarrow.parquet.read_schema(tmp_path / f"{name}.parquet")
         said = {f.name: (f.metadata or {}).get(b"unit", b"").decode() for f in schema}
         assert said == {column.name: column.unit for column in layout}

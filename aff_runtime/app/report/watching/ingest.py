@@ -11,7 +11,7 @@ from aff_runtime.app.report.watch_notes import Limits, WatchNotes, read_notes, w
 from aff_runtime.app.report.watching import sentences
 from aff_runtime.app.report.watching.findings import findings
 from aff_runtime.app.report.watching.run_hours import HourRead, RunHours, run_hours
-from aff_runtime.app.report.watching.store import Store, alone, load_store, save_store
+from aff_runtime.app.report.watching.store import Store, load_store, lock_store, save_store
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
@@ -24,7 +24,7 @@ Say = Callable[[str], None]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class TakenRuns:
+class IngestedRuns:
     """What became of runs: ``refused`` of ``runs`` could not be read.
 
     ``notes`` : what stands out.
@@ -36,9 +36,9 @@ class TakenRuns:
     notes: tuple[str, ...] = ()
 
 
-def take_runs(
-    folder: Path, runs: Iterable[Path], say: Say, complain: Say, limits: Limits | None = None
-) -> TakenRuns:
+def ingest_runs(
+    folder: Path, runs: Iterable[Path], say: Say, warn: Say, limits: Limits | None = None
+) -> IngestedRuns:
     """Take what is new of runs into the store in ``folder``, and save it with what stands out.
 
     ``limits`` : sizes by roller and SI unit; None: those that were given last.
@@ -49,7 +49,7 @@ def take_runs(
         The store cannot be read or written, or another command has it.
     """
     count = refused = 0
-    with alone(folder):
+    with lock_store(folder):
         store = load_store(folder, begin=True)
         for one in runs:
             count += 1
@@ -57,7 +57,7 @@ def take_runs(
             run, reads, ended = _read(one, store)
             if run is None or (ended and not reads):
                 refused += 1
-                complain(f"left out: {ended}")
+                warn(f"left out: {ended}")
                 continue
             taken = store.add(run, reads)
             say(f"{shown}: {sentences.taken(taken)}")
@@ -66,7 +66,7 @@ def take_runs(
             if taken.new:
                 save_store(folder, store)
             if ended:
-                complain(
+                warn(
                     f"not to its end: {ended} What was read of it is kept; the next "
                     "`aff-runtime watch add` goes on there"
                 )
@@ -74,7 +74,7 @@ def take_runs(
         if store.line:
             save_store(folder, store)
             notes = _note(folder, store, limits)
-    return TakenRuns(store=store, runs=count, refused=refused, notes=notes)
+    return IngestedRuns(store=store, runs=count, refused=refused, notes=notes)
 
 
 def _read(folder: Path, store: Store) -> tuple[RunHours | None, list[HourRead], str]:
@@ -102,7 +102,7 @@ def _note(folder: Path, store: Store, limits: Limits | None) -> tuple[str, ...]:
         given = {} if before is None else before.by_roller()
         limits = {key: size for key, size in given.items() if key[0] in known}
     at = wall_time_iso()
-    found = tuple(sentences.notes(findings(store, limits, now=moment(at))))
+    found = tuple(sentences.notes(findings(store, limits, now=parse_utc(at))))
     kept = tuple((roll, unit, size) for (roll, unit), size in limits.items())
     write_notes(folder, WatchNotes(line=store.line, looked_utc=at, notes=found, limits=kept))
     return found
@@ -117,14 +117,14 @@ def exchange(folder: Path, roll: str, on: datetime, why: str) -> None:
         There is no store, it knows no such roller, or another command has it.
     """
     load_store(folder)  # before a folder is made for one that is not there
-    with alone(folder):
+    with lock_store(folder):
         store = load_store(folder)
         store.exchange(roll, on, printable(why, 200))
         save_store(folder, store)
         _note(folder, store, None)
 
 
-def moment(text: str) -> datetime:
+def parse_utc(text: str) -> datetime:
     """Return a day or a moment, UTC where no zone is said.
 
     Raises

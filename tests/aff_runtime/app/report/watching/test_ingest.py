@@ -8,7 +8,7 @@ import signal
 import numpy as np
 import pytest
 
-from aff_runtime.app.report.watching import taking
+from aff_runtime.app.report.watching import ingest
 from aff_runtime.app.report.watching.run_hours import READ_S, RunHours, run_hours
 from aff_runtime.app.report.watching.store import load_store
 from aff_runtime.base import run_segment
@@ -42,14 +42,14 @@ def runs(tmp_path_factory):
 
 
 def take(folder, runs, said):
-    return taking.take_runs(folder, runs, said.append, said.append)
+    return ingest.ingest_runs(folder, runs, said.append, said.append)
 
 
 def test_a_run_that_ends_in_the_middle_keeps_what_was_read_and_goes_on_there(
     runs, tmp_path, monkeypatch
 ):
     said, read = [], []
-    monkeypatch.setattr(taking, "run_hours", lambda folder: Torn(run_hours(folder)))
+    monkeypatch.setattr(ingest, "run_hours", lambda folder: Torn(run_hours(folder)))
     found = take(tmp_path / "store", runs[1:], said)
     assert (found.runs, found.refused) == (1, 0)
     assert said[-1].startswith("not to its end: segment 2 is torn. What was read of it is kept")
@@ -85,7 +85,7 @@ def test_a_run_that_takes_too_long_goes_on_where_it_was(runs, tmp_path, monkeypa
 
 
 def test_a_first_run_that_fails_does_not_give_the_store_its_line(runs, tmp_path, monkeypatch):
-    monkeypatch.setattr(taking, "run_hours", lambda folder: Torn(run_hours(folder), at=1))
+    monkeypatch.setattr(ingest, "run_hours", lambda folder: Torn(run_hours(folder), at=1))
     found = take(tmp_path / "store", runs[:1], [])
     assert found.refused == 1
     assert found.store.line == ""
