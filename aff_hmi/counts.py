@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import accumulate
 
-from aff_runtime.app.report.metrics.readings import Sample, Spread
+from aff_runtime.app.report.metrics.readings import MetricHistogram, Sample
 
 LOGINS = ("done", "refused", "waits")
 RESULTS = ("done", "refused", "failed")
@@ -30,10 +30,12 @@ class Durations:
         self._counts[bisect_left(self._edges_s, time_s)] += 1
         self._total_s += time_s
 
-    def spread(self) -> Spread:
+    def histogram(self) -> MetricHistogram:
         """Return them as a histogram."""
         below = map(float, accumulate(self._counts))
-        return Spread(self._metric, tuple(zip(self._edges_s, below, strict=True)), self._total_s)
+        return MetricHistogram(
+            self._metric, tuple(zip(self._edges_s, below, strict=True)), self._total_s
+        )
 
 
 class Counts:
@@ -56,7 +58,7 @@ class Counts:
         self.delays = Durations("aff_hmi_frame_delay_seconds", DELAY_S)
         self.answer_times = Durations("aff_hmi_http_duration_seconds", ANSWER_S)
 
-    def samples(self, sessions: Counter[str] | None) -> Iterator[Sample | Spread]:
+    def samples(self, sessions: Counter[str] | None) -> Iterator[Sample | MetricHistogram]:
         """Yield every number.
 
         Parameters
@@ -66,8 +68,8 @@ class Counts:
         yield Sample("aff_hmi_sockets", (), self.sockets)
         yield Sample("aff_hmi_frames_total", (), self.sent)
         yield Sample("aff_hmi_frames_skipped_total", (), self.skipped)
-        yield self.delays.spread()
-        yield self.answer_times.spread()
+        yield self.delays.histogram()
+        yield self.answer_times.histogram()
         for answer, count in self.answers.items():
             yield Sample("aff_hmi_http_requests_total", answer, count)
         if sessions is None:

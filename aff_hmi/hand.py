@@ -12,7 +12,7 @@ from aff_hmi.press_desk import PressDesk
 from aff_hmi.reason import explained
 from aff_hmi.refused import RefusedPresses
 from aff_hmi.sessions import Session, Sessions
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.words import N_, Say
 from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.may import (
@@ -84,7 +84,7 @@ class Hand:
         self._blocked, self._also_blocking = "", tuple[str, ...]()
         self._probing = self._trying = False
 
-    def look(self, seen: Seen, number: int) -> None:
+    def look(self, seen: Observed, number: int) -> None:
         """Take note of what the frame of this number shows."""
         self._of_nobody.clear()
         self.sessions.sweep()

@@ -13,19 +13,6 @@ from starlette.responses import Response
 from starlette.routing import Route
 from starlette.types import Scope
 
-from aff_hmi.asked import (
-    DONE,
-    SECURE_COOKIE,
-    TABLE,
-    Answering,
-    Asked,
-    Entry,
-    Said,
-    because,
-    body,
-    done,
-    refusal,
-)
 from aff_hmi.commission.link import Commission
 from aff_hmi.commission.presses import CommissionPresses
 from aff_hmi.counts import Counts
@@ -34,6 +21,19 @@ from aff_hmi.gate import is_by_tls
 from aff_hmi.hand import Hand
 from aff_hmi.lesser_presses import LesserPresses
 from aff_hmi.listening import HTTP_PORT, HTTPS_PORT, LOOPBACK, host_and_port
+from aff_hmi.press_request import (
+    DONE,
+    SECURE_COOKIE,
+    TABLE,
+    Answering,
+    Entry,
+    PressRequest,
+    Said,
+    because,
+    body,
+    done,
+    refusal,
+)
 from aff_hmi.see.alarm_desk import AlarmDesk
 from aff_hmi.session_presses import SessionPresses
 from aff_hmi.sessions import Session
@@ -141,7 +141,7 @@ class HandRoutes:
             token = self.token_of(request)
             place = place_of(request)
             session = self._hand.sessions.find(token, place)
-            asked = Asked(
+            asked = PressRequest(
                 said=said,
                 session=session,
                 token=token,
@@ -164,7 +164,7 @@ class HandRoutes:
 
         return endpoint
 
-    def _refuse(self, status: int, reason: Reason, asked: Asked) -> Response:
+    def _refuse(self, status: int, reason: Reason, asked: PressRequest) -> Response:
         """Refuse a request; where it is a press of the hand, that is put on record."""
         account = asked.session.account.name if asked.session is not None else NOBODY
         action = str(asked.said.get("action", ""))
@@ -191,7 +191,7 @@ class HandRoutes:
 
     # --- logins -----------------------------------------------------------------------------
 
-    async def _login(self, asked: Asked) -> Response:
+    async def _login(self, asked: PressRequest) -> Response:
         name, password = str(asked.said["name"]), str(asked.said["password"])
         shown = name if is_account_name(name) else NOBODY
         try:
@@ -217,7 +217,7 @@ class HandRoutes:
         )
         return answer
 
-    async def _logout(self, asked: Asked) -> Response:
+    async def _logout(self, asked: PressRequest) -> Response:
         assert asked.session is not None
         self._hand.sessions.end(asked.token)
         self._note("logout", asked.session.account.name, asked.place)
@@ -229,7 +229,7 @@ class HandRoutes:
 
     # --- the hand ---------------------------------------------------------------------------
 
-    async def _take(self, asked: Asked) -> Response:
+    async def _take(self, asked: PressRequest) -> Response:
         """Take the hand, take it over from somebody, or release it."""
         session, sessions = asked.session, self._hand.sessions
         assert session is not None
@@ -257,7 +257,7 @@ class HandRoutes:
                 return refusal(400, asked.say(NO_SENSE))
         return done(asked.say(DONE))
 
-    async def _act(self, asked: Asked) -> Response:
+    async def _act(self, asked: PressRequest) -> Response:
         """Do a press, and count it."""
         answer = await self._press(asked)
         if asked.said["action"] in BY_HAND:
@@ -265,7 +265,7 @@ class HandRoutes:
             self._counts.presses[str(asked.said["action"]), result] += 1
         return answer
 
-    async def _press(self, asked: Asked) -> Response:
+    async def _press(self, asked: PressRequest) -> Response:
         """Judge a press and pass it on."""
         session, said = asked.session, asked.said
         action, ident, seen = str(said["action"]), str(said["id"]), str(said["seen"])

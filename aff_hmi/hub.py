@@ -21,9 +21,10 @@ from aff_hmi.metrics import Metrics
 from aff_hmi.see.kept import Kept
 from aff_hmi.sources import Sources
 from aff_hmi.view import view_of
-from aff_hmi.watch import Seen, Watch
+from aff_hmi.viewer import Viewer
+from aff_hmi.watch import Observed, Watch
 from aff_hmi.words import say_in
-from aff_runtime.app.report.metrics.readings import Sample, Spread
+from aff_runtime.app.report.metrics.readings import MetricHistogram, Sample
 from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
 
@@ -35,59 +36,6 @@ MAX_IN_FLIGHT = 2
 MAX_SAID_PER_S = 20
 PATIENCE_S = 10.0
 POLICY, TRY_LATER = 1008, 1013  # why a WebSocket is closed, as registered with IANA
-
-
-class Viewer:
-    """One socket.
-
-    Attributes
-    ----------
-    own : returns what is of its session alone, as JSON.
-    topic : of its page, empty for none.
-    in_flight : numbers of the frames that were sent to it and that it has not acknowledged.
-    echo_ms : its newest stamp, said back to it; None until it was heard.
-    listening : hears it; its end lets it go.
-    """
-
-    def __init__(
-        self, socket: WebSocket, language: str, address: str, own: Callable[[], str], topic: str
-    ) -> None:
-        self._socket = socket
-        self.language = language
-        self.topic = topic
-        self.address = address
-        self.own = own
-        self.in_flight: list[int] = []
-        self.echo_ms: float | None = None
-        self.heard_ns = 0
-        self.listening: asyncio.Task[None] | None = None
-
-    def send(self, text: str) -> bool:
-        """Hand a text to the socket at once, or not at all; False where it takes none now.
-
-        A socket with room takes it without waiting. One that has none would wait before it takes
-        any of it: then nothing is sent, for the next frame is newer.
-        """
-        sending = self._socket.send_text(text)
-        try:
-            sending.send(None)
-        except StopIteration:
-            return True
-        except (RuntimeError, WebSocketDisconnect):
-            self.end()
-            return False
-        sending.close()
-        return False
-
-    def end(self) -> None:
-        """Let it go."""
-        if self.listening is not None:
-            self.listening.cancel()
-
-    def heard(self, number: int, stamp_ms: float, now_ns: int) -> None:
-        """Take a receipt."""
-        self.in_flight = [sent for sent in self.in_flight if sent > number]
-        self.echo_ms, self.heard_ns = stamp_ms, now_ns
 
 
 class Hub:
@@ -124,8 +72,6 @@ class Hub:
         self.kept = kept
         self.hand = hand
         self._clock = clock
-        if hand is not None and kept is not None:
-            hand.desk.told = kept.person
         self.counts = Counts()
         self.sources = Sources(kept, clock, self.counts, hand, self.metrics) if kept else None
         self._viewers: set[Viewer] = set()
@@ -176,7 +122,7 @@ class Hub:
         self._due.clear()
         return min(due_ns, self._clock.now_ns())
 
-    def make_frames(self, seen: Seen) -> None:
+    def make_frames(self, seen: Observed) -> None:
         """Work out one frame per language that is looked at."""
         self._number += 1
         self._ticked_ns = _begun_ns(seen)
@@ -206,7 +152,7 @@ class Hub:
         for viewer in self._viewers:
             self._send(viewer, now_ns)
 
-    def _lay_out(self, seen: Seen) -> None:
+    def _lay_out(self, seen: Observed) -> None:
         """Work out the rows of the page again where facts or columns are other ones."""
         if seen.facts is None or seen.row is None or not seen.row.values:
             return
@@ -228,7 +174,7 @@ class Hub:
         """Return what is seen now in the text format of Prometheus."""
         return self._metrics.text(self._watch.seen(), self._own_samples)
 
-    def _own_samples(self) -> Iterator[Sample | Spread]:
+    def _own_samples(self) -> Iterator[Sample | MetricHistogram]:
         hand = self.hand
         yield from self.counts.samples(hand.sessions.by_role() if hand is not None else None)
         if self.sources is not None:
@@ -295,7 +241,7 @@ class Hub:
             self.counts.delays.add((self._clock.now_ns() - self._ticked_ns) * 1e-9)
 
 
-def _begun_ns(seen: Seen) -> int | None:
+def _begun_ns(seen: Observed) -> int | None:
     """Return when a tick began that has just arrived, in monotonic ns; None where none has."""
     is_new = seen.tick_age_s is not None and seen.tick_age_s < FRAME_S
     if not is_new or seen.row is None or seen.meta is None or not seen.meta.start_ns:

@@ -7,14 +7,14 @@ from functools import partial
 
 from starlette.responses import Response
 
-from aff_hmi.asked import DONE, Answering, Asked, because, done, refusal
+from aff_hmi.press_request import DONE, Answering, PressRequest, because, done, refusal
 from aff_hmi.see.alarm_desk import GONE_ALARM, AlarmDesk
 from aff_hmi.sessions import Sessions
 from aff_hmi.windows.desk import NOT_KEPT, WindowDesk
 from aff_runtime.app.hand.may import Code, Place, Reason
 
 Noting = Callable[[str, str, Place], None]
-Press = Callable[[Asked, str], Awaitable[tuple[str, str]]]
+Press = Callable[[PressRequest, str], Awaitable[tuple[str, str]]]
 """What was pressed and the account -> what it is called in the audit, and why not."""
 
 
@@ -48,7 +48,7 @@ class LesserPresses:
             "/let-go": partial(self._answer, self._delete_window),
         }
 
-    async def _answer(self, press: Press, asked: Asked) -> Response:
+    async def _answer(self, press: Press, asked: PressRequest) -> Response:
         """Answer a press of a session that may; what was done goes into the audit."""
         who = self._who(asked)
         if isinstance(who, Response):
@@ -59,23 +59,23 @@ class LesserPresses:
         self._note(what, who, asked.place)
         return done(asked.say(DONE))
 
-    async def _acknowledge(self, asked: Asked, who: str) -> tuple[str, str]:
+    async def _acknowledge(self, asked: PressRequest, who: str) -> tuple[str, str]:
         return "alarm seen", self._alarms.seen(asked.said, who) if self._alarms else GONE_ALARM
 
-    async def _shelve(self, asked: Asked, who: str) -> tuple[str, str]:
+    async def _shelve(self, asked: PressRequest, who: str) -> tuple[str, str]:
         against = self._alarms.shelve(asked.said, who) if self._alarms else GONE_ALARM
         what = "alarm put aside" if int(asked.said["minutes"]) > 0 else "alarm taken back"
         return what, against
 
-    async def _keep(self, asked: Asked, who: str) -> tuple[str, str]:
+    async def _keep(self, asked: PressRequest, who: str) -> tuple[str, str]:
         against = await self._windows.keep(asked.said, who) if self._windows else NOT_KEPT
         return "window kept", against
 
-    async def _delete_window(self, asked: Asked, who: str) -> tuple[str, str]:
+    async def _delete_window(self, asked: PressRequest, who: str) -> tuple[str, str]:
         against = await self._windows.delete(asked.said, who) if self._windows else NOT_KEPT
         return "window let go", against
 
-    def _who(self, asked: Asked) -> str | Response:
+    def _who(self, asked: PressRequest) -> str | Response:
         """Return the account, or why its session may not; a press keeps the session awake."""
         session = asked.session
         assert session is not None

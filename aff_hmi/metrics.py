@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_runtime.app.report.metrics.exposition import exposition
-from aff_runtime.app.report.metrics.readings import Sample, Spread, readings
+from aff_runtime.app.report.metrics.readings import MetricHistogram, Sample, readings
 from aff_runtime.app.report.status import live_tick
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.ports import Clock
@@ -24,7 +24,9 @@ class Metrics:
         self._text = ""
         self._made_ns: int | None = None
 
-    def text(self, seen: Seen, own: Callable[[], Iterable[Sample | Spread]] = tuple) -> str:
+    def text(
+        self, seen: Observed, own: Callable[[], Iterable[Sample | MetricHistogram]] = tuple
+    ) -> str:
         """Return every sample that can be told now; ``own`` : of the screen itself."""
         now_ns = self._clock.now_ns()
         if self._made_ns is None or now_ns - self._made_ns >= KEPT_NS:
@@ -34,7 +36,7 @@ class Metrics:
         return self._text
 
 
-def answer_of(seen: Seen) -> StatusAnswer | None:
+def answer_of(seen: Observed) -> StatusAnswer | None:
     """Return what the service would answer to ``status``; None when none is heard.
 
     Facts alone are no service: those of one that has gone, or hangs, are not told as its own.

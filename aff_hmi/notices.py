@@ -9,7 +9,7 @@ from urllib.parse import quote
 
 from aff_hmi.condition import LASTS_S, RANK, ROLLS, TIMING, Condition
 from aff_hmi.upkeep import upkeep
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.wire_sentences import told
 from aff_hmi.words import N_, Say, figures_in
 from aff_runtime.app.report.alarm_table import PRIORITIES, Priority
@@ -37,7 +37,7 @@ class Notice:
 
 
 def notices_of(
-    seen: Seen, state: str, say: Say, standing: Mapping[str, str] | None = None
+    seen: Observed, state: str, say: Say, standing: Mapping[str, str] | None = None
 ) -> tuple[Notice, ...]:
     """Return what stands now, the most urgent first, ``MOST`` at most.
 
@@ -62,7 +62,7 @@ def notices_of(
     )
 
 
-def conditions_of(seen: Seen, state: str) -> tuple[Condition, ...]:
+def conditions_of(seen: Observed, state: str) -> tuple[Condition, ...]:
     """Return what stands now, the most urgent first."""
     conditions = [
         *_alarm(seen),
@@ -82,7 +82,7 @@ def filled(text: str, values: Mapping[str, str], say: Say) -> str:
     return found
 
 
-def _alarm(seen: Seen) -> Iterator[Condition]:
+def _alarm(seen: Observed) -> Iterator[Condition]:
     if seen.row is None or not seen.writer_lives:
         return
     event = BY_CODE.get(seen.row.alarm)
@@ -97,13 +97,13 @@ def _alarm(seen: Seen) -> Iterator[Condition]:
         )
 
 
-def _with_signal(name: str, seen: Seen) -> str:
+def _with_signal(name: str, seen: Observed) -> str:
     """Return the name of an alarm with the signal that the guard names, while it does."""
     blocked = seen.facts.blocked if seen.facts is not None else ""
     return printable(blocked, 80) if blocked.startswith(f"{name} (") else name
 
 
-def _encoders(seen: Seen) -> Iterator[Condition]:
+def _encoders(seen: Observed) -> Iterator[Condition]:
     """Yield which rolls have an encoder that is not believed: another source drifts."""
     if seen.row is None or not seen.writer_lives or seen.site is None:
         return
@@ -124,7 +124,7 @@ def _encoders(seen: Seen) -> Iterator[Condition]:
             )
 
 
-def _service(seen: Seen) -> Iterator[Condition]:
+def _service(seen: Observed) -> Iterator[Condition]:
     """Yield what the facts say against the service, and their silence."""
     facts = seen.facts
     if facts is None:
@@ -184,7 +184,7 @@ def _recorder(recorder: RecorderReport | None) -> Iterator[Condition]:
         )
 
 
-def _resting(seen: Seen, state: str) -> Iterator[Condition]:
+def _resting(seen: Observed, state: str) -> Iterator[Condition]:
     """Yield which orders rest and why, those of one reason together."""
     if seen.row is None or state != "ACTIVE" or is_probing(seen):
         return
@@ -220,7 +220,7 @@ def _place_on_page(key: str) -> str:
     return f"{ROLLS}#{quote(key)}"
 
 
-def is_probing(seen: Seen) -> bool:
+def is_probing(seen: Observed) -> bool:
     """Return whether a response is being measured: what goes out then is no correction."""
     return seen.facts is not None and seen.facts.status.probing
 

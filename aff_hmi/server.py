@@ -12,7 +12,7 @@ from uvicorn.protocols.http.h11_impl import H11Protocol
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 
 from aff_hmi.commission.link import Commission
-from aff_hmi.counted import Counted
+from aff_hmi.count_middleware import CountMiddleware
 from aff_hmi.entrance import MAX_CONNECTIONS, Entrance, bound
 from aff_hmi.gate import Gate, Rates
 from aff_hmi.hand import Hand
@@ -146,7 +146,7 @@ def config_of(listening: Listening, hub: Hub, language: str) -> uvicorn.Config:
         is_logged_in=pages.presses.is_logged_in if pages.presses is not None else None,
     )
     config = uvicorn.Config(
-        Counted(app, hub.counts, clock),
+        CountMiddleware(app, hub.counts, clock),
         http=PatientOnce,
         ws=Receipts,
         loop="asyncio",
@@ -192,6 +192,8 @@ async def serve(
     clock = MonotonicClock()
     files = tuple(one for one in (listening.certificate, listening.client_ca) if one is not None)
     machine = Machine(clock, kept.wall, files)
+    if hand is not None:
+        hand.desk.told = kept.person
     hub = Hub(watch, clock, hand, kept, commission, machine)
     server = Unhurried(config_of(listening, hub, language), listening)
     polling = asyncio.create_task(hub.run(alive))

@@ -7,7 +7,7 @@ from dataclasses import asdict, dataclass
 
 from starlette.responses import JSONResponse, Response
 
-from aff_hmi.asked import DONE, Answering, Asked, because, done, refusal
+from aff_hmi.press_request import DONE, Answering, PressRequest, because, done, refusal
 from aff_hmi.sessions import Session, Sessions
 from aff_hmi.timing.who import PLACE_WORDS
 from aff_hmi.words import N_
@@ -60,11 +60,11 @@ class SessionPresses:
         """Return what answers each entry of the table."""
         return {"/sessions": self._list, "/sessions/end": self._end}
 
-    async def _list(self, asked: Asked) -> Response:
+    async def _list(self, asked: PressRequest) -> Response:
         lines = [asdict(self._line(one, asked)) for one in self._sessions.all()]
         return JSONResponse({"ok": True, "sessions": lines})
 
-    async def _end(self, asked: Asked) -> Response:
+    async def _end(self, asked: PressRequest) -> Response:
         """End a session; who does it presses, and is not idle."""
         own = asked.session
         assert own is not None
@@ -82,7 +82,7 @@ class SessionPresses:
         self._note("session ended", wanted.account.name, wanted.place)
         return done(asked.say(DONE))
 
-    def _line(self, one: Session, asked: Asked) -> SessionLine:
+    def _line(self, one: Session, asked: PressRequest) -> SessionLine:
         now_ns, held, own = self._clock.now_ns(), self._sessions.holder(), asked.session
         assert own is not None
         return SessionLine(

@@ -21,12 +21,12 @@ from aff_hmi.support.desk import SupportDesk
 from aff_hmi.timing.tallies import Tallies
 from aff_hmi.timing.timing import Timing
 from aff_hmi.waiting import Waiting
-from aff_hmi.watch import News, Seen
+from aff_hmi.watch import News, Observed
 from aff_hmi.windows.desk import WindowDesk
 from aff_hmi.windows.of_alarms import AlarmWindows
 from aff_hmi.windows.routes import tick_routes
 from aff_hmi.words import Say
-from aff_runtime.app.report.metrics.readings import Sample, Spread
+from aff_runtime.app.report.metrics.readings import MetricHistogram, Sample
 from aff_runtime.base.ports import Clock
 
 TIMING = "timing"
@@ -84,7 +84,7 @@ class Sources:
         self.tallies.listen(news)
         self._waiting.add(news)
 
-    def look(self, seen: Seen, layout: Layout) -> None:
+    def look(self, seen: Observed, layout: Layout) -> None:
         """Take note of a moment."""
         if self.kept.is_due:
             for news in self._waiting.take():
@@ -96,9 +96,9 @@ class Sources:
         for source in sources:
             source.look(seen, layout)
 
-    def samples(self) -> Iterator[Sample | Spread]:
+    def samples(self) -> Iterator[Sample | MetricHistogram]:
         """Yield what a monitoring system is told of every tick that was seen."""
-        yield from self.timing.spreads()
+        yield from self.timing.histograms()
         yield from self.tallies.samples()
 
     def routes(self, say_of: Callable[[HTTPConnection], Say]) -> list[BaseRoute]:

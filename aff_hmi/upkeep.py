@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from aff_hmi.condition import LASTS_S, RANK, TIMING, Condition
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.words import N_
 from aff_runtime.app.report.alarm_table import Priority
 from aff_runtime.telemetry.recorder_messages import NOT_SAID, RecorderReport
@@ -15,7 +15,7 @@ SOON_DAYS = 30.0  # of a certificate: time to get another one in a plant
 DAY_S = 86_400.0
 
 
-def upkeep(seen: Seen) -> Iterator[Condition]:
+def upkeep(seen: Observed) -> Iterator[Condition]:
     """Yield what stands of it."""
     facts = seen.facts
     if facts is not None:

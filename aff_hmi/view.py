@@ -16,8 +16,8 @@ from aff_hmi.condition import RANK
 from aff_hmi.layout import Layout
 from aff_hmi.notices import Notice, is_probing, notices_of
 from aff_hmi.reason import SHAPES, STARTING, Reason, explained, reason_of
-from aff_hmi.watch import Seen
-from aff_hmi.window import WINDOW_S
+from aff_hmi.recent_window import WINDOW_S
+from aff_hmi.watch import Observed
 from aff_hmi.words import N_, Say
 from aff_runtime.app.report.alarm_table import Priority
 from aff_runtime.app.report.block_status import SHAPE
@@ -25,6 +25,7 @@ from aff_runtime.app.report.status_answer import Meeting
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.events import BY_CODE
+from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
 from aff_runtime.core.order_status import OrderStatus
@@ -97,7 +98,7 @@ class View:
 
 
 def view_of(
-    seen: Seen, layout: Layout, say: Say, standing: Mapping[str, str] | None = None
+    seen: Observed, layout: Layout, say: Say, standing: Mapping[str, str] | None = None
 ) -> View:
     """Return the view of one moment.
 
@@ -119,14 +120,14 @@ def view_of(
     against = (blocked, *(facts.also_blocking if facts is not None else ()))
     doubted = tuple(dict.fromkeys(s for one in against for s in _doubted(seen, layout, one)))
     if row is not None:
-        values = {slot: _known(value) for slot, value in values_of(seen, row, layout)}
+        values = {slot: finite_or_none(value, 6) for slot, value in values_of(seen, row, layout)}
         notes = dict(_notes(seen, row, layout, values, say))
         notes |= {slot: say(DOUBT) for slot in doubted if slot in notes}
     return View(
         layout=layout.ident,
-        plc_age_s=_known(row.number("age_s")) if row is not None else None,
+        plc_age_s=finite_or_none(row.number("age_s"), 6) if row is not None else None,
         tick_age_s=seen.tick_age_s if seen.writer_lives else None,
-        facts_age_s=_known(seen.facts_age_s) if seen.facts_age_s is not None else None,
+        facts_age_s=finite_or_none(seen.facts_age_s, 6) if seen.facts_age_s is not None else None,
         plc_late_s=site.hold_after_s if site is not None else 0.0,
         plc_dead_s=site.fault_after_s if site is not None else 0.0,
         state=state,
@@ -160,14 +161,14 @@ WORDS = {
 }
 
 
-def state_of(seen: Seen) -> str:
+def state_of(seen: Observed) -> str:
     """Return the guard's state, or what is there instead of one."""
     if seen.row is not None and seen.writer_lives:
         return seen.row.state.name
     return STARTING if seen.facts is not None and not seen.trouble else GONE
 
 
-def _doubted(seen: Seen, layout: Layout, blocked: str) -> Iterator[str]:
+def _doubted(seen: Observed, layout: Layout, blocked: str) -> Iterator[str]:
     """Yield the slots of what comes from a signal that the guard names as not to be believed."""
     found = _IMPLAUSIBLE.match(blocked)
     if found is None:
@@ -186,7 +187,7 @@ def _doubted(seen: Seen, layout: Layout, blocked: str) -> Iterator[str]:
 
 
 def _why(
-    seen: Seen, state: str, blocked: str, say: Say, standing: Mapping[str, str]
+    seen: Observed, state: str, blocked: str, say: Say, standing: Mapping[str, str]
 ) -> tuple[str, str]:
     if state == GONE:
         why = say(N_("no service answers; the PI drives carry on alone"))
@@ -203,7 +204,7 @@ def _why(
     return reason.why, reason.to_do
 
 
-def _also(seen: Seen, state: str, say: Say) -> Iterator[Reason]:
+def _also(seen: Observed, state: str, say: Say) -> Iterator[Reason]:
     """Yield what else stands against an armed output, where ``why`` says what does first."""
     if seen.facts is None or state in NOT_IN_THE_WAY or is_probing(seen):
         return
@@ -217,7 +218,7 @@ def rests(state: State) -> bool:
     return state not in (*GOES_OUT, State.ARMED)
 
 
-def values_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
+def values_of(seen: Observed, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
     """Yield every number by its slot, in the unit of the screen."""
     window = seen.window
     for tension in layout.tensions:
@@ -244,7 +245,7 @@ def values_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, f
     yield from ripple_of(seen, row, layout)
 
 
-def ripple_of(seen: Seen, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
+def ripple_of(seen: Observed, row: TickRow, layout: Layout) -> Iterator[tuple[str, float]]:
     """Yield the numbers of ``values_of`` that are of ripple: as measured, and of the orders."""
     window, facts = seen.window, seen.site
     for tension in layout.tensions:
@@ -304,7 +305,7 @@ def _is_heard_already(frequency: float, turn: float, kept: list[tuple[float, flo
 
 
 def _notes(
-    seen: Seen, row: TickRow, layout: Layout, values: dict[str, float | None], say: Say
+    seen: Observed, row: TickRow, layout: Layout, values: dict[str, float | None], say: Say
 ) -> Iterator[tuple[str, str]]:
     """Yield what a number of the ripple means now, and why there is none."""
     orders = row.orders()
@@ -357,7 +358,7 @@ def _duration(time_s: float) -> str:
     return f"{max(1, round(time_s / 10)) * 10} s" if time_s < 90.0 else f"{time_s / 60.0:.0f} min"
 
 
-def _events(seen: Seen, say: Say) -> Iterator[Happened]:
+def _events(seen: Observed, say: Say) -> Iterator[Happened]:
     """Yield the newest events, those of one kind in a row as one."""
     for shown, (code, group) in enumerate(groupby(seen.events, lambda one: one[0])):
         if shown == SHOWN_EVENTS:
@@ -368,10 +369,6 @@ def _events(seen: Seen, say: Say) -> Iterator[Happened]:
         times = f" ×{len(ages_s)}" if len(ages_s) > 1 else ""
         text = say(event.text) if event else ""
         yield Happened(name=name + times, text=text, ago_s=round(ages_s[0], 2))
-
-
-def _known(value: float) -> float | None:
-    return float(f"{value:.6g}") if math.isfinite(value) else None
 
 
 def _finite(value: float) -> float:

@@ -12,7 +12,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from aff_hmi.window import Window
+from aff_hmi.recent_window import RecentWindow
 from aff_runtime.app.door.client import DoorClient
 from aff_runtime.app.door.messages import PROTOCOL, Facts, Hello, RingGone, RingPassed, SentAway
 from aff_runtime.app.report.line_facts import LineFacts
@@ -29,7 +29,7 @@ Rows: TypeAlias = NDArray[np.float64] | Sequence[Sequence[float]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Seen:
+class Observed:
     """What is known at one moment; ages in s, None where nothing was ever seen.
 
     Attributes
@@ -53,7 +53,7 @@ class Seen:
     tick_age_s: float | None = None
     writer_lives: bool = False
     meta: RunMeta | None = None
-    window: Window | None = None
+    window: RecentWindow | None = None
     unread: int = 0
     events: tuple[tuple[int, float, float], ...] = ()
     trouble: str = ""
@@ -106,7 +106,7 @@ class Watch:
         self._facts: Facts | None = None
         self._facts_ns = 0
         self._ring: RingReader | None = None
-        self._window: Window | None = None
+        self._window: RecentWindow | None = None
         self._row: TickRow | None = None
         self._written = 0
         self._tick_ns: int | None = None
@@ -130,11 +130,11 @@ class Watch:
         """Whether a tick of this ring was seen to arrive."""
         return self._tick_ns is not None
 
-    def seen(self) -> Seen:
+    def seen(self) -> Observed:
         """Return what is known now."""
         now_ns = self._clock.now_ns()
         facts = self._facts
-        return Seen(
+        return Observed(
             facts=facts,
             facts_age_s=None if facts is None else (now_ns - self._facts_ns) * _S,
             row=self._row,
@@ -219,13 +219,13 @@ class Watch:
             events=events,
         )
 
-    def _new_window(self, ring: RingReader) -> Window:
+    def _new_window(self, ring: RingReader) -> RecentWindow:
         assert self._facts is not None
         assert self._facts.status.facts is not None
         facts = self._facts.status.facts
         kept = _measured(ring.columns)
         kept += [f"correction_{output.column}" for output in facts.outputs]
-        return Window(ring.columns, kept, facts.cycle_s)
+        return RecentWindow(ring.columns, kept, facts.cycle_s)
 
     def _drop_ring(self) -> None:
         if self._ring is not None:

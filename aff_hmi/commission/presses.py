@@ -11,12 +11,12 @@ from functools import partial
 
 from starlette.responses import Response
 
-from aff_hmi.asked import DONE, Answering, Asked, Said, because, done, refusal
 from aff_hmi.commission.in_language import refusal_in
 from aff_hmi.commission.link import Commission
 from aff_hmi.commission.sentences import sentence
 from aff_hmi.commission.settings_routes import difference
 from aff_hmi.hand import Hand
+from aff_hmi.press_request import DONE, Answering, PressRequest, Said, because, done, refusal
 from aff_hmi.sessions import Session
 from aff_runtime.app.commission.answers import Answer, Done
 from aff_runtime.app.commission.messages import WORDS, Refusal, Request, Why
@@ -26,7 +26,7 @@ SEARCH = 9  # the step that tries settings while the correction goes out
 PLAIN = ("begin", "verify", "stop", "close")  # requests with no more than who asks
 OF_A_TRY = (Action.TRY, Action.KEEP, Action.UNDO)
 NO_SENSE = Refusal(why=Why.NO_SENSE)
-Press = Callable[[Commission, Session, Asked], Awaitable[Answer | Reason]]
+Press = Callable[[Commission, Session, PressRequest], Awaitable[Answer | Reason]]
 """Takes the way to the commissioner, who pressed, and what; returns its answer, or why not."""
 
 
@@ -67,7 +67,7 @@ class CommissionPresses:
     def _changing(self, action: Action, request: Callable[[Said], Request]) -> Answering:
         return partial(self._answer, partial(self._changes_settings, action, request))
 
-    async def _answer(self, press: Press, asked: Asked) -> Response:
+    async def _answer(self, press: Press, asked: PressRequest) -> Response:
         session, commission = asked.session, self._commission
         assert session is not None
         against = self._pressed(asked)
@@ -81,14 +81,14 @@ class CommissionPresses:
         said = told.text if isinstance(told, Done) else ""
         return done(sentence(said, asked.say) if said else asked.say(DONE))
 
-    async def _difference(self, asked: Asked) -> Response:
+    async def _difference(self, asked: PressRequest) -> Response:
         """Answer what an edit would do."""
         against = self._pressed(asked)
         if against is not None or self._commission is None:
             return against or refusal(409, asked.say(WORDS[Why.SILENT]), Why.SILENT)
         return await difference(self._commission, asked)
 
-    def _pressed(self, asked: Asked) -> Response | None:
+    def _pressed(self, asked: PressRequest) -> Response | None:
         """Take note of a press; return why it is none of somebody who is still there."""
         assert asked.session is not None
         if self._sessions.is_idle(asked.session):
@@ -97,7 +97,7 @@ class CommissionPresses:
         return None
 
     async def _step(
-        self, commission: Commission, session: Session, asked: Asked
+        self, commission: Commission, session: Session, asked: PressRequest
     ) -> Answer | Reason:
         said = asked.said
         if said["step"] == SEARCH and (reasons := self._against(Action.TRY, asked)):
@@ -112,7 +112,7 @@ class CommissionPresses:
         return await commission.press(session, step)
 
     async def _settings(
-        self, commission: Commission, session: Session, asked: Asked
+        self, commission: Commission, session: Session, asked: PressRequest
     ) -> Answer | Reason:
         """Try what a step proposes, keep it, or take it back: it changes what goes out."""
         do = str(asked.said["do"])
@@ -127,14 +127,14 @@ class CommissionPresses:
         request: Callable[[Said], Request],
         commission: Commission,
         session: Session,
-        asked: Asked,
+        asked: PressRequest,
     ) -> Answer | Reason:
         """Pass on what changes what goes out, where ``action`` may be done now."""
         if reasons := self._against(action, asked):
             return reasons[0]
         return await commission.press(session, request(asked.said))
 
-    def _against(self, action: Action, asked: Asked) -> tuple[Reason, ...]:
+    def _against(self, action: Action, asked: PressRequest) -> tuple[Reason, ...]:
         return self._hand.reasons(action, asked.session, asked.place)
 
 
@@ -194,12 +194,12 @@ def _way_back(said: Said) -> Request:
     )
 
 
-async def _open(commission: Commission, session: Session, asked: Asked) -> Answer:
+async def _open(commission: Commission, session: Session, asked: PressRequest) -> Answer:
     over = bool(asked.said["over"])
     return await commission.open(session, str(asked.said["password"]), over=over)
 
 
-async def _do(commission: Commission, session: Session, asked: Asked) -> Answer:
+async def _do(commission: Commission, session: Session, asked: PressRequest) -> Answer:
     do = str(asked.said["do"])
     if do == "words":
         return await commission.press(session, Request(do=do, again=str(asked.said["again"])))
@@ -208,11 +208,13 @@ async def _do(commission: Commission, session: Session, asked: Asked) -> Answer:
     return NO_SENSE
 
 
-async def _plain(do: str, commission: Commission, session: Session, asked: Asked) -> Answer:
+async def _plain(do: str, commission: Commission, session: Session, asked: PressRequest) -> Answer:
     return await commission.press(session, Request(do=do))
 
 
-async def _of_windows(do: str, commission: Commission, session: Session, asked: Asked) -> Answer:
+async def _of_windows(
+    do: str, commission: Commission, session: Session, asked: PressRequest
+) -> Answer:
     """Pass on parts of runs: to look what they lack, or to refine with them."""
     said = asked.said
     named = Request(
@@ -224,7 +226,7 @@ async def _of_windows(do: str, commission: Commission, session: Session, asked: 
     return await commission.press(session, named)
 
 
-async def _exchange(commission: Commission, session: Session, asked: Asked) -> Answer:
+async def _exchange(commission: Commission, session: Session, asked: PressRequest) -> Answer:
     said = asked.said
     told = Request(
         do="exchange", roll=str(said["roll"]), on=str(said["on"]), reason=str(said["reason"])
@@ -232,13 +234,13 @@ async def _exchange(commission: Commission, session: Session, asked: Asked) -> A
     return await commission.press(session, told)
 
 
-async def _reply(commission: Commission, session: Session, asked: Asked) -> Answer:
+async def _reply(commission: Commission, session: Session, asked: PressRequest) -> Answer:
     said = asked.said
     reply = Request(do="answer", number=int(said["number"]), text=str(said["text"]))
     return await commission.press(session, reply)
 
 
-async def _sign(commission: Commission, session: Session, asked: Asked) -> Answer:
+async def _sign(commission: Commission, session: Session, asked: PressRequest) -> Answer:
     said = asked.said
     signature = Request(
         do="sign",

@@ -8,12 +8,11 @@ from starlette.requests import Request
 from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Route
 
-from aff_hmi.asked import Asked as Press
-from aff_hmi.asked import refusal
 from aff_hmi.commission.in_language import refusal_in
 from aff_hmi.commission.link import Commission
 from aff_hmi.commission.looks import Looks, number_in
 from aff_hmi.commission.settings_shown import difference_in, settings_in, version_in
+from aff_hmi.press_request import PressRequest, refusal
 from aff_runtime.app.commission.answers import DifferenceShown, SettingsShown, VersionShown
 from aff_runtime.app.commission.messages import Refusal
 from aff_runtime.app.commission.messages import Request as Asked
@@ -53,7 +52,7 @@ class SettingsData:
         return JSONResponse({"ok": True, "version": said})
 
 
-async def difference(commission: Commission, press: Press) -> Response:
+async def difference(commission: Commission, press: PressRequest) -> Response:
     """Answer what an edit would do: nothing goes out, and nothing is kept."""
     said = press.said
     asked = Asked(do="settings_diff", base=str(said["base"]), edits=str(said["edits"]))

@@ -12,13 +12,14 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import NDArray
 
-from aff_hmi.scope.shot import LONGEST, Asked, Shot
+from aff_hmi.scope.shot import LONGEST, Shot, ShotRequest
 from aff_hmi.scope.signals import THETA, Signal
 from aff_hmi.scope.spectrum import lines_of
 from aff_hmi.scope.ticks import Cut
 from aff_hmi.scope.turns import orders_of, turns_of
 from aff_hmi.words import Say
 from aff_runtime.base.events import BY_CODE
+from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
 
@@ -42,7 +43,7 @@ class Mark:
     name: str
 
 
-def encode(shot: Shot, asked: Asked, say: Say, ring: str = "") -> bytes:
+def encode(shot: Shot, asked: ShotRequest, say: Say, ring: str = "") -> bytes:
     """Return a shot as bytes: length of a head in JSON, head, times, signals, turns.
 
     Times are float64 from the first tick, s; the rest float32 in the order of the head, all
@@ -91,7 +92,7 @@ def waiting() -> bytes:
     return _LENGTH.pack(len(text)) + text
 
 
-def table(shot: Shot, asked: Asked) -> Iterator[list[str]]:
+def table(shot: Shot, asked: ShotRequest) -> Iterator[list[str]]:
     """Yield the rows of a file, the names first: exactly the ticks and signals that are shown."""
     cut = shot.cut
     wanted = _wanted(cut, asked)
@@ -109,14 +110,17 @@ def table(shot: Shot, asked: Asked) -> Iterator[list[str]]:
         yield [*head, _state(int(cut.states[n])), *cells]
 
 
-def _wanted(cut: Cut, asked: Asked) -> list[Signal]:
+def _wanted(cut: Cut, asked: ShotRequest) -> list[Signal]:
     signals = {one.name: one for one in cut.signals}
     return [signals[name] for name in asked.names]
 
 
 def _orders(turns: NDArray[np.float64], column: NDArray[np.float32]) -> Orders:
     amplitudes, floor = orders_of(turns, column)
-    return Orders(amplitudes=[_known(one) for one in amplitudes.tolist()], floor=_known(floor))
+    return Orders(
+        amplitudes=[finite_or_none(one, 5) for one in amplitudes.tolist()],
+        floor=finite_or_none(floor, 5),
+    )
 
 
 def _lines(cut: Cut, column: NDArray[np.float32]) -> list[list[float]]:
@@ -143,7 +147,3 @@ def _missed(cut: Cut) -> int:
 
 def _state(code: int) -> str:
     return State(code).name if code in State._value2member_map_ else str(code)
-
-
-def _known(value: float) -> float | None:
-    return float(f"{value:.5g}") if math.isfinite(value) else None

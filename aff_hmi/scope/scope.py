@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from aff_hmi.layout import Layout, label_of
-from aff_hmi.scope.shot import Asked, Shot, count_of, shot_of
+from aff_hmi.scope.shot import Shot, ShotRequest, count_of, shot_of
 from aff_hmi.scope.signals import NEEDED, THETA, Signal, signals_of
 from aff_hmi.scope.ticks import Cut, Ticks
-from aff_hmi.watch import News, Seen
+from aff_hmi.watch import News, Observed
 
 LOOKS_BACK_S = 60.0  # of a trigger, for what has fired already
 
@@ -31,7 +31,7 @@ class Scope:
         if self.ticks.is_of(news.ring, news.columns):
             self.ticks.add(news.records, news.events)
 
-    def look(self, seen: Seen, layout: Layout) -> None:
+    def look(self, seen: Observed, layout: Layout) -> None:
         """Begin anew with a ring that is another one, once the site is known."""
         site = seen.site
         ring, columns = self._news
@@ -51,7 +51,7 @@ class Scope:
         names = [one.name.removesuffix(THETA) for one in self.signals if one.name.endswith(THETA)]
         return tuple((name, label_of(name)) for name in names)
 
-    def shot(self, asked: Asked, kept: Cut | None = None) -> Shot | None:
+    def shot(self, asked: ShotRequest, kept: Cut | None = None) -> Shot | None:
         """Return the ticks that are wanted, of what arrives or of a window that is kept.
 
         None while a trigger has not fired.
@@ -66,7 +66,7 @@ class Scope:
             cut.of(name)
         return shot_of(cut, asked)
 
-    def _wanted(self, asked: Asked) -> Cut:
+    def _wanted(self, asked: ShotRequest) -> Cut:
         """Return the ticks that a shot can be of: few are copied, whatever is asked."""
         newest, cycle_s = self.ticks.newest(), self.ticks.cycle_s
         count = count_of(asked, cycle_s)

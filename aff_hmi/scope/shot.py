@@ -10,6 +10,7 @@ import numpy as np
 
 from aff_hmi.scope.ticks import Cut
 from aff_hmi.scope.trigger import EVENTS, LEVELS, On, Trigger, places
+from aff_runtime.base.numbers import finite_or_none
 
 SECONDS = (1, 2, 5, 10, 20)
 PRE_PERCENT = (0, 20, 50, 80, 100)
@@ -19,7 +20,7 @@ LONGEST = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
+class ShotRequest:
     """What a page wants of a scope.
 
     Attributes
@@ -51,7 +52,7 @@ class Shot:
     at: int | None = None
 
 
-def asked_of(query: Mapping[str, str]) -> Asked | None:
+def asked_of(query: Mapping[str, str]) -> ShotRequest | None:
     """Return what a request wants; None for what is no request of ours."""
     names = tuple(filter(None, query.get("signals", "").split(",")))[: MOST_SIGNALS + 1]
     texts = (*names, query.get("roll", ""), query.get("of", ""))
@@ -73,7 +74,7 @@ def asked_of(query: Mapping[str, str]) -> Asked | None:
     if not is_right:
         return None
     seconds, end, after, kept, pre = (int(numbers[one] or 0) for one in numbers)
-    return Asked(
+    return ShotRequest(
         names=names,
         seconds=seconds,
         roll=query.get("roll", ""),
@@ -101,15 +102,15 @@ def _real(text: str) -> float | None:
         value = float(text) if len(text) <= 30 else math.nan
     except ValueError:
         return None
-    return value if math.isfinite(value) else None
+    return finite_or_none(value)
 
 
-def count_of(asked: Asked, cycle_s: float) -> int:
+def count_of(asked: ShotRequest, cycle_s: float) -> int:
     """Return how many ticks a whole shot has."""
     return min(MOST_IN_SHOT, max(2, round(asked.seconds / cycle_s))) if cycle_s > 0.0 else 2
 
 
-def shot_of(cut: Cut, asked: Asked) -> Shot | None:
+def shot_of(cut: Cut, asked: ShotRequest) -> Shot | None:
     """Return the ticks that are wanted; None while a trigger has not fired, or is not whole yet.
 
     Raises

@@ -14,7 +14,7 @@ from aff_hmi.reason import MEANS
 from aff_hmi.see.alarm import Alarm
 from aff_hmi.see.events import Entry, Kind, insert, newest, prune
 from aff_hmi.see.store import Store
-from aff_hmi.watch import News, Seen
+from aff_hmi.watch import News, Observed
 from aff_hmi.wire_sentences import told
 from aff_hmi.words import N_
 from aff_runtime.app.door.messages import Facts
@@ -137,7 +137,7 @@ class Journal:
             utc_s = now_s - (end_s - record[at["time_s"]])
             self._write_all(self._changes(utc_s, int(record[at["tick"]]), int(state), roll_id))
 
-    def look(self, seen: Seen) -> None:
+    def look(self, seen: Observed) -> None:
         """Compare with the last look what the facts and the newest tick say; then keep it all."""
         self._hear(seen)
         self._clock_steps(seen.clock_step_s)
@@ -175,7 +175,7 @@ class Journal:
             self.add(Kind.SERVICE, "CLOCK", text, seconds=f"{step_s:+.1f}")
         self._stepped_s = step_s
 
-    def _hear(self, seen: Seen) -> None:
+    def _hear(self, seen: Observed) -> None:
         heard = seen.facts is not None and not seen.trouble
         if self._heard is not None and heard != self._heard:
             text = N_("the service is heard") if heard else N_("the service is not heard any more")
@@ -243,7 +243,7 @@ class Journal:
             )
         self._operators = notes
 
-    def _orders(self, seen: Seen) -> None:
+    def _orders(self, seen: Observed) -> None:
         """Tell of orders that begin to rest, and of those that work again."""
         assert seen.row is not None
         if seen.row.state is not State.ACTIVE or is_probing(seen):

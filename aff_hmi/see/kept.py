@@ -25,7 +25,7 @@ from aff_hmi.see.trend_part import GROUPS, WINDOW_WORDS, group_name
 from aff_hmi.see.trend_rows import SCHEMA as TREND_SCHEMA
 from aff_hmi.see.trends import Trends
 from aff_hmi.view import GONE, state_of
-from aff_hmi.watch import News, Seen
+from aff_hmi.watch import News, Observed
 from aff_hmi.words import N_, Say, say_in
 from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.app.hand.messages import LOGIN_REFUSED
@@ -109,7 +109,7 @@ class Kept:
         self._columns: tuple[str, ...] = ()
         self._ring = ""
         self._looked_ns: int | None = None
-        self._seen = Seen()
+        self._seen = Observed()
         self._layout = Layout()
         self._texts: dict[tuple[str, str], str] = {}
         self._parts: dict[str, Callable[[Say], Part]] = {
@@ -162,7 +162,7 @@ class Kept:
         """Whether a moment is looked at now: twice a second at most."""
         return self._looked_ns is None or self._clock.now_ns() - self._looked_ns >= LOOK_NS
 
-    def look(self, seen: Seen, layout: Layout) -> None:
+    def look(self, seen: Observed, layout: Layout) -> None:
         """Take note of a moment, where one is due."""
         if not self.is_due:
             return

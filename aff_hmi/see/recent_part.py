@@ -12,6 +12,7 @@ from aff_hmi.layout import Layout
 from aff_hmi.see.series import MEASURED, NOW, VALUE, Series
 from aff_hmi.see.trend_rows import LARGEST, LEAST, MEAN, coarser
 from aff_hmi.see.trends import Trends
+from aff_runtime.base.numbers import finite_or_none
 
 WINDOW_S, BIN_S = 600, 10
 FEWEST_S = 60  # seconds with data that a band needs
@@ -77,7 +78,7 @@ def _lines(trends: Trends, layout: Layout, ends_s: int) -> Iterator[Trace]:
         means = np.full(WINDOW_S // BIN_S, np.nan)
         is_inside = (bin_index >= 0) & (bin_index < len(means))
         means[bin_index[is_inside]] = found.bins[is_inside, MEAN, n]
-        yield Trace(slot=slot, means=tuple(map(_known, means)))
+        yield Trace(slot=slot, means=tuple(finite_or_none(one, 4) for one in means))
 
 
 def _bands(trends: Trends, layout: Layout) -> Iterator[Band]:
@@ -93,7 +94,3 @@ def _bands(trends: Trends, layout: Layout) -> Iterator[Band]:
             low = np.percentile(known[:, LEAST], LOW_PERCENT)
             high = np.percentile(known[:, LARGEST], HIGH_PERCENT)
             yield Band(slot=slot, low=float(f"{low:.5g}"), high=float(f"{high:.5g}"))
-
-
-def _known(value: float) -> float | None:
-    return float(f"{value:.4g}") if math.isfinite(value) else None

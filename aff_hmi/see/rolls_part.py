@@ -11,7 +11,7 @@ from typing import Protocol
 from aff_hmi.layout import label_of
 from aff_hmi.notices import place_key, why_it_rests
 from aff_hmi.view import GOES_OUT
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.words import N_, Say
 from aff_runtime.app.report.block_status import N_M_PER_MM, SHAPE, WORDS, at_encoder_zero_deg
 from aff_runtime.app.report.line_facts import LineFacts, OutputFacts, RollFacts
@@ -123,7 +123,7 @@ class History(Protocol):
         """Whether an order has grown steadily."""
 
 
-def rolls_part(seen: Seen, say: Say, history: History | None = None) -> RollsPart:
+def rolls_part(seen: Observed, say: Say, history: History | None = None) -> RollsPart:
     """Return the part of a frame that is of rolls; empty while no tick is seen.
 
     Parameters

@@ -14,7 +14,7 @@ from aff_hmi.notices import place_key
 from aff_hmi.see.rolls_part import STEP_DEG, degrees_of, of_rolls, weights_mm
 from aff_hmi.see.trend_rows import MEAN, MINUTE_S, coarser
 from aff_hmi.see.trends import FINE, Trends
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
 
@@ -65,7 +65,7 @@ class ShapeHistory:
         """Number of the roll that came last, and wall time since when; NaN for none."""
         return self._since
 
-    def look(self, seen: Seen) -> None:
+    def look(self, seen: Observed) -> None:
         """Take note of a moment: of every roll once a turn, while the correction goes out."""
         site = seen.site
         row, meta = seen.row, seen.meta

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ from aff_hmi.see.series import MEASURED, NOW, REFERENCE, VALUE, WITHOUT, Series
 from aff_hmi.see.trend_rows import LARGEST, LEAST, MEAN
 from aff_hmi.see.trends import Curves
 from aff_hmi.words import N_, Say
+from aff_runtime.base.numbers import finite_or_none
 
 GROUPS = {
     "ripple": N_("Ripple, rms"),
@@ -128,6 +128,6 @@ def label(one: Series, say: Say) -> str:
 
 def _numbers(values: object) -> list[float | None]:
     return [
-        float(f"{value:.4g}") if math.isfinite(value) else None
+        finite_or_none(value, 4)
         for value in values.tolist()  # type: ignore[attr-defined]
     ]

@@ -26,7 +26,7 @@ from aff_hmi.see.trend_rows import (
     put_minute,
 )
 from aff_hmi.view import ripple_of
-from aff_hmi.watch import News, Seen
+from aff_hmi.watch import News, Observed
 
 FINE = 3600  # seconds in memory
 MOST_POINTS = 300
@@ -93,7 +93,7 @@ class Trends:
             self._turn()
             self._rows.append(self._set.of_ticks(news.records))
 
-    def look(self, seen: Seen, layout: Layout, columns: tuple[str, ...]) -> None:
+    def look(self, seen: Observed, layout: Layout, columns: tuple[str, ...]) -> None:
         """Take a sample of what is worked out from a tick.
 
         Parameters

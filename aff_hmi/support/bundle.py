@@ -18,7 +18,7 @@ from aff_hmi.metrics import answer_of
 from aff_hmi.see.alarm_part import AlarmPart, EventLine
 from aff_hmi.see.data_routes import harmless
 from aff_hmi.timing.timing import TimingPart
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.words import N_
 from aff_runtime import __version__
 from aff_runtime.base.printable import printable
@@ -52,7 +52,7 @@ Who helps may ask for more; on the gateway:
 
 
 def files_of(
-    seen: Seen,
+    seen: Observed,
     *,
     alarms: AlarmPart,
     events: Sequence[EventLine],

@@ -18,7 +18,7 @@ from aff_hmi.see.alarm_part import event_line
 from aff_hmi.see.kept import Kept
 from aff_hmi.support.bundle import MOST_EVENTS, files_of, zipped
 from aff_hmi.timing.timing import Timing
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.words import say_in
 from aff_runtime.base.ports import Clock
 
@@ -40,11 +40,11 @@ class SupportDesk:
         self._timing = timing
         self._clock = clock
         self._metrics = metrics
-        self._seen = Seen()
+        self._seen = Observed()
         self._made: tuple[int, bytes] | None = None
         self._one = asyncio.Lock()
 
-    def look(self, seen: Seen, layout: Layout) -> None:
+    def look(self, seen: Observed, layout: Layout) -> None:
         """Take note of a moment."""
         self._seen = seen
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from aff_hmi.layout import Layout
 from aff_hmi.waiting import Waiting
-from aff_hmi.watch import News, Seen
+from aff_hmi.watch import News, Observed
 from aff_runtime.app.report.line_facts import VELOCITY, LineFacts, RollFacts
 from aff_runtime.app.report.metrics.readings import TICK_PATIENCE_S, Sample
 from aff_runtime.base.events import TABLE
@@ -31,7 +31,7 @@ class Tallies:
     def __init__(self, clock: Clock) -> None:
         self._heard_ns = float(clock.now_ns())
         self._site: LineFacts | None = None
-        self._seen = Seen()
+        self._seen = Observed()
         self._waiting = Waiting()
         self._events: Counter[str] = Counter(dict.fromkeys(EVENTS.values(), 0))
         self._outcomes: Counter[int] = Counter()
@@ -59,7 +59,7 @@ class Tallies:
             rows = np.asarray(news.records, dtype=float)
             self._add(_Ticks(news.columns, rows), self._site)
 
-    def look(self, seen: Seen, layout: Layout) -> None:
+    def look(self, seen: Observed, layout: Layout) -> None:
         """Take note of a moment; what came before another site was told is of the one before."""
         self._seen = seen
         if seen.site is not self._site:

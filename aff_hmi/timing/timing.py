@@ -13,13 +13,13 @@ from aff_hmi.hand import Hand
 from aff_hmi.layout import Layout
 from aff_hmi.see.store import Store
 from aff_hmi.timing.histogram import EDGES_US, Figures, Times
-from aff_hmi.timing.own import Own, own
 from aff_hmi.timing.rights import RightLine, right_lines
+from aff_hmi.timing.usage import ServerUsage, server_usage
 from aff_hmi.timing.who import WhoLine, who_lines
 from aff_hmi.waiting import Waiting
-from aff_hmi.watch import News, Seen
+from aff_hmi.watch import News, Observed
 from aff_hmi.words import N_, Say
-from aff_runtime.app.report.metrics.readings import Spread
+from aff_runtime.app.report.metrics.readings import MetricHistogram
 from aff_runtime.base.machine import Machine, machine
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
@@ -79,7 +79,7 @@ class TimingPart:
     rights: tuple[RightLine, ...]
     kernel: str
     machine: Machine
-    own: Own
+    own: ServerUsage
     sockets: int
     frames: int
     skipped: int
@@ -105,7 +105,7 @@ class Timing:
         self._late = self._ticks = 0
         self._machine = machine()
         self._machine_ns = clock.now_ns()
-        self._seen = Seen()
+        self._seen = Observed()
         self._waiting = Waiting()
 
     def listen(self, news: News) -> None:
@@ -131,7 +131,7 @@ class Timing:
                 if name == "tick_us":
                     self._late += int((values > 1e6 * self._cycle_s).sum())
 
-    def look(self, seen: Seen, layout: Layout) -> None:
+    def look(self, seen: Observed, layout: Layout) -> None:
         """Take note of a moment."""
         self._seen = seen
         site = seen.site
@@ -165,7 +165,7 @@ class Timing:
             rights=right_lines(seen.meta.rights if seen.meta is not None else (), say),
             kernel=printable(seen.meta.machine, 120) if seen.meta is not None else "",
             machine=self._machine,
-            own=own(),
+            own=server_usage(),
             sockets=self._counts.sockets,
             frames=self._counts.sent,
             skipped=self._counts.skipped,
@@ -173,7 +173,7 @@ class Timing:
             who=who_lines(self._hand, say),
         )
 
-    def spreads(self) -> Iterator[Spread]:
+    def histograms(self) -> Iterator[MetricHistogram]:
         """Yield the times of every tick that was seen as histograms of a monitoring system."""
         self._count()
         for name, metric in METRICS.items():
@@ -181,7 +181,7 @@ class Timing:
             below = np.cumsum(whole.counts)
             edges = [float(f"{1e-6 * edge:.3g}") for edge in EDGES_US[TOLD]]
             counts = [float(count) for count in below[:-1][TOLD]]
-            yield Spread(
+            yield MetricHistogram(
                 metric,
                 (*zip(edges, counts, strict=True), (math.inf, float(below[-1]))),
                 1e-6 * whole.total_us,

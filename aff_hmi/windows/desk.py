@@ -12,7 +12,7 @@ from aff_hmi.scope.ticks import Cut
 from aff_hmi.see.events import Kind
 from aff_hmi.see.journal import Journal
 from aff_hmi.see.store import Store
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.windows.rows import (
     SHARE,
     SHARE_OF_ALARMS,
@@ -64,7 +64,7 @@ class WindowDesk:
         self._facts: Facts | None = None
         store.put(begin)
 
-    def look(self, seen: Seen, layout: Layout) -> None:
+    def look(self, seen: Observed, layout: Layout) -> None:
         """Take note of which run and which settings a window would be of."""
         self._line = layout.line
         facts = seen.facts

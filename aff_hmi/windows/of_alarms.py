@@ -8,7 +8,7 @@ from aff_hmi.layout import Layout
 from aff_hmi.see.alarm import Alarm
 from aff_hmi.see.alarm_book import AlarmBook
 from aff_hmi.see.alarm_part import AROUND_S
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.windows.desk import WindowDesk
 from aff_runtime.base.ports import Clock
 
@@ -31,7 +31,7 @@ class AlarmWindows:
         self._clock = clock
         self._done: deque[tuple[str, int]] = deque(maxlen=REMEMBERED)
 
-    def look(self, seen: Seen, layout: Layout) -> None:
+    def look(self, seen: Observed, layout: Layout) -> None:
         """Keep what is whole by now."""
         for alarm in self._book.shown():
             self._keep(alarm)

@@ -15,7 +15,7 @@ from starlette.routing import BaseRoute, Route
 
 from aff_hmi.scope.picture import encode, table, waiting
 from aff_hmi.scope.scope import Scope
-from aff_hmi.scope.shot import Asked, Shot, asked_of
+from aff_hmi.scope.shot import Shot, ShotRequest, asked_of
 from aff_hmi.see.data_routes import NO_SENSE, NOT_NOW, harmless, refused
 from aff_hmi.windows.desk import NOT_THERE, WindowDesk
 from aff_hmi.words import Say
@@ -85,7 +85,7 @@ class ScopeData:
             return refused(503, self._say_of(request)(NOT_NOW))
         return JSONResponse({"ok": True, "windows": [asdict(one) for one in kept]})
 
-    async def _shot(self, request: Request, asked: Asked | None) -> Shot | Response | None:
+    async def _shot(self, request: Request, asked: ShotRequest | None) -> Shot | Response | None:
         say = self._say_of(request)
         if asked is None:
             return refused(400, say(NO_SENSE))
@@ -100,7 +100,7 @@ class ScopeData:
             return refused(503, say(NOT_NOW))
 
 
-def _written(shot: Shot, asked: Asked) -> str:
+def _written(shot: Shot, asked: ShotRequest) -> str:
     text = io.StringIO()
     writer = csv.writer(text)
     for n, row in enumerate(table(shot, asked)):

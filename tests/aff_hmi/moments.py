@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from aff_hmi.watch import Seen
-from aff_hmi.window import Window
+from aff_hmi.recent_window import RecentWindow
+from aff_hmi.watch import Observed
 from aff_runtime.app.door.messages import Facts
 from aff_runtime.app.report.line_facts import LineFacts, OutputFacts, RollFacts
 from aff_runtime.app.report.status_answer import Meeting, StatusAnswer
@@ -91,12 +91,12 @@ def facts(**more: object) -> Facts:
     return Facts(status=replace(status, **more), **named)  # type: ignore[arg-type]
 
 
-def seen(values: dict[str, float] | None = None, **more: object) -> Seen:
+def seen(values: dict[str, float] | None = None, **more: object) -> Observed:
     """Return a moment in which all is well."""
     values = row() if values is None else values
-    window = Window(tuple(values), tuple(values), LINE.cycle_s)
+    window = RecentWindow(tuple(values), tuple(values), LINE.cycle_s)
     window.add(np.tile(np.array(tuple(values.values())), (2000, 1)))
-    moment = Seen(
+    moment = Observed(
         facts=facts(),
         facts_age_s=0.1,
         row=TickRow(values),

@@ -14,10 +14,11 @@ from starlette.websockets import WebSocket
 
 from aff_hmi.gate import Gate, Rates
 from aff_hmi.hand import Hand
-from aff_hmi.hub import Hub, Viewer
+from aff_hmi.hub import Hub
 from aff_hmi.pages import Pages
 from aff_hmi.see.kept import Kept
-from aff_hmi.watch import Seen, Watch
+from aff_hmi.viewer import Viewer
+from aff_hmi.watch import Observed, Watch
 from aff_runtime.app.hand import accounts
 from aff_runtime.app.hand.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.hand.may import Place, Role
@@ -110,6 +111,7 @@ class Pressed:
         self.kept = None
         if keeps:
             self.kept = Kept(None, self.clock, can_be_seen=True, wall=lambda: self.wall_s)
+            self.hand.desk.told = self.kept.person
         watch = Watch(folder / "door.sock", self.clock)
         self.hub = Hub(watch, self.clock, self.hand, self.kept, commission)
         self.is_tls = is_tls
@@ -131,7 +133,7 @@ class Pressed:
     ) -> None:
         """Make a frame in which the guard has a state."""
         told = facts(blocked=blocked, also_blocking=also)
-        seen = Seen(
+        seen = Observed(
             facts=replace(told, status=replace(told.status, trying=self._trying)),
             facts_age_s=0.1,
             row=TickRow(row(state, **more)),

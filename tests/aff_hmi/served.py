@@ -45,6 +45,8 @@ async def served(
 ) -> AsyncIterator[tuple[int, Hub]]:
     """Serve the screen of a watch, with its history and its hand where there are such."""
     port = free_port()
+    if hand is not None and kept is not None:
+        hand.desk.told = kept.person
     hub = Hub(watch, MonotonicClock(), hand, kept)
     place = listening(f"{address}:{port}", ("aff-line1",), *(tls or (None, None)), None)
     server = Unhurried(config_of(place, hub, "en"), place)

@@ -14,9 +14,9 @@ pytest.importorskip("starlette")
 from starlette.requests import HTTPConnection
 from starlette.routing import Route
 
-from aff_hmi.asked import TABLE
 from aff_hmi.gate import BURST, MAX_BODY_BYTES
 from aff_hmi.hand_routes import place_of
+from aff_hmi.press_request import TABLE
 from aff_runtime.app.hand.accounts import Account, secret_of, with_pin, write_accounts
 from aff_runtime.app.hand.may import Code, Place, Reason, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Welcome

@@ -15,7 +15,7 @@ pytest.importorskip("prometheus_client")
 
 from prometheus_client import parser
 
-from aff_hmi.counted import Counted
+from aff_hmi.count_middleware import CountMiddleware
 from aff_hmi.gate import BURST, Gate, Rates
 from aff_hmi.hub import Hub
 from aff_hmi.metrics import FACTS_PATIENCE_S, KEPT_NS, Metrics, answer_of
@@ -119,7 +119,7 @@ def test_every_answer_is_counted_by_route_and_status_and_no_path_is_a_label() ->
     clock = VirtualClock(1)
     hub = Hub(Watch(Path("/nowhere"), clock), clock)
     gate = Gate(Pages(hub, "en", clock).app(), [HOST], Rates(clock))
-    app = Counted(gate, hub.counts, clock)
+    app = CountMiddleware(gate, hub.counts, clock)
     for path in ("/", "/", "/static/icon.svg", "/static/x", "/<script>", "/admin"):
         get(app, path)
     get(app, "/", headers=[("host", "evil.example")])

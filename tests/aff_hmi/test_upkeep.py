@@ -9,7 +9,7 @@ import pytest
 
 from aff_hmi.notices import conditions_of, notices_of
 from aff_hmi.see.alarm_book import AlarmBook
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.words import say_in
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_hmi.moments import facts, seen
@@ -20,12 +20,12 @@ MB = 1_000_000
 ROOM: dict[str, Any] = {"kept_bytes": 100 * MB, "max_bytes": 500 * MB, "disk_bytes": 8000 * MB}
 
 
-def recorded(**more: Any) -> Seen:
+def recorded(**more: Any) -> Observed:
     report = RecorderReport(folder="/r", rows=1, alive=True, **{**ROOM, **more})
     return seen(facts=facts(recorder=report))
 
 
-def names(moment: Seen) -> list[str]:
+def names(moment: Observed) -> list[str]:
     return [one.name for one in conditions_of(moment, "READY")]
 
 

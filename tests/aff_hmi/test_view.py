@@ -12,7 +12,7 @@ from aff_hmi.layout import Layout, label_of, layout_of
 from aff_hmi.notices import FACTS_OLD_S, conditions_of, notices_of
 from aff_hmi.reason import reason_of
 from aff_hmi.view import View, view_of
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.words import say_in
 from aff_runtime.app.report.alarm_table import PRIORITIES
 from aff_runtime.app.report.line_facts import RollFacts
@@ -30,12 +30,12 @@ from tests.parameter_records import EUCLID
 SAY = say_in("en")
 
 
-def layout(moment: Seen) -> Layout:
+def layout(moment: Observed) -> Layout:
     assert moment.row is not None
     return layout_of(moment.facts, tuple(c.name for c in moment.row.channels))
 
 
-def shown(moment: Seen) -> View:
+def shown(moment: Observed) -> View:
     return view_of(moment, layout(seen()), SAY)
 
 
@@ -150,7 +150,7 @@ def test_a_control_process_that_has_died_has_no_age_and_no_state() -> None:
 
 
 def test_no_service_is_said_with_what_to_do() -> None:
-    view = view_of(Seen(trouble="gone"), Layout(), SAY)
+    view = view_of(Observed(trouble="gone"), Layout(), SAY)
     assert (view.state, view.word) == ("GONE", "NO SERVICE")
     assert "journalctl" in view.to_do
     assert view.values == {}

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from aff_hmi.recent_window import WINDOW_S, RecentWindow
 from aff_hmi.watch import RETRY_NS, Watch
-from aff_hmi.window import WINDOW_S, Window
 from tests.aff_runtime.app.door.stand import Stand
 
 
@@ -107,7 +107,7 @@ def test_a_door_that_closes_is_told_and_knocked_at_again(
 
 def test_rms_needs_a_full_window_and_is_that_of_a_sine() -> None:
     np = pytest.importorskip("numpy")
-    window = Window(("x", "y"), ("y",), 0.005)
+    window = RecentWindow(("x", "y"), ("y",), 0.005)
     time_s = np.arange(0.0, WINDOW_S, 0.005)
     rows = [(t, 90.0 + 3.0 * np.cos(2.0 * np.pi * 0.9 * t)) for t in time_s]
     window.add(rows[: len(rows) // 2])
@@ -119,7 +119,7 @@ def test_rms_needs_a_full_window_and_is_that_of_a_sine() -> None:
 
 
 def test_a_hole_in_the_window_is_no_number() -> None:
-    window = Window(("y",), ("y",), 0.005)
+    window = RecentWindow(("y",), ("y",), 0.005)
     window.add([(1.0,)] * 1700 + [(float("nan"),)] * 300)
     assert window.rms("y") != window.rms("y")
     assert window.mean_now("y") != window.mean_now("y")

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 from unittest.mock import patch
 
-from aff_hmi.asked import TABLE
 from aff_hmi.frames import said_by
+from aff_hmi.press_request import TABLE
 from aff_runtime.app.hand import accounts
 from aff_runtime.base.signals import State
 from tests.aff_hmi.pressed import Browser, Pressed

@@ -14,7 +14,7 @@ from aff_hmi.hub import Hub
 from aff_hmi.listening import listening
 from aff_hmi.see.kept import Kept
 from aff_hmi.server import Unhurried, config_of
-from aff_hmi.watch import News, Seen
+from aff_hmi.watch import News, Observed
 from aff_runtime.app.hand.accounts import Account, secret_of, write_accounts
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.hand.messages import Answer, Command, Notice, Welcome
@@ -51,7 +51,7 @@ class Shown:
     def poll(self) -> None:
         pass
 
-    def seen(self) -> Seen:
+    def seen(self) -> Observed:
         return self.moment
 
     def close(self) -> None:
@@ -100,6 +100,8 @@ class Stage:
         self.desk = Desk()
         hand = self._hand(folder) if folder is not None else None
         kept = Kept(None, MonotonicClock(), can_be_seen=hand is not None) if keeps else None
+        if hand is not None and kept is not None:
+            hand.desk.told = kept.person
         self._hub = Hub(self.watch, MonotonicClock(), hand, kept, commission)  # type: ignore[arg-type]
         place = listening(f"127.0.0.1:{free_port()}", (), None, None, None)
         (self.url,) = place.urls
@@ -124,7 +126,7 @@ class Stage:
         polling.cancel()
         await asyncio.gather(polling, return_exceptions=True)
 
-    def show(self, shown: Seen) -> int:
+    def show(self, shown: Observed) -> int:
         """Have every page show a moment; return the number of the newest frame without it."""
         self.watch.moment = shown
         return self._hub._number
@@ -138,10 +140,10 @@ class Stage:
         self._thread.join(20.0)
 
 
-def moment(name: str, **more: Any) -> Seen:
+def moment(name: str, **more: Any) -> Observed:
     """Return a moment of a line with two actuators: a guard's state, or one of ``STATES``."""
     if name == "GONE":
-        return Seen(trouble="/run/aff-door/door.sock: no service opens this door")
+        return Observed(trouble="/run/aff-door/door.sock: no service opens this door")
     state = State.ACTIVE if name in ("RESTING", "PROBING", "SILENT") else State[name]
     values = _row(state)
     status = facts(facts=SITE, probing=name == "PROBING", **more).status

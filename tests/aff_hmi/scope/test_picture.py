@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from aff_hmi.scope.picture import encode, table, waiting
-from aff_hmi.scope.shot import Asked, Shot, shot_of
+from aff_hmi.scope.shot import Shot, ShotRequest, shot_of
 from aff_hmi.words import say_in
 from tests.aff_hmi.scope.played import CYCLE_S, UTC_S, cut_of
 
@@ -37,7 +37,7 @@ def read(raw: bytes) -> tuple[Any, list[list[float]]]:
 
 def test_a_shot_is_read_back_tick_by_tick() -> None:
     cut = cut_of(100, lambda n: math.nan if n == 50 else 0.5 * n)
-    asked = Asked(names=(T, "age_s"), roll="unwind", seconds=1)
+    asked = ShotRequest(names=(T, "age_s"), roll="unwind", seconds=1)
     head, (times, tension, age, turns) = read(encode(Shot(cut=cut, at=7), asked, EN, "abc"))
     assert (head["n"], head["first"], head["last"], head["trigger_tick"]) == (100, 0, 99, 7)
     assert head["ring"] == "abc"
@@ -63,25 +63,25 @@ def test_missing_ticks_are_counted_and_changes_are_marked() -> None:
         cycle_s=cut.cycle_s,
         utc_s=cut.utc_s,
     )
-    head, _ = read(encode(Shot(cut=holed), Asked(names=()), EN))
+    head, _ = read(encode(Shot(cut=holed), ShotRequest(names=()), EN))
     assert head["missed"] == 5
     assert [one["at_s"] for one in head["marks"]] == [pytest.approx(40 * CYCLE_S)]
 
 
 def test_nothing_is_told_of_no_ticks_and_of_a_trigger_that_waits() -> None:
-    empty = shot_of(cut_of(0, float), Asked(names=(T,)))
+    empty = shot_of(cut_of(0, float), ShotRequest(names=(T,)))
     assert empty is not None
-    head, _ = read(encode(empty, Asked(names=(T,)), EN))
+    head, _ = read(encode(empty, ShotRequest(names=(T,)), EN))
     assert (head["n"], head["utc_s"]) == (0, None)
     head, _ = read(waiting())
     assert head["n"] == -1
 
 
 def test_the_file_has_exactly_what_is_shown() -> None:
-    shot = shot_of(cut_of(1000, float), Asked(names=(T,), seconds=1, end=499))
+    shot = shot_of(cut_of(1000, float), ShotRequest(names=(T,), seconds=1, end=499))
     assert shot is not None
     text = io.StringIO()
-    csv.writer(text).writerows(table(shot, Asked(names=(T,), roll="unwind")))
+    csv.writer(text).writerows(table(shot, ShotRequest(names=(T,), roll="unwind")))
     rows = list(csv.DictReader(io.StringIO(text.getvalue())))
     assert [int(one["tick"]) for one in rows] == list(range(300, 500))
     assert [float(one[f"{T} [N]"]) for one in rows] == list(range(300, 500))

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from aff_hmi.scope.shot import Asked, asked_of, shot_of
+from aff_hmi.scope.shot import ShotRequest, asked_of, shot_of
 from aff_hmi.scope.ticks import Ticks
 from aff_hmi.scope.trigger import On, Trigger, places
 from aff_runtime.base.events import BY_NAME
@@ -54,7 +54,7 @@ def test_a_change_of_state_and_events_fire() -> None:
 @pytest.mark.parametrize(("pre", "first"), [(0, 500), (20, 460), (50, 400), (80, 340), (100, 301)])
 def test_a_shot_lies_around_its_trigger(pre: int, first: int) -> None:
     cut = cut_of(1000, float)
-    asked = Asked(names=(T,), seconds=1, trigger=at(On.RISE, 500.0), pre_percent=pre)
+    asked = ShotRequest(names=(T,), seconds=1, trigger=at(On.RISE, 500.0), pre_percent=pre)
     shot = shot_of(cut, asked)
     assert shot is not None
     assert shot.at is not None
@@ -64,14 +64,16 @@ def test_a_shot_lies_around_its_trigger(pre: int, first: int) -> None:
 
 
 def test_a_shot_that_is_not_whole_yet_is_waited_for() -> None:
-    asked = Asked(names=(T,), seconds=1, trigger=at(On.RISE, 500.0), pre_percent=20)
+    asked = ShotRequest(names=(T,), seconds=1, trigger=at(On.RISE, 500.0), pre_percent=20)
     assert shot_of(cut_of(600, float), asked) is None
     assert shot_of(cut_of(660, float), asked) is not None
 
 
 def test_a_trigger_counts_after_a_tick() -> None:
     cut = cut_of(1000, lambda n: float(n % 100))
-    asked = Asked(names=(T,), seconds=1, trigger=at(On.RISE, 50.0), after=250, pre_percent=20)
+    asked = ShotRequest(
+        names=(T,), seconds=1, trigger=at(On.RISE, 50.0), after=250, pre_percent=20
+    )
     shot = shot_of(cut, asked)
     assert shot is not None
     assert shot.at is not None
@@ -80,8 +82,8 @@ def test_a_trigger_counts_after_a_tick() -> None:
 
 def test_without_a_trigger_it_ends_where_it_is_asked_to() -> None:
     cut = cut_of(1000, float)
-    assert shot_of(cut, Asked(names=(T,), seconds=1)).cut.ticks[-1] == 999  # type: ignore[union-attr]
-    found = shot_of(cut, Asked(names=(T,), seconds=2, end=700))
+    assert shot_of(cut, ShotRequest(names=(T,), seconds=1)).cut.ticks[-1] == 999  # type: ignore[union-attr]
+    found = shot_of(cut, ShotRequest(names=(T,), seconds=2, end=700))
     assert found is not None
     assert (found.cut.ticks[0], found.cut.ticks[-1]) == (301, 700)
 
@@ -116,7 +118,7 @@ def test_what_is_no_request_of_ours_is_none(query: dict[str, str]) -> None:
 
 def test_a_right_request_is_read() -> None:
     said = {"signals": f"{T},age_s", "seconds": "10", "on": "rise", "of": T, "level": "-1.5"}
-    assert asked_of(said | {"after": "7", "pre": "50", "roll": "unwind"}) == Asked(
+    assert asked_of(said | {"after": "7", "pre": "50", "roll": "unwind"}) == ShotRequest(
         names=(T, "age_s"),
         seconds=10,
         roll="unwind",

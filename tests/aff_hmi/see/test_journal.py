@@ -10,7 +10,7 @@ import pytest
 from aff_hmi.see.events import SCHEMA, Entry, Wanted, select
 from aff_hmi.see.journal import Journal
 from aff_hmi.see.store import Store
-from aff_hmi.watch import News, Seen
+from aff_hmi.watch import News, Observed
 from aff_runtime.app.report.status_answer import OperatorNote
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
@@ -33,7 +33,7 @@ class Told:
     def begun(self) -> Journal:
         return Journal(self.store, self.clock, lambda: WALL_S)
 
-    def look(self, moment: Seen | None = None, *, after_s: float = 0.5) -> None:
+    def look(self, moment: Observed | None = None, *, after_s: float = 0.5) -> None:
         self.clock.advance_ns(round(after_s * S))
         self.journal.look(seen() if moment is None else moment)
 

@@ -9,7 +9,7 @@ from dataclasses import asdict, replace
 import pytest
 
 from aff_hmi.see.rolls_part import FEWEST_ORDERS, STEP_DEG, RollPart, rolls_part
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.words import say_in
 from aff_runtime.app.report.line_facts import RollFacts
 from aff_runtime.base.signals import State
@@ -29,7 +29,7 @@ def order(name: str, number: int, mm: float, deg: float, **more: float) -> dict[
     return {f"unwind.{name}_{number}x.{key}": v for key, v in (values | more).items()}
 
 
-def moment(*orders: dict[str, float], **more: float) -> Seen:
+def moment(*orders: dict[str, float], **more: float) -> Observed:
     plain = {k: v for k, v in row().items() if not k.startswith("unwind.")}
     for one in orders:
         plain |= one
@@ -139,7 +139,7 @@ def test_orders_of_a_fixed_roll_have_no_crossings_of_their_own() -> None:
 
 
 def test_without_ticks_or_facts_there_is_nothing() -> None:
-    assert rolls_part(Seen(), SAY).rolls == ()
+    assert rolls_part(Observed(), SAY).rolls == ()
     assert rolls_part(replace(seen(), facts=None), SAY).rolls == ()
     assert rolls_part(seen(facts=facts(facts=None)), SAY).rolls == ()
 

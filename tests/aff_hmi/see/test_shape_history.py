@@ -16,7 +16,7 @@ from aff_hmi.see.shape_history import FEWEST, TURNS, ShapeHistory
 from aff_hmi.see.store import Store
 from aff_hmi.see.trend_rows import SCHEMA
 from aff_hmi.see.trends import Trends
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.words import say_in
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
@@ -34,7 +34,7 @@ BASE = replace(moment(), window=None)
 PLAIN = {name: value for name, value in row().items() if not name.startswith("unwind.")}
 
 
-def at_moment(orders: Sequence[dict[str, float]], more: dict[str, float]) -> Seen:
+def at_moment(orders: Sequence[dict[str, float]], more: dict[str, float]) -> Observed:
     """Return a moment with these orders; one like it is not built anew each time."""
     values = dict(PLAIN)
     for one in orders:
@@ -50,7 +50,7 @@ class Roll:
         self.store = Store(None, ())
         self.history = ShapeHistory(Trends(self.store, lambda: self.time_s), lambda: self.time_s)
 
-    def turn(self, *sizes_mm: float, **more: float) -> Seen:
+    def turn(self, *sizes_mm: float, **more: float) -> Observed:
         orders = [order("unwind", n + 1, mm, 0.0) for n, mm in enumerate(sizes_mm)]
         found = BASE
         for _ in range(2):
@@ -125,7 +125,7 @@ def test_another_roll_is_told_with_its_number_and_since_when(roll: Roll) -> None
     assert (part.roll_number, part.roll_since_s) == (41.0, round(at_s, 1))
 
 
-def moment_of(size_mm: float) -> Seen:
+def moment_of(size_mm: float) -> Observed:
     return replace(BASE, row=TickRow(row() | {"unwind.unwind_1x.shape_mm": size_mm}))
 
 

@@ -116,6 +116,6 @@ def test_a_duration_is_in_the_class_whose_edge_it_reaches() -> None:
     found = Durations("aff_hmi_frame_delay_seconds", (0.01, 0.1))
     for time_s in (0.01, 0.011, 0.1, 5.0):
         found.add(time_s)
-    spread = found.spread()
-    assert [count for _, count in spread.buckets] == [1.0, 3.0, 4.0]
-    assert spread.total == pytest.approx(5.121)
+    histogram = found.histogram()
+    assert [count for _, count in histogram.buckets] == [1.0, 3.0, 4.0]
+    assert histogram.total == pytest.approx(5.121)

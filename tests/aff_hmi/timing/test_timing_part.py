@@ -15,11 +15,11 @@ pytest.importorskip("starlette")
 from aff_hmi.counts import Counts
 from aff_hmi.layout import Layout
 from aff_hmi.see.store import Store
-from aff_hmi.timing.own import own
 from aff_hmi.timing.rights import KNOWN, right_lines
 from aff_hmi.timing.timing import Timing
+from aff_hmi.timing.usage import server_usage
 from aff_hmi.timing.who import PLACE_WORDS, ROLE_WORDS, who_lines
-from aff_hmi.watch import Seen
+from aff_hmi.watch import Observed
 from aff_hmi.words import say_in
 from aff_runtime.app.hand.may import Action, Person
 from aff_runtime.app.hand.may import may as judge
@@ -60,9 +60,9 @@ def test_a_monitoring_system_is_told_the_same_ticks_up_to_every_edge() -> None:
     page.look(seen(), Layout())
     for count, tick_us in ((3, 90.0), (2, 150.0), (1, 60_000.0)):
         page.listen(news(range(count), tick_us=tick_us))
-    spreads = {one.metric: one for one in page.spreads()}
-    assert {BY_NAME[name].kind for name in spreads} == {HISTOGRAM}
-    whole = spreads["aff_tick_duration_seconds"]
+    histograms = {one.metric: one for one in page.histograms()}
+    assert {BY_NAME[name].kind for name in histograms} == {HISTOGRAM}
+    whole = histograms["aff_tick_duration_seconds"]
     below = dict(whole.buckets)
     edges = list(below)
     assert edges[:2] == [pytest.approx(50e-6, rel=0.01), 1e-4]
@@ -141,7 +141,7 @@ def test_machine_is_read_and_what_is_not_there_is_not_guessed(tmp_path: Path) ->
 
 
 def test_the_screen_tells_what_it_uses_itself() -> None:
-    found = own()
+    found = server_usage()
     assert found.cpu_s > 0.0
     assert found.memory_MB is not None
     assert found.memory_MB > 5.0
@@ -150,7 +150,7 @@ def test_the_screen_tells_what_it_uses_itself() -> None:
 def test_a_hostile_kernel_and_history_print(tmp_path: Path) -> None:
     page = timing()
     hostile = "x\u202e<script>\n" * 50
-    moment: Seen = replace(seen(), meta=RunMeta(machine=hostile), facts=facts())
+    moment: Observed = replace(seen(), meta=RunMeta(machine=hostile), facts=facts())
     page.look(moment, Layout())
     page._store = SimpleNamespace(trouble=hostile)  # type: ignore[assignment]
     part = page.part(EN)

@@ -12,7 +12,7 @@ pytest.importorskip("starlette")
 from aff_hmi.layout import Layout
 from aff_hmi.scope.shot import SECONDS
 from aff_hmi.see.kept import Kept
-from aff_hmi.timing.own import own
+from aff_hmi.timing.usage import server_usage
 from aff_hmi.watch import Watch
 from aff_runtime.base.clock import MonotonicClock
 from tests.aff_hmi.moments import seen
@@ -37,7 +37,7 @@ def test_who_asks_for_pictures_and_reads_none_costs_few_of_them_and_holds_up_nob
             names = ",".join(one.name for one in hub.sources.scope.signals[:8])
             path = f"/data/scope?signals={names}&seconds={max(SECONDS)}"
             head = f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n\r\n".encode()
-            before_MB = own().memory_MB or 0.0
+            before_MB = server_usage().memory_MB or 0.0
             there = [await asyncio.open_connection("127.0.0.1", port) for _ in range(READERS)]
             for reader, writer in there:
                 reader._transport.pause_reading()  # type: ignore[attr-defined]
@@ -47,7 +47,7 @@ def test_who_asks_for_pictures_and_reads_none_costs_few_of_them_and_holds_up_nob
                 await asyncio.sleep(0.02)
             status, _, _ = await asked(port, "/static/icon.svg")
             assert status == "HTTP/1.1 200 OK"
-            used_MB = (own().memory_MB or 0.0) - before_MB
+            used_MB = (server_usage().memory_MB or 0.0) - before_MB
             # what waits for a reader is a picture or two of each, never all that he has asked for
             assert used_MB < 3 * READERS * LARGEST_MB + 4.0
             for _, writer in there:

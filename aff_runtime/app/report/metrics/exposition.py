@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 from typing import TypeAlias
 
 from aff_runtime.app.report.metrics.catalogue import BY_NAME, CATALOGUE, INFO, Metric
-from aff_runtime.app.report.metrics.readings import Sample, Spread
+from aff_runtime.app.report.metrics.readings import MetricHistogram, Sample
 from aff_runtime.base.errors import AffError
 
 CONTENT_TYPE = "text/plain; version=0.0.4; charset=utf-8"
@@ -24,7 +24,7 @@ Labels: TypeAlias = tuple[tuple[str, str], ...]
 
 
 def exposition(
-    samples: Sequence[Sample | Spread], *, line: str = "", has_process: bool = False
+    samples: Sequence[Sample | MetricHistogram], *, line: str = "", has_process: bool = False
 ) -> str:
     """Return samples in the Prometheus text format, whose type is ``CONTENT_TYPE``.
 
@@ -41,8 +41,8 @@ def exposition(
     rows: dict[str, list[str]] = defaultdict(list)
     whose = (("line", line),) if line else ()
     for sample in samples:
-        if isinstance(sample, Spread):
-            rows[sample.metric] += _of_spread(sample, whose)
+        if isinstance(sample, MetricHistogram):
+            rows[sample.metric] += _of_histogram(sample, whose)
         else:
             rows[sample.metric] += _of_sample(sample, whose)
     said = [metric for metric in CATALOGUE if metric.name in rows]
@@ -60,11 +60,11 @@ def _of_sample(sample: Sample, whose: Labels) -> Iterator[str]:
     yield _row(sample.metric, (*whose, *zip(names, sample.labels, strict=True)), sample.value)
 
 
-def _of_spread(spread: Spread, whose: Labels) -> Iterator[str]:
-    for edge, count in spread.buckets:
-        yield _row(f"{spread.metric}_bucket", (*whose, ("le", _number(edge))), count)
-    yield _row(f"{spread.metric}_count", whose, spread.buckets[-1][1])
-    yield _row(f"{spread.metric}_sum", whose, spread.total)
+def _of_histogram(histogram: MetricHistogram, whose: Labels) -> Iterator[str]:
+    for edge, count in histogram.buckets:
+        yield _row(f"{histogram.metric}_bucket", (*whose, ("le", _number(edge))), count)
+    yield _row(f"{histogram.metric}_count", whose, histogram.buckets[-1][1])
+    yield _row(f"{histogram.metric}_sum", whose, histogram.total)
 
 
 def _row(name: str, labels: Labels, value: float) -> str:

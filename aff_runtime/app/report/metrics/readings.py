@@ -43,7 +43,7 @@ class Sample:
 
 
 @dataclass(frozen=True, slots=True)
-class Spread:
+class MetricHistogram:
     """A histogram: what was counted up to each edge, and the sum of all.
 
     Attributes

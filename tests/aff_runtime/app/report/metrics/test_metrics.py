@@ -25,7 +25,7 @@ from aff_runtime.app.report.metrics.catalogue import (
     OF_SERVICE,
 )
 from aff_runtime.app.report.metrics.exposition import exposition
-from aff_runtime.app.report.metrics.readings import TICK_PATIENCE_S, Spread, readings
+from aff_runtime.app.report.metrics.readings import TICK_PATIENCE_S, MetricHistogram, readings
 from aff_runtime.app.report.probe_facts import probes_of
 from aff_runtime.app.report.status import live_status
 from aff_runtime.app.report.status_answer import Meeting, StatusAnswer, read_answer
@@ -286,8 +286,8 @@ def test_without_prometheus_own_package_the_numbers_are_told(
 
 def test_two_lines_of_one_gateway_are_told_apart_by_a_label() -> None:
     parser = pytest.importorskip("prometheus_client.parser")
-    spread = Spread("aff_tick_duration_seconds", ((math.inf, 6.0),), 0.25)
-    samples = (*readings(answer(), START_NS + 10_000_000_000), spread)
+    histogram = MetricHistogram("aff_tick_duration_seconds", ((math.inf, 6.0),), 0.25)
+    samples = (*readings(answer(), START_NS + 10_000_000_000), histogram)
     seen = set()
     for line in ("film1", "film2"):
         for family in parser.text_string_to_metric_families(exposition(samples, line=line)):
@@ -302,7 +302,7 @@ def test_two_lines_of_one_gateway_are_told_apart_by_a_label() -> None:
 def test_a_histogram_has_its_sum_its_count_and_every_edge() -> None:
     parser = pytest.importorskip("prometheus_client.parser")
     name = "aff_tick_duration_seconds"
-    text = exposition([Spread(name, ((0.001, 2.0), (0.01, 5.0), (math.inf, 6.0)), 0.25)])
+    text = exposition([MetricHistogram(name, ((0.001, 2.0), (0.01, 5.0), (math.inf, 6.0)), 0.25)])
     (family,) = parser.text_string_to_metric_families(text)
     assert (family.name, family.type) == (name, HISTOGRAM)
     read = {

@@ -23,7 +23,7 @@ Said: TypeAlias = dict[str, str | int | bool]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Asked:
+class PressRequest:
     """One request past the gate; ``session`` is there wherever the table asks for it.
 
     Attributes
@@ -45,7 +45,7 @@ class Asked:
         return self.cookie.startswith(SECURE_COOKIE)
 
 
-Answering: TypeAlias = Callable[[Asked], Awaitable[Response]]
+Answering: TypeAlias = Callable[[PressRequest], Awaitable[Response]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,7 +11,7 @@ NO_ROUTE = "none"
 _S = 1e-9
 
 
-class Counted:
+class CountMiddleware:
     """Stands before the gate. Its labels are the paths of the routes' own table."""
 
     def __init__(self, app: ASGIApp, counts: Counts, clock: Clock) -> None:

@@ -11,21 +11,21 @@ PAGE_BYTES = os.sysconf("SC_PAGE_SIZE")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Own:
+class ServerUsage:
     """The screen server itself: processor time since its start, s; memory, MB."""
 
     cpu_s: float
     memory_MB: float | None
 
 
-def own() -> Own:
+def server_usage() -> ServerUsage:
     """Return what this process has used."""
     used = resource.getrusage(resource.RUSAGE_SELF)
     try:
         pages = int(Path("/proc/self/statm").read_text().split()[1])
     except (OSError, ValueError, IndexError):
         pages = 0
-    return Own(
+    return ServerUsage(
         cpu_s=round(used.ru_utime + used.ru_stime, 1),
         memory_MB=round(pages * PAGE_BYTES / 1e6, 1) if pages else None,
     )

@@ -13,7 +13,7 @@ NOW_S = 0.1
 LEAST_SHARE = 0.9  # of a window, before a figure of it is told
 
 
-class Window:
+class RecentWindow:
     """Rows of the ring, the newest ``WINDOW_S`` of them.
 
     Parameters
