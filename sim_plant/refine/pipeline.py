@@ -21,6 +21,7 @@ from sim_plant.refine.judge.refutation import (
     made_worse,
     refuted,
     shows_something_else,
+    takes_less_than_left,
     takes_little,
 )
 from sim_plant.refine.judge.rest_shown import rest_in_floors, rest_shown
@@ -285,15 +286,19 @@ def without_imitations(
 
     What an imitation explained has a cause that is not named. Where the record held out shows
     surely more than noise without it, that is unknown, and the verdict says so. So does it where
-    most of what that record shows is something else than the effects, which are there.
+    the weakest stays for its response is shown, or where most of what that record shows is
+    something else than the effects, which are there.
     """
     said: list[str] = []
-    while weak := without_weakest_imitation(judged, selection, evaluation, workers, progress):
-        said += weak.said
-        progress(said[-1])
+    while (weak := without_weakest_imitation(judged, selection, evaluation, workers, progress)) and (
+        not weak.shown
+    ):
+        said.append(weak.said)
+        progress(weak.said)
         selection, evaluation = weak.selection, weak.evaluation
     found = bool(selection.accepted) and not selection.unknown
-    if leaves_much(evaluation) and (said or (found and shows_something_else(evaluation))):
+    beside = weak is not None or (found and shows_something_else(evaluation))
+    if leaves_much(evaluation) and (said or beside):
         stays = stays_unknown(judged, selection, evaluation)
         said.append(f"unknown: what is left on {judged.record.path.name}: {stays.text}")
         progress(said[-1])
@@ -322,13 +327,29 @@ def stays_unknown(judged: RecordWithTwin, selection: Selection, evaluation: Eval
     return Unknown(unknown_class="event", chi2_reduction=event[1], coordinate=where)
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class WithoutImitation:
+    """What is claimed without an effect that can be an imitation.
+
+    Attributes
+    ----------
+    said : the sentence that names the effect and why it is not claimed.
+    shown : the record shows its response, so it stays all the same.
+    """
+
+    selection: Selection
+    evaluation: Evaluation
+    said: str
+    shown: bool
+
+
 def without_weakest_imitation(
     judged: RecordWithTwin,
     selection: Selection,
     evaluation: Evaluation,
     workers: int,
     progress: Progress,
-) -> Claimed | None:
+) -> WithoutImitation | None:
     """Return what is claimed without the weakest effect, where it can be an imitation, or None.
 
     It can be one where it takes less away on the record held out than all effects leave there,
@@ -347,11 +368,12 @@ def without_weakest_imitation(
     at = min(shown, key=lambda k: selection.accepted[k].score)
     fewer = without_accepted(selection, at)
     without = judge(judged, fewer, workers, progress, held_out=True)
-    if not takes_little(evaluation, without):
+    if not takes_less_than_left(evaluation, without):
         return None
     key = selection.accepted[at].hypothesis.key
     said = f"not claimed: {key}: takes less away on {judged.record.path.name} than is left there"
-    return Claimed(selection=fewer, evaluation=without, said=(said,))
+    stays = not takes_little(evaluation, without)
+    return WithoutImitation(selection=fewer, evaluation=without, said=said, shown=stays)
 
 
 def refutation(selection: Selection, evaluation: Evaluation) -> str:

@@ -81,17 +81,25 @@ def leaves_much(evaluation: Evaluation) -> bool:
     return left(evaluation) >= JUDGE.least_power
 
 
-def takes_little(evaluation: Evaluation, without: Evaluation) -> bool:
-    """Return whether an effect takes so little away that it can be an imitation.
+def takes_less_than_left(evaluation: Evaluation, without: Evaluation) -> bool:
+    """Return whether an effect takes less away than all effects leave: it can be an imitation.
 
-    ``without`` is the record judged without it. It takes less than all effects leave, which may be
-    what the others' models have wrong: nothing on this record tells the two apart. But it stays
-    where the record shows its response and it takes more than those models can have wrong,
-    ``remainder_share`` of what all explain: then what is left is something else.
+    ``without`` is the record judged without it. What is left may be what the others' models have
+    wrong: nothing on this record tells the two apart.
     """
-    taken, rest = left(without) - left(evaluation), left(evaluation)
-    if taken >= JUDGE.taken_share * rest:
+    return left(without) - left(evaluation) < JUDGE.taken_share * left(evaluation)
+
+
+def takes_little(evaluation: Evaluation, without: Evaluation) -> bool:
+    """Return whether an effect takes so little away that it is not claimed.
+
+    Of what ``takes_less_than_left`` it stays where the record shows its response and it takes more
+    than the others' models can have wrong, ``remainder_share`` of what all explain. What is left
+    is then unknown beside it: an imitation is shown too where its cause recurs.
+    """
+    if not takes_less_than_left(evaluation, without):
         return False
+    taken, rest = left(without) - left(evaluation), left(evaluation)
     explained = _beyond_noise(evaluation, evaluation.before) - rest
     return taken <= REMAINDER_SHARE * explained or not shows(evaluation, without.amended)
 

@@ -9,7 +9,12 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.pipeline import RecordWithTwin, without_imitations, without_weakest_imitation
+from sim_plant.refine.pipeline import (
+    RecordWithTwin,
+    judge,
+    without_imitations,
+    without_weakest_imitation,
+)
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.wording import coordinate_text
@@ -166,6 +171,44 @@ def test_a_drift_of_the_record_held_out_is_no_line():
     (claimed,), (stays,) = found.selection.accepted, found.selection.unknown
     assert claimed.hypothesis.location == "R5"
     assert (stays.unknown_class, dict(stays.coordinate)) == ("broadband", {})
+
+
+STEADY = [
+    hypothesis(BY_NAME["bearing_drag"], place, traced=("constant_N_m",), line=LINE)
+    for place in ("R5", "R7")
+]
+RESPONSES_N = {
+    place: size * np.sin(2.0 * np.pi * at_Hz * 0.01 * np.arange(SAMPLES))
+    for place, size, at_Hz in (("R5", 6.0, 1.7), ("R7", 1.5, 5.3))
+}
+
+
+@pytest.mark.parametrize(("step_N", "answer"), [(4.0, "unknown"), (1.0, "traced")])
+def test_a_weak_effect_that_its_response_keeps_stays_beside_an_unknown(step_N, answer):
+    """What recurs with the cause of R7 is shown with slope 1 too, whatever it is.
+
+    R7 takes 1.1 of the power of noise of the 8.5 that a step of 4 N from 12 s on leaves, less than
+    half of the 28 that the record shows; a step of 1 N leaves 0.5.
+    """
+
+    def formula(case):
+        return sum((RESPONSES_N[e.location] for e in case.effects), np.zeros(SAMPLES))[None]
+
+    twin = formula_twin(formula, ["unwind_tension_N"], SAMPLES)
+    noise = np.random.default_rng(3).standard_normal(SAMPLES)
+    force = noise + step_N * (np.arange(SAMPLES) >= 1200) + sum(RESPONSES_N.values())
+    record = replace(held_out().record, columns={"unwind_tension_N": force})
+    judged = RecordWithTwin(record=record, twin=twin)
+    accepted = tuple(
+        replace(a, hypothesis=h) for a, h in zip(both_drags().accepted, STEADY, strict=True)
+    )
+    both = replace(both_drags(), accepted=accepted, fit=fit_of(*STEADY))
+    evaluation = judge(judged, both, 1, quiet, held_out=True)
+    found = without_imitations(judged, both, evaluation, 1, quiet)
+    verdict = verdict_of(found.selection, found.evaluation, "B")
+    assert [effect.place.location for effect in verdict.effects] == ["R5", "R7"]
+    assert verdict.answer == answer
+    assert [u.unknown_class for u in verdict.unknown] == ["event"] * (answer == "unknown")
 
 
 def test_little_beside_the_effect_is_no_unknown():
