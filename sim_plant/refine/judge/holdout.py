@@ -39,6 +39,7 @@ class Evaluation:
     before, after, floor : rms per channel; ``floor`` is what noise alone leaves.
     measured, declared, amended : (channels, samples): the record, and its simulation without and
         with the effects found.
+    corrected : the simulation with declared numbers as re-estimated and no effects.
     effects : those found, with the start angles of this record.
     angles_rad, unwound_m : states of rolls estimated on this record: start angles, by what turns
         (``turns_with``), and per location the age of a profile, the length of web that has left
@@ -55,6 +56,7 @@ class Evaluation:
     floor: Array
     measured: Array
     declared: Array
+    corrected: Array
     amended: Array
     effects: tuple[Added, ...]
     angles_rad: dict[str, float]
@@ -101,9 +103,11 @@ def evaluate(
     final, shifts = found.case.effects, found.case.shifts
     changed = Case(effects=final, shifts=shifts, quick=False)
     amended = pool.one(changed)[0] if final or shifts else declared
+    corrected = pool.one(replace(changed, effects=()))[0] if shifts else declared
     point = replace(changed, quick=True)
     starts = changes_by_starts(pool, point, (pool.one(point)[0],)) if not twin.rested else ()
     declared = with_start_state(twin, declared, measured, starts, model)
+    corrected = with_start_state(twin, corrected, measured, starts, model)
     amended = with_start_state(twin, amended, measured, starts, model)
     return Evaluation(
         channels=twin.channels,
@@ -112,6 +116,7 @@ def evaluate(
         floor=model.floor,
         measured=measured,
         declared=declared,
+        corrected=corrected,
         amended=amended,
         effects=final,
         angles_rad=found.angles_rad,

@@ -47,6 +47,7 @@ def of_both(moments, after=2.0**0.5):
         floor=one,
         measured=np.zeros((1, SAMPLES)),
         declared=np.zeros((1, SAMPLES)),
+        corrected=np.zeros((1, SAMPLES)),
         amended=np.zeros((1, SAMPLES)),
         effects=(),
         angles_rad={},

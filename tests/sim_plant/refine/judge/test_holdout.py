@@ -180,3 +180,18 @@ def test_a_motor_s_ripple_is_found_beside_the_shape_of_its_roll(further_rad):
     measured = roll_and_motor(Case(effects=fitted), further_rad) + white((1, SAMPLES), 5)
     found = evaluate(pool_of(twin), measured, fitted, find_angles=True)
     assert found.after == pytest.approx(found.floor, rel=0.05)
+
+
+def test_the_corrected_line_has_the_numbers_shifted_and_no_effect():
+    def formula(case):
+        drag = sum(dict(e.parameters)["constant_N_m"] for e in case.effects)
+        shift = dict(case.shifts).get("web.EA_N", 0.0)
+        return np.full((1, SAMPLES), 10.0 * drag + shift)
+
+    pool = pool_of(formula_twin(formula, ["unwind_tension_N"], SAMPLES))
+    drag = Added("bearing_drag", "R5", (("constant_N_m", 0.3),))
+    shifts = (("web.EA_N", 2.0),)
+    for shifted, levels in ((shifts, (0.0, 2.0, 5.0)), ((), (0.0, 0.0, 3.0))):
+        found = evaluate(pool, np.zeros((1, SAMPLES)), (drag,), shifted, find_angles=False)
+        runs = (found.declared, found.corrected, found.amended)
+        assert tuple(float(run.mean()) for run in runs) == pytest.approx(levels)

@@ -36,6 +36,7 @@ def evaluation(before, after):
         floor=np.ones(3),
         measured=series,
         declared=series,
+        corrected=series,
         amended=series + 1.0,
         effects=(),
         angles_rad={"R3": 0.1},
@@ -132,6 +133,7 @@ def in_record(response, rest, seed=0, others=0.0):
         after=np.sqrt(np.mean((measured - declared - response) ** 2, axis=1)),
         measured=measured,
         declared=declared,
+        corrected=declared,
         amended=declared + response,
     )
 
@@ -175,6 +177,42 @@ def test_a_response_too_small_to_tell_is_not_shown():
     """Of 400 sets of noise, alone, none shows it; where it is, some of a good size do."""
     small = [in_record(0.02 * SINE, DRIFT, seed) for seed in range(400)]
     assert not any(shows(each, each.declared) for each in small)
+
+
+def confined(blocks, size):
+    """Return a response in so many blocks of 200 samples from 12 s on, 0 elsewhere."""
+    inside = np.abs(TIME_S - 12.0 - blocks) < blocks
+    return size * SINE * inside
+
+
+@pytest.mark.parametrize(("blocks", "is_shown"), [(1, False), (4, False), (6, True), (10, True)])
+def test_a_response_in_few_blocks_tells_no_slope(blocks, is_shown):
+    """In one the standard deviation of its slope is 0 for any rest: sum(r (y - b r)) is 0."""
+    there = with_it(confined(blocks, 4.0), 0.2 * DRIFT)
+    assert shows(there, there.declared) is is_shown
+
+
+def test_a_response_whose_moment_was_sought_in_the_record_is_not_shown_by_it():
+    """Among all moments there is one at which most rests have about that slope."""
+    there = with_it(2.0 * SINE, STEP)
+    sought = replace(there, moments={"bearing_drag at R5": 12.0})
+    assert not refuted(there)
+    assert refuted(sought)
+    assert not takes_little(there, as_declared(there))
+    assert takes_little(sought, as_declared(sought))
+
+
+def test_corrected_numbers_are_no_response_of_the_effect():
+    """The numbers alone change what the record shows; the effect beside them is not there."""
+    numbers, imitation = 3.0 * SINE, np.sin(2.0 * np.pi * 0.9 * TIME_S)
+    found = with_it(numbers, DRIFT + STEP)
+    channels = np.array((1.0, 0.5, 0.0))
+    amended = found.amended + np.outer(channels, imitation)
+    found = replace(
+        found, corrected=found.amended, amended=amended, after=rms_of(found.measured - amended)
+    )
+    assert shows(found, found.declared)
+    assert refuted(found)
 
 
 def test_beside_nothing_else_there_is_nothing_else():

@@ -41,6 +41,7 @@ def judged(wavenumber_1_m=4.0):
         floor=np.array([0.25, 1.0, 1.0, 1.0]),
         measured=measured,
         declared=declared,
+        corrected=declared,
         amended=amended,
         effects=(),
         angles_rad={},

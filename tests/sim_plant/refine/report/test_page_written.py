@@ -43,6 +43,7 @@ def evaluation(after):
         floor=np.ones(3),
         measured=noise,
         declared=np.zeros((3, ROWS)),
+        corrected=np.zeros((3, ROWS)),
         amended=np.zeros((3, ROWS)),
         effects=(),
         angles_rad={},
