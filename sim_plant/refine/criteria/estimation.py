@@ -105,6 +105,12 @@ class SpectraCriteria:
     fewest_turns: float = criterion(
         6.0, "turns", "spectral lines at a roll's angle are looked for over more", NOT_RECORDED
     )
+    highest_order: float = criterion(
+        16.0,
+        "per turn",
+        "spectral lines at a roll's angle are looked for at least up to it",
+        "samples of 50 ms hold order 8 but for the fastest turns: elsewhere it shows",
+    )
     same_coordinate_share: float = criterion(
         0.006,
         "1",

@@ -64,7 +64,7 @@ def spectra(axes: RecordAxes, whitened: Array) -> list[SpectralLines]:
 
     In time they go up to half the sample rate less ``fewest_cycles`` per record: mains of 49.7 Hz
     in records of 10 ms are there. The others go nearly as far, by the fastest speed: slots and
-    teeth have orders in the tens. None has more bins than that in time.
+    teeth have orders in the tens. At an angle they go to ``highest_order`` at least.
     """
     weights = speed_weights(axes.speed_m_s)
     bodies = (0, len(axes.declaration.rollers) - 1)
@@ -106,20 +106,29 @@ def _in_angle(
     turns = axes.angles_rad[body] / TWO_PI
     if turns[-1] - turns[0] <= SPECTRA.fewest_turns:
         return None
-    fastest_Hz = float(np.max(rates_Hz(turns, axes)))
     return spectral_lines(
         whitened,
         turns,
         weights,
         axis="angle",
         roll=axes.declaration.rollers[body].name,
-        highest=SPECTRA.nyquist_share * _nyquist_Hz(axes) / fastest_Hz,
+        highest=highest_order(turns, axes),
         lowest=SPECTRA.fewest_cycles / (turns[-1] - turns[0]),
     )
 
 
 def _nyquist_Hz(axes: RecordAxes) -> float:
     return 0.5 / axes.sample_time_s
+
+
+def highest_order(turns: Array, axes: RecordAxes) -> float:
+    """Return the highest order looked for over turns (samples,).
+
+    It is ``nyquist_share`` of half the sample rate at the fastest turn, or ``highest_order`` where
+    that is more: what is folded there is not so at slower turns.
+    """
+    highest_Hz = SPECTRA.nyquist_share * _nyquist_Hz(axes)
+    return max(SPECTRA.highest_order, highest_Hz / float(np.max(rates_Hz(turns, axes))))
 
 
 def rates_Hz(turns: Array, axes: RecordAxes) -> Array:

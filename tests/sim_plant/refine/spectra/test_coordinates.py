@@ -1,5 +1,7 @@
 """Up to where free spectral lines are looked for, in each coordinate."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -14,9 +16,24 @@ ROLLS = (LINE.rollers[0], LINE.rollers[-1])
 RAMP_M_S = np.linspace(0.8, 1.2, ROWS)
 
 
-def of_order(order, roll):
-    """Return coordinates and spectra of a line so many times per turn of a roll, in noise."""
-    axes = axes_at(RAMP_M_S, LINE)
+def sampled(axes, every):
+    """Return the coordinates of every so many samples."""
+    return replace(
+        axes,
+        sample_time_s=every * axes.sample_time_s,
+        time_s=axes.time_s[::every],
+        travel_m=axes.travel_m[::every],
+        angles_rad=axes.angles_rad[:, ::every],
+        speed_m_s=axes.speed_m_s[::every],
+    )
+
+
+def of_order(order, roll, every=1):
+    """Return coordinates and spectra of a line so many times per turn of a roll, in noise.
+
+    Of a record whose samples are so many steps apart.
+    """
+    axes = sampled(axes_at(np.repeat(RAMP_M_S, every), LINE), every)
     wave = 0.5 * np.cos(order * axes.angles_rad[axes.declaration.body(roll.name)])
     return axes, spectra(axes, white((2, ROWS)) + wave)
 
@@ -29,6 +46,17 @@ def test_a_ripple_of_the_motor_of_a_roll_has_its_line_at_every_order(order, roll
     Order 30 of the rewind is 48 Hz at the fastest, of records of 10 ms.
     """
     axes, found = of_order(order, roll)
+    h = hypothesis(BY_NAME["torque_ripple"], roll.name, (("order", order),))
+    chi2_reduction = periodic_chi2_reduction(h, axes, found)
+    assert chi2_reduction == pytest.approx(ROWS * 2 * 0.5**2 / 2.0, rel=0.1)
+    assert whole_orders(h, [axes], [found]) == [int(order)]
+
+
+@pytest.mark.parametrize("order", [8.0, 15.0])
+def test_slow_samples_have_the_line_of_an_order_that_the_fastest_turns_fold(order):
+    """Order 8 of the rewind is 9 to 13 Hz, of samples of 50 ms: half their rate is 10 Hz."""
+    roll = ROLLS[1]
+    axes, found = of_order(order, roll, every=5)
     h = hypothesis(BY_NAME["torque_ripple"], roll.name, (("order", order),))
     chi2_reduction = periodic_chi2_reduction(h, axes, found)
     assert chi2_reduction == pytest.approx(ROWS * 2 * 0.5**2 / 2.0, rel=0.1)
