@@ -13,9 +13,11 @@ from sim_plant.refine.search.unexplained import Unknown
 from sim_plant.refine.spectra.coordinates import (
     TWO_PI,
     RecordAxes,
+    highest_order,
     is_periodic,
     orders_of,
     radius_at,
+    rates_Hz,
     shown_Hz,
     wavenumbers_1_m,
 )
@@ -32,17 +34,17 @@ def free_term_basis(lines: Sequence[Unknown], axes: RecordAxes) -> Array:
     Each may grow with speed, and change slowly with time: that takes up a coordinate that is a
     fraction of a bin off, and a resonance that the line's speed crosses. One at a low whole order
     of a roll frees all low orders of that roll; whole is what the slow changes reach from there.
+    Harmonics end where spectra do; a line itself always has its term.
     """
-    nyquist = 0.5 / axes.sample_time_s
     half_turn = np.linspace(0.0, np.pi, axes.time_s.size)
     slow = np.cos(np.outer(np.arange(1, FREE_TERMS.half_waves + 1), half_turn))
     weights = np.vstack([speed_weights(axes.speed_m_s), slow])
     columns: list[Array] = []
     for item in lines:
         coordinate, first = _coordinate_of(item, axes)
-        rate = float(np.max(np.abs(np.gradient(coordinate, axes.sample_time_s))))
+        highest = _highest(item, coordinate, axes)
         for n in range(1, FREE_TERMS.harmonics[item.unknown_class] + 1):
-            if n * first * rate > nyquist:
+            if n > 1 and n * first > highest:
                 break
             phase = TWO_PI * n * first * coordinate
             columns += [w * wave for w in weights for wave in (np.cos(phase), np.sin(phase))]
@@ -76,6 +78,13 @@ def _meets(h: Hypothesis, item: Unknown, axes: RecordAxes) -> bool:
         and abs(r / round(r) - 1.0) < CRITERIA.spectra.same_coordinate_share
         for r in ratios
     )
+
+
+def _highest(item: Unknown, coordinate: Array, axes: RecordAxes) -> float:
+    """Return up to where a line's harmonics are taken up, cycles per unit of ``coordinate``."""
+    if item.unknown_class == "angle":
+        return highest_order(coordinate, axes)
+    return 0.5 / axes.sample_time_s / float(np.max(rates_Hz(coordinate, axes)))
 
 
 def _coordinate_of(item: Unknown, axes: RecordAxes) -> tuple[Array, float]:

@@ -9,7 +9,7 @@ from sim_plant.line.load import load_declaration
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.free_terms import explained_by_free_term, free_term_basis
 from sim_plant.refine.search.unexplained import Unknown
-from sim_plant.refine.spectra.coordinates import RecordAxes
+from sim_plant.refine.spectra.coordinates import RecordAxes, highest_order
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
 TIME_S = np.arange(4000) * 0.01
@@ -57,6 +57,33 @@ def test_a_line_between_or_above_the_low_orders_is_taken_itself(order):
     """0.15 of an order are five cycles over these 34 turns: more than slow changes reach."""
     basis = free_term_basis([angle(order)], AXES)
     assert left(basis, np.cos(order * ANGLES[0] + 0.7)) < 0.02
+
+
+@pytest.mark.parametrize("order", [45.0, 47.3])
+def test_a_line_near_the_end_of_an_angles_spectrum_is_taken(order):
+    """Of words of 256 a turn up to 6 pass in 20 ms: by that the fastest turn is 13 % faster.
+
+    The spectrum goes by rates over a second, to 0.98 of 50 Hz over 1.03 turns/s.
+    """
+    words = np.floor(256.0 * TURNS) / 256.0
+    axes = replace(AXES, angles_rad=2.0 * np.pi * np.stack([words] * len(ANGLES)))
+    assert order < highest_order(words, axes)
+    basis = free_term_basis([angle(order)], axes)
+    assert left(basis, np.cos(2.0 * np.pi * order * words + 0.7)) < 0.02
+
+
+def test_slow_samples_have_low_orders_of_a_roll_taken_that_the_fastest_turns_fold():
+    """Of 50 ms: half the sample rate is 10 Hz, and order 12 of the unwind is up to 12.4 Hz."""
+    slow = replace(
+        AXES,
+        sample_time_s=0.05,
+        time_s=TIME_S[::5],
+        travel_m=METRES[::5],
+        angles_rad=ANGLES[:, ::5],
+        speed_m_s=SPEED[::5],
+    )
+    basis = free_term_basis([angle(12.0)], slow)
+    assert left(basis, np.cos(12.0 * ANGLES[0][::5] + 0.7)) < 0.02
 
 
 def test_what_stands_elsewhere_is_left_alone():
