@@ -127,8 +127,16 @@ class EventCriteria:
         25.0,
         "of the power of noise",
         "a sample of a channel counts no more where something begins",
-        "five standard deviations, which noise does not reach: a spike of any size adds 0.05 to a "
-        "bin of 450 samples, less than bin_sd asks, and what lasts moves most of them",
+        "five standard deviations, which noise does not reach: a spike in one sample adds 0.05 to "
+        "a bin of 450, less than bin_sd asks, and what lasts moves most of them",
+    )
+    lasts_sd: float = criterion(
+        3.0,
+        "standard deviations",
+        "by which what begins is louder than before it without its loudest stretch of the length "
+        "of the noise filter",
+        "whitened, a spike of 1000 standard deviations is 25 samples of five and more; of 200 "
+        "seeded sets with one, 1 is told as an event with 3 channels, none with 6",
     )
     bin_s: float = criterion(
         0.5, "s", "length over which the residual's power is averaged", "some periods of a loop"

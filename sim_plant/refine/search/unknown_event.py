@@ -12,6 +12,7 @@ from sim_plant.line.locations import zones
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.noise.innovations import filter_taps
 
 EVENTS = CRITERIA.search.events
 
@@ -62,7 +63,8 @@ def beginning(power: Array, step_s: float) -> int | None:
     """Return the sample from which power (channels, samples; noise: 1) is more than noise.
 
     None where it is not, or was all along. A sample counts up to ``sample_power``: an event moves
-    most samples of a bin, a spike one.
+    most samples of a bin, a spike one, or as many as a filter is long where it was whitened; what
+    is no longer than that (``_lasts``) is passed over.
     """
     power = np.minimum(power, EVENTS.sample_power)
     size = max(1, round(EVENTS.bin_s / step_s))
@@ -71,19 +73,37 @@ def beginning(power: Array, step_s: float) -> int | None:
     spread = np.sqrt(2.0 / (size * power.shape[0]))
     first_bins = level[: max(1, int(EVENTS.level_share * level.size))]
     loud = level > np.median(first_bins) + EVENTS.bin_sd * spread
-    runs = [k for k in range(level.size - 1) if loud[k] and loud[k + 1]]
-    if not runs:
-        return None
-    first = runs[0]
-    quiet = level[:first]
-    if first * EVENTS.bin_s < EVENTS.quiet_s or quiet.mean() > 1.0 + EVENTS.contrast:
-        return None
-    rise = level[first : first + round(EVENTS.quiet_s / EVENTS.bin_s)].mean() - quiet.mean()
-    if rise < EVENTS.contrast:
-        return None
-    near = slice(max(0, (first - 2) * size), (first + 2) * size)
-    more = power[:, near].mean(axis=0) - (quiet.mean() + 0.5 * rise)
-    return near.start + int(np.argmin(np.cumsum(more)))
+    calm = np.ones(level.size, dtype=bool)
+    for first in map(int, np.flatnonzero(loud[:-1] & loud[1:])):
+        quiet = float(level[:first][calm[:first]].mean()) if calm[:first].any() else np.inf
+        if first * EVENTS.bin_s < EVENTS.quiet_s or quiet > 1.0 + EVENTS.contrast:
+            return None
+        rise = level[first : first + round(EVENTS.quiet_s / EVENTS.bin_s)].mean() - quiet
+        if rise < EVENTS.contrast:
+            return None
+        if _lasts(power[:, first * size :], quiet, step_s):
+            near = slice(max(0, (first - 2) * size), (first + 2) * size)
+            more = power[:, near].mean(axis=0) - (quiet + 0.5 * rise)
+            return near.start + int(np.argmin(np.cumsum(more)))
+        calm[first : first + 2] = False
+    return None
+
+
+def _lasts(power: Array, quiet: float, step_s: float) -> bool:
+    """Return whether power (channels, samples from where it is loud on) is no spike.
+
+    A spike is there for as long as the noise filter, with the one of its colour. Without the
+    loudest stretch of that length the next ``quiet_s`` are louder than ``quiet``, by ``lasts_sd``.
+    """
+    reach = filter_taps(step_s) + CRITERIA.noise.colour_taps + 1
+    part = power[:, : max(round(EVENTS.quiet_s / step_s), 2 * reach)].mean(axis=0) - quiet
+    rest = part.size - reach
+    if rest <= 0:
+        return False
+    sums = np.concatenate(([0.0], np.cumsum(part)))
+    left = float(sums[-1] - np.max(sums[reach:] - sums[:-reach])) / rest
+    sd = float(np.sqrt(2.0 / (power.shape[0] * rest)))
+    return bool(left > EVENTS.lasts_sd * sd)
 
 
 def zone_of(line: Declaration, channel: str) -> str:
