@@ -6,7 +6,7 @@ Of a pool only the first twin counts here: one record at a time.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -26,6 +26,8 @@ ZOOM_PARTS = (-0.5, -0.25, 0.0, 0.25, 0.5)
 """Tries of such a grid, in parts of its width."""
 NARROWING = 0.3
 """Width of the next such grid over that of the one before."""
+AT_ONCE = 24
+"""Tries of the first grid that are held at a time: each is as large as the record."""
 MOST_PASSES = 6
 """Passes over pairs of bodies, and steps of all bodies together; each ends when nothing is won."""
 STEP_RAD = 0.005
@@ -178,31 +180,52 @@ def _on_grid(
 ) -> list[float]:
     """Return the angles, rad, of a grid round the turn at which all bodies together cost least.
 
-    Their responses are added up: each is simulated alone, at every angle of its grid.
+    Their responses are added up: each is simulated alone, at every angle of its grid. Of one body
+    only the products of its own responses with others are needed, so few are held at a time.
+    """
+    still = replace(case, effects=tuple(e for e in case.effects if not phased(e)))
+    base = pool.run([still], keep=False)[0][0]
+    left = _white(pool, model, measured - base).ravel()
+    # bodies have unlike counts of tries: what a shorter grid lacks costs without end
+    shape = (len(bodies), max(body.tries for body in bodies))
+    alone, products = np.full(shape, np.inf), np.zeros(shape * 2)
+    kept: dict[int, Array] = {}
+    in_turn = sorted(range(len(bodies)), key=lambda k: bodies[k].tries)
+    for k in in_turn:
+        parts: list[Array] = []
+        for first, rows in _responses(pool, model, case, base, bodies[k]):
+            at = np.arange(first, first + len(rows))
+            runs_through = np.isfinite(rows).all(axis=1)
+            rows[~runs_through] = 0.0
+            alone[k, at] = np.where(runs_through, 0.0, np.inf) - 2.0 * rows @ left
+            products[k, at, k, at] = np.sum(rows**2, axis=1)
+            for other, there in kept.items():
+                both = rows @ there.T
+                products[k, at, other, : len(there)] = both
+                products[other, : len(there), k, at] = both
+            if k != in_turn[-1]:  # that of most tries: no other needs its responses
+                parts.append(rows)
+        if parts:
+            kept[k] = np.concatenate(parts)
+    found = _least_together(alone, products)
+    return [float(body.grid[k]) for body, k in zip(bodies, found, strict=True)]
+
+
+def _responses(
+    pool: SimulationPool, model: NoiseModel, case: Case, base: Array, body: Turning
+) -> Iterator[tuple[int, Array]]:
+    """Yield the first of some tries of a body's grid, and what they change from ``base``, white.
+
+    One row per try, of all channels and judged samples.
     """
     still = tuple(e for e in case.effects if not phased(e))
-    tries = [replace(case, effects=still)]
-    for body in bodies:
-        own = tuple(e for e in case.effects if phased(e) and turns_with(e) == body.name)
-        tries += [
-            replace(case, effects=(*still, *with_turned(own, body.name, float(a))))
-            for a in body.grid
-        ]
-    base, *runs = (run[0] for run in pool.run(tries, keep=False))
-    rows = np.stack([_white(pool, model, run - base).ravel() for run in runs])
-    runs_through = np.isfinite(rows).all(axis=1)
-    rows[~runs_through] = 0.0
-    there = np.where(runs_through, 0.0, np.inf)
-    there -= 2.0 * rows @ _white(pool, model, measured - base).ravel()
-    # bodies have unlike counts of tries: what a shorter grid lacks costs without end
-    most = max(body.tries for body in bodies)
-    at = np.concatenate([k * most + np.arange(body.tries) for k, body in enumerate(bodies)])
-    alone = np.full(len(bodies) * most, np.inf)
-    products = np.zeros((alone.size, alone.size))
-    alone[at], products[np.ix_(at, at)] = there, rows @ rows.T
-    shape = (len(bodies), most)
-    found = _least_together(alone.reshape(shape), products.reshape(shape * 2))
-    return [float(body.grid[k]) for body, k in zip(bodies, found, strict=True)]
+    own = tuple(e for e in case.effects if phased(e) and turns_with(e) == body.name)
+    for first in range(0, body.tries, AT_ONCE):
+        angles = body.grid[first : first + AT_ONCE]
+        turned = [with_turned(own, body.name, float(a)) for a in angles]
+        cases = [replace(case, effects=(*still, *effects)) for effects in turned]
+        runs = (run[0] for run in pool.run(cases, keep=False))
+        yield first, np.stack([_white(pool, model, run - base).ravel() for run in runs])
 
 
 def _least_together(alone: Array, products: Array) -> list[int]:
@@ -214,7 +237,7 @@ def _least_together(alone: Array, products: Array) -> list[int]:
     Parameters
     ----------
     alone : (bodies, tries), infinite for one that does not run.
-    products : of responses (bodies, tries, bodies, tries).
+    products : of responses (bodies, tries, bodies, tries); of one body those with themselves.
     """
     count = len(alone)
     own = alone + np.einsum("iaia->ia", products)
