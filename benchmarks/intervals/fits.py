@@ -17,13 +17,13 @@ from benchmarks.campaign.record import simulate, write_line, write_record
 from benchmarks.campaign.stage import stage
 from benchmarks.intervals.draws import true_numbers
 from sim_plant.line.load import load_line
+from sim_plant.refine.confirm import RecordWithTwin
 from sim_plant.refine.fit.gauss_newton import Fit, nominal_fit
 from sim_plant.refine.fit.objective import Objective, declared_objective
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis, library, onset_library
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.simulation_pool import SimulationPool
-from sim_plant.refine.pipeline import RecordWithTwin
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.report.findings import effect_findings
 from sim_plant.refine.search.added_effect import with_effect

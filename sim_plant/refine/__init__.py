@@ -1,3 +1,13 @@
 """From measured records to what a line declaration lacks: residual, cause, amended model."""
 
-__all__ = ["example", "judge", "lacking", "model", "pipeline", "records", "report", "without_line"]
+__all__ = [
+    "confirm",
+    "example",
+    "judge",
+    "lacking",
+    "model",
+    "pipeline",
+    "records",
+    "report",
+    "without_line",
+]

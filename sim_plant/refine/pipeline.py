@@ -3,28 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.load import LineFile
-from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.confirm import RecordWithTwin, confirmed, judge
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.fit.start_angles import at_start_angles
-from sim_plant.refine.judge.holdout import Evaluation, evaluate
-from sim_plant.refine.judge.refutation import (
-    as_declared,
-    leaves_much,
-    made_worse,
-    refuted,
-    shows_something_else,
-    takes_less_than_left,
-    takes_little,
-)
-from sim_plant.refine.judge.rest_shown import rest_in_floors, rest_shown
+from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.lacking import caveats_of
 from sim_plant.refine.model.demand import demand_of
 from sim_plant.refine.model.hypotheses import library
@@ -32,7 +21,7 @@ from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_caveats import lines_of, shared
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
-from sim_plant.refine.model.twin import Case, Twin
+from sim_plant.refine.model.twin import Case
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.aff_block import started_blocks, write_block
@@ -48,25 +37,7 @@ from sim_plant.refine.report.summary import write_summary
 from sim_plant.refine.report.verdict import Verdict
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
-from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
-from sim_plant.refine.search.set_apart import has_large_wander
-from sim_plant.refine.search.unexplained import Unknown, line_or_broadband, rings, strongest_peak
-from sim_plant.refine.search.unknown_event import event_in
-
-LINE_CYCLES = CRITERIA.search.unexplained.spectral_line_cycles
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RecordWithTwin:
-    """A record and the twin of the line that it was made on."""
-
-    record: Recording
-    twin: Twin
-
-    @property
-    def measured(self) -> Array:
-        """The modelled channels of the record (channels, samples)."""
-        return np.stack([self.record.columns[name] for name in self.twin.channels])
+from sim_plant.refine.search.selection import Selection
 
 
 def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
@@ -208,20 +179,6 @@ def check_runs(pool: SimulationPool, records: Sequence[Recording]) -> None:
                 )
 
 
-def judge(
-    judged: RecordWithTwin,
-    selection: Selection,
-    workers: int,
-    progress: Progress,
-    *,
-    held_out: bool,
-) -> Evaluation:
-    """Return the error of one record as declared and as amended."""
-    shifts = tuple(sorted(selection.corrections.items()))
-    with SimulationPool([judged.twin], workers, progress) as pool:
-        return evaluate(pool, judged.measured, selection.fit.effects, shifts, find_angles=held_out)
-
-
 def record_of_onset(
     fitted: Sequence[RecordWithTwin],
     selection: Selection,
@@ -241,155 +198,6 @@ def record_of_onset(
     with SimulationPool([shown.twin], workers, progress) as pool:
         found = evaluate(pool, shown.measured, there, shifts, find_angles=False)
     return RecordOfOnset(moment=moments[0], evaluation=found)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Claimed:
-    """What is claimed once effects were left out that the record held out does not confirm.
-
-    Attributes
-    ----------
-    said : a sentence on each of those: which, and why it is not claimed.
-    """
-
-    selection: Selection
-    evaluation: Evaluation
-    said: tuple[str, ...] = ()
-
-
-def confirmed(
-    judged: RecordWithTwin,
-    selection: Selection,
-    evaluation: Evaluation,
-    workers: int,
-    progress: Progress,
-) -> Claimed:
-    """Return what the record held out confirms: all is withdrawn that it refutes or imitates."""
-    said: tuple[str, ...] = ()
-    against = refutation(selection, evaluation)
-    if against:
-        said = (not_confirmed(selection, judged.record, against),)
-        progress(said[0])
-        selection, evaluation = withdrawn(selection), as_declared(evaluation)
-    claimed = without_imitations(judged, selection, evaluation, workers, progress)
-    return replace(claimed, said=(*said, *claimed.said))
-
-
-def without_imitations(
-    judged: RecordWithTwin,
-    selection: Selection,
-    evaluation: Evaluation,
-    workers: int,
-    progress: Progress,
-) -> Claimed:
-    """Return what is claimed without effects that can be imitations, one after the other.
-
-    What an imitation explained has a cause that is not named. Where the record held out shows
-    surely more than noise without it, that is unknown, and the verdict says so. So does it where
-    the weakest stays for its response is shown, or where most of what that record shows is
-    something else than the effects, which are there.
-    """
-    said: list[str] = []
-    while (weak := without_weakest_imitation(judged, selection, evaluation, workers, progress)) and (
-        not weak.shown
-    ):
-        said.append(weak.said)
-        progress(weak.said)
-        selection, evaluation = weak.selection, weak.evaluation
-    found = bool(selection.accepted) and not selection.unknown
-    beside = weak is not None or (found and shows_something_else(evaluation))
-    if leaves_much(evaluation) and (said or beside):
-        stays = stays_unknown(judged, selection, evaluation)
-        said.append(f"unknown: what is left on {judged.record.path.name}: {stays.text}")
-        progress(said[-1])
-        selection = replace(selection, unknown=(stays,))
-    return Claimed(selection=selection, evaluation=evaluation, said=tuple(said))
-
-
-def stays_unknown(judged: RecordWithTwin, selection: Selection, evaluation: Evaluation) -> Unknown:
-    """Return what is left on the record held out: what begins there, a spectral line, or neither.
-
-    Beside an effect that is never quite constant neither is named: its changes have moments and
-    slow lines of their own. Nor is a line of fewer cycles than ``spectral_line_cycles``: a drift
-    of the record has such lines at any coordinate.
-    """
-    after, chi2_reduction = rest_shown(judged.twin, evaluation)
-    irregular = Unknown(unknown_class="broadband", chi2_reduction=chi2_reduction, coordinate={})
-    if any(has_large_wander(accepted) for accepted in selection.accepted):
-        return irregular
-    names, rest = rest_in_floors(evaluation)
-    event = event_in(judged.twin.declaration, names, rest**2, evaluation.first)
-    if event is None or rings([after], event[1]):
-        spectrum, at, _ = strongest_peak([after])
-        sure = at * spectrum.extent >= LINE_CYCLES
-        return line_or_broadband([after], chi2_reduction, chi2_reduction) if sure else irregular
-    where = event[0] | {"held_out": judged.record.path.name}
-    return Unknown(unknown_class="event", chi2_reduction=event[1], coordinate=where)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class WithoutImitation:
-    """What is claimed without an effect that can be an imitation.
-
-    Attributes
-    ----------
-    said : the sentence that names the effect and why it is not claimed.
-    shown : the record shows its response, so it stays all the same.
-    """
-
-    selection: Selection
-    evaluation: Evaluation
-    said: str
-    shown: bool
-
-
-def without_weakest_imitation(
-    judged: RecordWithTwin,
-    selection: Selection,
-    evaluation: Evaluation,
-    workers: int,
-    progress: Progress,
-) -> WithoutImitation | None:
-    """Return what is claimed without the weakest effect, where it can be an imitation, or None.
-
-    It can be one where it takes less away on the record held out than all effects leave there,
-    and that is surely more than noise. A lone effect, or one beside something unknown, is not
-    looked at; nor is an event that the record held out does not have: of that it says nothing.
-    """
-    if selection.unknown or len(selection.accepted) < 2 or not leaves_much(evaluation):
-        return None
-    shown = [
-        k
-        for k, accepted in enumerate(selection.accepted)
-        if not accepted.hypothesis.moment or str(accepted.hypothesis.key) in evaluation.moments
-    ]
-    if not shown:
-        return None
-    at = min(shown, key=lambda k: selection.accepted[k].score)
-    fewer = without_accepted(selection, at)
-    without = judge(judged, fewer, workers, progress, held_out=True)
-    if not takes_less_than_left(evaluation, without):
-        return None
-    key = selection.accepted[at].hypothesis.key
-    said = f"not claimed: {key}: takes less away on {judged.record.path.name} than is left there"
-    stays = not takes_little(evaluation, without)
-    return WithoutImitation(selection=fewer, evaluation=without, said=said, shown=stays)
-
-
-def refutation(selection: Selection, evaluation: Evaluation) -> str:
-    """Return why the record held out refutes the effects found, as part of a sentence, or ""."""
-    if not selection.accepted:
-        return ""
-    if not selection.unknown:
-        return "explains what was fitted, and not" if refuted(evaluation) else ""
-    worse = made_worse(evaluation)
-    return f"beside what is unknown, and {', '.join(worse)} worse with it in" if worse else ""
-
-
-def not_confirmed(selection: Selection, record: Recording, against: str) -> str:
-    """Return the sentence on effects that the record held out refutes."""
-    effects = " and ".join(str(accepted.hypothesis.key) for accepted in selection.accepted)
-    return f"not claimed: {effects}: {against} {record.path.name}"
 
 
 def write_all(outcome: Outcome, command: str) -> None:

@@ -13,12 +13,13 @@ from sim_plant.demo.loop.drawn import angle_of
 from sim_plant.demo.loop.session import Story, first_order
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.load import load_declaration
+from sim_plant.refine.confirm import RecordWithTwin
 from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
-from sim_plant.refine.pipeline import RecordWithTwin, at_its_start_angles
+from sim_plant.refine.pipeline import at_its_start_angles
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.report.verdict import Verdict
 

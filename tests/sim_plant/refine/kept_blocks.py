@@ -24,7 +24,7 @@ import numpy as np
 
 from sim_plant.base.order_tracking import order_amplitudes, reduction_dB
 from sim_plant.demo.loop.drawn import IDLER, angle_of
-from sim_plant.demo.loop.proof import JUDGED, MOST_OF_FLOOR, TARGET_DB, model_errors
+from sim_plant.demo.loop.proof import MOST_OF_FLOOR, TARGET_DB, model_errors
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.report.aff_block import aff_blocks
 from sim_plant.refine.report.site_edit import FILE, SiteFile, proposed
@@ -42,6 +42,8 @@ from tests.sim_plant.refine.run_cases import (
 
 LEARNS_S, WINDOW_S, SLOW_S, STEP_S = 40.0, 16.0, 14.0, 8.0
 PAGE = Path("docs/results/kept-blocks.md")
+JUDGED = "unwind_tension_N"
+"""The tension in which the error of the model is told: the one that the block is to quieten."""
 
 
 @dataclass(frozen=True)

@@ -7,14 +7,14 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.judge.holdout import Evaluation
-from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.pipeline import (
+from sim_plant.refine.confirm import (
     RecordWithTwin,
     judge,
     without_imitations,
     without_weakest_imitation,
 )
+from sim_plant.refine.judge.holdout import Evaluation
+from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.wording import coordinate_text
@@ -69,7 +69,7 @@ def test_an_event_that_the_record_does_not_have_is_no_imitation_of_what_is_left(
         assert found is None
     else:
         assert found is not None
-        assert f"bearing_drag at {left_out}" in found.said[0]
+        assert f"bearing_drag at {left_out}" in found.said
 
 
 def both_drags():
@@ -175,7 +175,7 @@ def test_a_drift_of_the_record_held_out_is_no_line():
 
 
 STEADY = [
-    hypothesis(BY_NAME["bearing_drag"], place, traced=("constant_N_m",), line=LINE)
+    hypothesis(BY_NAME["bearing_drag"], place, fitted=("constant_N_m",), line=LINE)
     for place in ("R5", "R7")
 ]
 RESPONSES_N = {
