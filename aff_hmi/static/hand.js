@@ -1,7 +1,5 @@
 // Bypass in one press, arming by holding. What the service would refuse cannot be pressed, and says
 // why. A press is done when the line shows it, not when the server has answered.
-import { nowS } from "/static/see.js";
-
 const HOLD_MS = 1000;
 const CONFIRM_MS = { bypass: 1000, arm: 2000, probe: 4000, "probe-louder": 4000, shadow: 2000, "end-shadow": 2000 };
 const PATIENCE_MS = 4000;
@@ -25,6 +23,7 @@ const bypass = byId("bypass");
 const heldOnes = [arm, ...["probe", "probe-louder", "shadow", "end-shadow", "forget"].map(byId)].filter(Boolean);
 
 let frame = null;
+let ahead_ms = 0; // the gateway's clock, which all of the page goes by, against this browser's
 let hold = null;
 let awaited = null;
 let heldBy = null; // whose hand it was in the newest frame
@@ -37,7 +36,7 @@ function put(element, text) {
 /** What became of a press, and when: it stays until the next one; `isBad`: nobody saw it done. */
 function tell(text, isBad = false) {
   const told = byId("hand-said");
-  put(told, text && `${new Date(1000 * nowS()).toLocaleTimeString(root.lang)} ${text}`);
+  put(told, text && `${now().toLocaleTimeString(root.lang)} ${text}`);
   told.classList.toggle("unconfirmed", isBad);
 }
 
@@ -104,11 +103,14 @@ function show() {
   }
 }
 
+/** What the gateway's clock shows now. */
+const now = () => new Date(Date.now() + ahead_ms);
+
 /** Who has the hand, since when, and from where. */
 function held(own) {
   if (!own.hand_of) return words.none;
   const since = new Date(1000 * own.hand_since_s);
-  const day = since.toDateString() === new Date(1000 * nowS()).toDateString() ? {} : { day: "numeric", month: "short" };
+  const day = since.toDateString() === now().toDateString() ? {} : { day: "numeric", month: "short" };
   const time = since.toLocaleTimeString(root.lang, { ...day, hour: "2-digit", minute: "2-digit", hourCycle: "h23" });
   const said = (own.has_hand ? words.mine : words.other).replace("{name}", own.hand_of);
   const place = own.hand_from === "panel" ? words.panel : words.network;
@@ -134,6 +136,7 @@ function called(action) {
 
 document.addEventListener("frame", (event) => {
   frame = event.detail;
+  if (frame !== null) ahead_ms = 1000 * frame.utc_s - Date.now();
   if (hold !== null && frame !== null && frame.state !== hold.state) {
     tell(words.changed.replace("{name}", frame.word));
     letGo();

@@ -26,3 +26,9 @@ def test_every_joined_script_can_be_read(tmp_path: Path, page: str) -> None:
 def test_what_is_imported_by_another_name_has_it() -> None:
     assert 'import { short as shortly } from "/static/curves.js"' in source("commission.js")
     assert "const { short: shortly } = of_curves;" in joined(("commission.js",))
+
+
+@pytest.mark.parametrize("page", ["overview", "login"])
+def test_a_page_without_the_words_of_the_see_pages_has_not_their_script(page):
+    """It reads them as it is loaded: where they are not, nothing after it would run."""
+    assert "// see.js\n" not in served(has_hand=True)[f"{page}.js"][0].decode()
