@@ -5,17 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import numpy.typing as npt
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.judge.holdout import Evaluation
 
 JUDGE = CRITERIA.judge
+REMAINDER_SHARE = CRITERIA.search.unexplained.remainder_share
 STATES = ("_angle_rad", "_radius_m")
 """Ends of names of channels whose start differs from record to record: not judged here."""
-
-
-REMAINDER_SHARE = CRITERIA.search.unexplained.remainder_share
 
 
 def refuted(evaluation: Evaluation) -> bool:
@@ -58,10 +57,8 @@ def shows(evaluation: Evaluation, without: Array) -> bool:
     whatever the record has: (sum p)^2 / sum(p^2), p the power of r per block, is
     ``slope_fewest_blocks`` at least  [participation ratio].
     """
-    judged = np.array([not name.endswith(STATES) for name in evaluation.channels])
-    floor, first = evaluation.floor[judged, np.newaxis], evaluation.first
-    y = (evaluation.measured - without)[judged, first:] / floor
-    response = (evaluation.amended - without)[judged, first:] / floor
+    y = in_floors(evaluation, evaluation.measured - without)
+    response = in_floors(evaluation, evaluation.amended - without)
     shares = _sums(response**2)
     power = float(np.sum(shares))
     if not power**2 > JUDGE.slope_fewest_blocks * float(np.sum(shares**2)):
@@ -69,6 +66,21 @@ def shows(evaluation: Evaluation, without: Array) -> bool:
     slope = float(np.sum(response * y)) / power
     sd = float(np.linalg.norm(_sums(response * (y - slope * response)))) / power
     return abs(slope - 1.0) + JUDGE.slope_sd * sd < JUDGE.slope_off
+
+
+def judged_channels(evaluation: Evaluation) -> npt.NDArray[np.bool_]:
+    """Return which channels (channels,) are judged: all but angles and radii."""
+    return np.array([not name.endswith(STATES) for name in evaluation.channels], dtype=np.bool_)
+
+
+def in_floors(evaluation: Evaluation, difference: Array) -> Array:
+    """Return a difference (channels, samples) where it is judged, in noise floors of each channel.
+
+    (judged channels, judged samples).
+    """
+    judged = judged_channels(evaluation)
+    rows: Array = difference[judged, evaluation.first :] / evaluation.floor[judged, np.newaxis]
+    return rows
 
 
 def _sums(values: Array) -> Array:
@@ -118,7 +130,7 @@ def takes_little(evaluation: Evaluation, without: Evaluation) -> bool:
 
 def _beyond_noise(evaluation: Evaluation, rms: Array) -> float:
     """Return the mean of ``left`` for these rms values (channels,)."""
-    judged = np.array([not name.endswith(STATES) for name in evaluation.channels])
+    judged = judged_channels(evaluation)
     power = (rms[judged] / evaluation.floor[judged]) ** 2 - 1.0
     return float(np.mean(np.maximum(power, 0.0)))
 
@@ -131,10 +143,9 @@ def made_worse(evaluation: Evaluation) -> tuple[str, ...]:
     there raises the error in no channel.
     """
     added = (evaluation.after**2 - evaluation.before**2) / evaluation.floor**2
+    worse = judged_channels(evaluation) & (added > JUDGE.worse_power)
     return tuple(
-        name
-        for name, more in zip(evaluation.channels, added, strict=True)
-        if more > JUDGE.worse_power and not name.endswith(STATES)
+        name for name, is_worse in zip(evaluation.channels, worse, strict=True) if is_worse
     )
 
 

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from sim_plant.base.arrays import Array
 from sim_plant.refine.judge.holdout import Evaluation
-from sim_plant.refine.judge.refutation import STATES, left
+from sim_plant.refine.judge.refutation import in_floors, judged_channels, left
 from sim_plant.refine.model.twin import Case, Twin
 from sim_plant.refine.spectra.coordinates import axes_of, spectra
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
@@ -29,8 +27,6 @@ def rest_in_floors(evaluation: Evaluation) -> tuple[list[str], Array]:
 
     In units of the noise floor of each.
     """
-    names = [name for name in evaluation.channels if not name.endswith(STATES)]
-    judged = np.array([name in names for name in evaluation.channels])
-    rest = (evaluation.measured - evaluation.amended)[judged, evaluation.first :]
-    white: Array = rest / evaluation.floor[judged, np.newaxis]
-    return names, white
+    rows = zip(evaluation.channels, judged_channels(evaluation), strict=True)
+    names = [name for name, is_judged in rows if is_judged]
+    return names, in_floors(evaluation, evaluation.measured - evaluation.amended)
