@@ -161,10 +161,10 @@ class Hand:
 
     def _note(self, what: str, session: Session) -> None:
         """Have what nobody pressed put into the audit."""
-        self.desk.notice(Notice(what=what, account=session.account.name, place=session.place))
+        self._say(Notice(what=what, account=session.account.name, place=session.place))
 
     def _say(self, notice: Notice) -> None:
-        """Have what was refused here put into the audit."""
+        """Have something that was done or refused here put into the audit."""
         self.desk.notice(notice)
 
     def _circumstances(self) -> Circumstances:

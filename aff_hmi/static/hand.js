@@ -1,5 +1,7 @@
 // Bypass in one press, arming by holding. What the service would refuse cannot be pressed, and says
 // why. A press is done when the line shows it, not when the server has answered.
+import { nowS } from "/static/clock.js";
+
 const HOLD_MS = 1000;
 const CONFIRM_MS = { bypass: 1000, arm: 2000, probe: 4000, "probe-louder": 4000, shadow: 2000, "end-shadow": 2000 };
 const PATIENCE_MS = 4000;
@@ -23,7 +25,6 @@ const bypass = byId("bypass");
 const heldOnes = [arm, ...["probe", "probe-louder", "shadow", "end-shadow", "forget"].map(byId)].filter(Boolean);
 
 let frame = null;
-let ahead_ms = 0; // the gateway's clock, which all of the page goes by, against this browser's
 let hold = null;
 let awaited = null;
 let heldBy = null; // whose hand it was in the newest frame
@@ -103,8 +104,7 @@ function show() {
   }
 }
 
-/** What the gateway's clock shows now. */
-const now = () => new Date(Date.now() + ahead_ms);
+const now = () => new Date(1000 * nowS());
 
 /** Who has the hand, since when, and from where. */
 function held(own) {
@@ -136,7 +136,6 @@ function called(action) {
 
 document.addEventListener("frame", (event) => {
   frame = event.detail;
-  if (frame !== null) ahead_ms = 1000 * frame.utc_s - Date.now();
   if (hold !== null && frame !== null && frame.state !== hold.state) {
     tell(words.changed.replace("{name}", frame.word));
     letGo();

@@ -1,4 +1,6 @@
 // What the pages beside the overview share. Text goes in as text, never as markup.
+import { nowS } from "/static/clock.js";
+
 const root = document.documentElement;
 export const byId = (name) => document.getElementById(name);
 export const words = byId("see-words").dataset;
@@ -33,14 +35,6 @@ export function number(value, digits) {
 
 const day = new Intl.DateTimeFormat(root.lang, { dateStyle: "short" });
 const clock = new Intl.DateTimeFormat(root.lang, { timeStyle: "medium", hourCycle: "h23" });
-
-let ahead_s = 0; // the gateway's clock, against this browser's
-document.addEventListener("frame", ({ detail: frame }) => {
-  if (frame !== null) ahead_s = frame.utc_s - Date.now() / 1000;
-});
-
-/** Time of the gateway, which everything here was stamped with; s since 1970. */
-export const nowS = () => Date.now() / 1000 + ahead_s;
 
 /** A time in the zone of this browser; the day is said when it is not today's. */
 export function at(utc_s) {

@@ -1,5 +1,6 @@
 // Of when it is what is shown.
-import { at, byId, nowS, put } from "/static/see.js";
+import { nowS } from "/static/clock.js";
+import { at, byId, put } from "/static/see.js";
 
 const words = byId("stamp-words").dataset;
 let seen_s = null;

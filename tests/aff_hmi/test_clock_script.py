@@ -28,5 +28,5 @@ for (const [at_s, frame] of given) {
 
 def test_now_is_what_the_newest_frame_has_said_and_goes_on(tmp_path: Path) -> None:
     steps = ([1.7e9, {"utc_s": 1.8e9}], [1.7e9 + 3, 0], [1.7e9 + 5, None])
-    found = called(tmp_path, "see", "found", *steps, page=PAGE, before=PLAY)
+    found = called(tmp_path, "clock", "found", *steps, page=PAGE, before=PLAY)
     assert found == [1e9, 1.8e9, 1.8e9 + 3, 1.8e9 + 5]

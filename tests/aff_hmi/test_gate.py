@@ -212,7 +212,7 @@ def test_a_joined_module_comes_after_those_that_it_takes_names_from() -> None:
         for name in ("see.js", "curves.js", "picture.js", "readout.js", "scope.js")
     ]
     assert places == sorted(places)
-    assert "return { byId, words, put, part, number, nowS, at, ask, press, send, onPart };" in text
+    assert "return { byId, words, put, part, number, at, ask, press, send, onPart };" in text
     assert "const { css, look, short } = of_curves;" in text
     assert text.count(source("see.js").splitlines()[0]) == 1
 

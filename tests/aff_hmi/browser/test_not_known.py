@@ -144,6 +144,7 @@ def test_an_alert_is_said_once_and_its_age_beside_it(chromium, stage: Stage) -> 
         "() => /^Silent for /.test(document.getElementById('broken-age').textContent)"
     )
     first = page.text("#broken-age")
+    stage.show(replace(moment("ACTIVE"), tick_age_s=OLD_S + 1.0))  # a moment on stage does not age
     page.page.wait_for_function(
         "first => document.getElementById('broken-age').textContent !== first", arg=first
     )
