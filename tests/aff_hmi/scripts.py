@@ -31,14 +31,7 @@ def called(
     page : statements ahead of the script: what it finds in a browser.
     before : statements ahead of the expression.
     """
-    if shutil.which("node") is None:
-        pytest.skip("node is needed")
-    script = (STATIC / f"{name}.js").read_text(encoding="utf-8")
-    for other, text in (instead or {}).items():
-        assert f'"/static/{other}.js"' in script
-        script = script.replace(f'"/static/{other}.js"', f'"./{other}.mjs"')
-        (folder / f"{other}.mjs").write_text(text, encoding="utf-8")
-    (folder / f"{name}.mjs").write_text(script, encoding="utf-8")
+    put_script(folder, name, instead or {})
     main = (
         f'import "./page.mjs";\nimport * as of from "./{name}.mjs";\n'
         'import { readFileSync } from "node:fs";\n'
@@ -46,6 +39,23 @@ def called(
         f"console.log(JSON.stringify({expression}));\n"
     )
     (folder / "page.mjs").write_text(page, encoding="utf-8")
+    return played(folder, main, given)
+
+
+def put_script(folder: Path, name: str, instead: Mapping[str, str]) -> None:
+    """Put a script into a folder as a module; ``instead`` : text of each that it imports."""
+    script = (STATIC / f"{name}.js").read_text(encoding="utf-8")
+    for other, text in instead.items():
+        assert f'"/static/{other}.js"' in script
+        script = script.replace(f'"/static/{other}.js"', f'"./{other}.mjs"')
+        (folder / f"{other}.mjs").write_text(text, encoding="utf-8")
+    (folder / f"{name}.mjs").write_text(script, encoding="utf-8")
+
+
+def played(folder: Path, main: str, given: Any) -> Any:
+    """Return what a program says that is given JSON, in a folder with its modules."""
+    if shutil.which("node") is None:
+        pytest.skip("node is needed")
     (folder / "main.mjs").write_text(main, encoding="utf-8")
     said = subprocess.run(
         ["node", "main.mjs"],

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import shutil
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
 
-STATIC = Path(__file__).parents[2] / "aff_hmi" / "static"
+from tests.aff_hmi import scripts
+
 SHA256 = "7" * 64
 SEE = """
 const made = new Map();
@@ -56,29 +54,8 @@ ENDED = TRIED | {"left_s": None, "service": {"answers": True, "trying": "", "tri
 @pytest.fixture
 def played(tmp_path: Path) -> Any:
     """Return what plays steps to the script: what each shows, and what was posted."""
-    if shutil.which("node") is None:
-        pytest.skip("node is needed")
-    script = (STATIC / "trying.js").read_text(encoding="utf-8")
-    for name, text in (("see", SEE), ("work", WORK)):
-        (tmp_path / f"{name}.mjs").write_text(text, encoding="utf-8")
-        assert f'"/static/{name}.js"' in script
-        script = script.replace(f'"/static/{name}.js"', f'"./{name}.mjs"')
-    (tmp_path / "trying.mjs").write_text(script, encoding="utf-8")
-    (tmp_path / "main.mjs").write_text(MAIN, encoding="utf-8")
-
-    def play(*steps: dict[str, Any]) -> Any:
-        said = subprocess.run(
-            ["node", "main.mjs"],
-            cwd=tmp_path,
-            input=json.dumps(steps),
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert said.returncode == 0, said.stderr
-        return json.loads(said.stdout)
-
-    return play
+    scripts.put_script(tmp_path, "trying", {"see": SEE, "work": WORK})
+    return lambda *steps: scripts.played(tmp_path, MAIN, steps)
 
 
 @pytest.mark.parametrize("lost", [SILENT, {"ok": False}, None])

@@ -15,6 +15,10 @@ CYCLE_S = 0.005
 COUNT_RAD = math.tau / 4096
 MODULUS_RAD = 2**32 * COUNT_RAD
 FREE = Permission(adapt=True, applied_ratio=(1.0,), limit_ratio=(1.0,))
+FROZEN = Permission(adapt=False, applied_ratio=(1.0,), limit_ratio=(1.0,))
+DARK = Permission(adapt=False, applied_ratio=(0.0,), limit_ratio=(1.0,))
+GRID_HZ = [0.4 * 1.3**k for k in range(12)]
+RIPPLE = {("unwind", 1): 2.0 + 1.0j, ("unwind", 2): -0.8 + 0.5j}
 
 
 class LagDelay:

@@ -16,7 +16,11 @@ from aff_runtime.core.params import BlockParams
 from tests.aff_runtime.core.plants import (
     ACTUATOR,
     CYCLE_S,
+    DARK,
     FREE,
+    FROZEN,
+    GRID_HZ,
+    RIPPLE,
     LagDelay,
     Line,
     measured,
@@ -25,11 +29,6 @@ from tests.aff_runtime.core.plants import (
     snapshot,
     with_blocks,
 )
-
-GRID_HZ = [0.4 * 1.3**k for k in range(12)]
-RIPPLE = {("unwind", 1): 2.0 + 1.0j, ("unwind", 2): -0.8 + 0.5j}
-FROZEN = Permission(adapt=False, applied_ratio=(1.0,), limit_ratio=(1.0,))
-DARK = Permission(adapt=False, applied_ratio=(0.0,), limit_ratio=(1.0,))
 
 
 def plant():

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import pytest
 
-from aff_runtime.base.signals import Permission
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.monitor import Trend
 from aff_runtime.core.params import BlockParams
@@ -16,6 +15,8 @@ from tests.aff_runtime.core.plants import (
     ACTUATOR,
     COUNT_RAD,
     CYCLE_S,
+    DARK,
+    FROZEN,
     LagDelay,
     Line,
     measured,
@@ -29,8 +30,6 @@ from tests.aff_runtime.core.test_phase import INDEX, NAN, ROLL, encoder
 RADIUS_M, OMEGA = 0.2, 5.0
 CLOSE_RAD = 3.0 * COUNT_RAD
 SHORT_WORD_RAD = 65536 * COUNT_RAD
-DARK = Permission(adapt=False, applied_ratio=(0.0,), limit_ratio=(1.0,))
-FROZEN = Permission(adapt=False, applied_ratio=(1.0,), limit_ratio=(1.0,))
 BLOCKS = tuple(
     BlockParams(roll=roll, orders=(1,), settle_s=6.0, amp_limit=0.02)
     for roll in ("unwind", "swrap")

@@ -16,6 +16,8 @@ from tests.aff_runtime.core.plants import (
     ACTUATOR,
     CYCLE_S,
     FREE,
+    GRID_HZ,
+    RIPPLE,
     SWRAP,
     UNWIND,
     LagDelay,
@@ -26,8 +28,6 @@ from tests.aff_runtime.core.plants import (
     snapshot,
 )
 
-GRID_HZ = [0.4 * 1.3**k for k in range(12)]
-RIPPLE = {("unwind", 1): 2.0 + 1.0j, ("unwind", 2): -0.8 + 0.5j}
 ANGLE = 3  # of the line's readings
 ROUNDING = 2e-5
 

@@ -8,9 +8,7 @@ import pytest
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.core.response import Provenance, Response, ResponsePoint, arming_objections
-from tests.aff_runtime.core.plants import LagDelay, measured
-
-GRID_HZ = [0.4 * 1.3**k for k in range(12)]
+from tests.aff_runtime.core.plants import GRID_HZ, LagDelay, measured
 
 
 def test_interpolates_a_lag_with_delay_between_points():

@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import pytest
 
-from aff_runtime.base.signals import Permission
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.monitor import Trend
 from tests.aff_runtime.core.plants import (
     ACTUATOR,
     CYCLE_S,
     FREE,
+    FROZEN,
+    GRID_HZ,
     LagDelay,
     Line,
     measured,
@@ -22,8 +23,6 @@ from tests.aff_runtime.core.plants import (
 )
 from tests.aff_runtime.core.shape_site import DRIVE
 
-GRID_HZ = [0.4 * 1.3**k for k in range(12)]
-FROZEN = Permission(adapt=False, applied_ratio=(1.0,), limit_ratio=(1.0,))
 LAW_WORDS = ["blocks", "iterative", "shape"]
 EVERY = 4  # ticks from reading to reading
 

@@ -9,10 +9,17 @@ import pytest
 from aff_runtime.base.signals import Permission
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.law import Inputs
-from tests.aff_runtime.core.plants import CYCLE_S, LagDelay, Line, measured, site, snapshot
+from tests.aff_runtime.core.plants import (
+    CYCLE_S,
+    GRID_HZ,
+    RIPPLE,
+    LagDelay,
+    Line,
+    measured,
+    site,
+    snapshot,
+)
 
-GRID_HZ = [0.4 * 1.3**k for k in range(12)]
-RIPPLE = {("unwind", 1): 2.0 + 1.0j, ("unwind", 2): -0.8 + 0.5j}
 LIMIT = 0.05
 SPIKE_N = 60.0
 

@@ -15,7 +15,11 @@ from aff_runtime.core.laws.catalogue import LAW_ROWS
 from tests.aff_runtime.core.plants import (
     ACTUATOR,
     CYCLE_S,
+    DARK,
     FREE,
+    FROZEN,
+    GRID_HZ,
+    RIPPLE,
     LagDelay,
     Line,
     measured,
@@ -24,10 +28,6 @@ from tests.aff_runtime.core.plants import (
     snapshot,
 )
 
-GRID_HZ = [0.4 * 1.3**k for k in range(12)]
-RIPPLE = {("unwind", 1): 2.0 + 1.0j, ("unwind", 2): -0.8 + 0.5j}
-FROZEN = Permission(adapt=False, applied_ratio=(1.0,), limit_ratio=(1.0,))
-DARK = Permission(adapt=False, applied_ratio=(0.0,), limit_ratio=(1.0,))
 HALF = Permission(adapt=True, applied_ratio=(1.0,), limit_ratio=(0.5,))
 BLOCK = ACTUATOR.blocks[0]
 WORDS = sorted(set(LAW_ROWS) - {"shape"})
