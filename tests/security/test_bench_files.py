@@ -21,9 +21,9 @@ from sim_plant.cli.main import main
 from sim_plant.cli.output import say
 from sim_plant.demo.figures import block_figure
 from sim_plant.demo.roll_figure import LearnedOrder, roll_figure
-from sim_plant.refine.report.figures import overlay, spectrum, wavenumber_map
 from sim_plant.refine.report.folder import FILES, FRESH, check_folder, publish
 from sim_plant.refine.report.outcome import Plan
+from sim_plant.refine.report.plots import overlay, spectrum, wavenumber_map
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 from sim_plant.servers.control import ControlSocket
 from sim_plant.servers.frame_hub import FrameHub

@@ -13,7 +13,7 @@ from sim_plant.line.declaration import Declaration, LoadCell
 from sim_plant.refine.model.site_match import channels_of, driven_roller, tension_references
 from sim_plant.refine.model.speed_stand_in import stand_in_speed
 from sim_plant.refine.records.recording import Recording, RunFacts
-from sim_plant.refine.records.run_record import CORRECTION
+from sim_plant.refine.records.run_pieces import CORRECTION
 
 SPEED_REF, TENSION_REF = "line_speed_ref_m_s", "tension_ref_N"
 APPLIED = "applied_"

@@ -7,7 +7,7 @@ __all__ = [
     "read",
     "recording",
     "run_activity",
-    "run_record",
+    "run_pieces",
     "run_site",
     "sanity",
     "text_table",

@@ -18,7 +18,7 @@ class Filled:
     ----------
     values : (scans,); what is missing stands on a straight line between its neighbours.
     taken_s : when each scan was taken, s since the first. ``time_s`` : its time in the run.
-    read : rows in which there was a reading.
+    read : indices of the scans in which there was a reading.
     step_s : of the grid.
     """
 
@@ -32,9 +32,9 @@ class Filled:
         """Return what is missing for too long in the scans from ``first`` to before ``end``."""
         inside = self.read[(self.read >= first) & (self.read < end)]
         edges = np.concatenate(([first], inside, [end - 1]))
-        gone_s = np.diff(self.taken_s[edges])
-        longest = int(np.argmax(gone_s))
-        if gone_s[longest] <= LONGEST_HOLE_STEPS * self.step_s:
+        intervals_s = np.diff(self.taken_s[edges])
+        longest = int(np.argmax(intervals_s))
+        if intervals_s[longest] <= LONGEST_HOLE_STEPS * self.step_s:
             return ""
         from_s, to_s = (self.time_s[edges[longest + k]] for k in (0, 1))
         return (

@@ -22,7 +22,8 @@ class RunFacts:
     ----------
     site : what the run's own site file says.
     activity : what line and service did in it.
-    delivery_known : per actuator, whether the PLC says what it added and when.
+    delivery_known : per actuator ``Delivered.known``: whether the PLC itself says what it applied,
+        or which command it took.
     scan_s : period of the PLC's scans.
     from_s, to_s : the piece that is taken, s of the run's ``time_s``; NaN where not known.
     run_id : the same for every copy of the run's folder; empty where not known.

@@ -56,9 +56,9 @@ def _starts_over(values: Array, taken_s: Array, step_s: float, register_rad: flo
     are whole turns: the PLC counts from zero in it then, each turn or each few. Over a hole that
     ends a piece no phase is kept: there the nearest whole number is taken.
     """
-    gone_s = np.diff(taken_s)
-    off = np.diff(values) - _expected(np.diff(values), gone_s)
-    ends = gone_s > LONGEST_HOLE_STEPS * step_s
+    elapsed_s = np.diff(taken_s)
+    off = np.diff(values) - _expected(np.diff(values), elapsed_s)
+    ends = elapsed_s > LONGEST_HOLE_STEPS * step_s
     found = np.zeros_like(off)
     for period_rad in ((register_rad,) if register_rad > 0.0 else ()) + (math.tau,):
         odd = np.abs(off) > 0.5 * period_rad
@@ -71,18 +71,18 @@ def _starts_over(values: Array, taken_s: Array, step_s: float, register_rad: flo
     return found
 
 
-def _expected(steps: Array, gone_s: Array) -> Array:
+def _expected(steps: Array, elapsed_s: Array) -> Array:
     """Return how far the roll turned between two readings, by its speed around them, rad.
 
     The speed is the median of the usual steps around; starts over are fewer than half of these
     where the roll turns by less than half a turn from reading to reading.
     """
-    usual = (gone_s > 0.0) & (gone_s < 1.5 * np.median(gone_s))
+    usual = (elapsed_s > 0.0) & (elapsed_s < 1.5 * np.median(elapsed_s))
     if not usual.any():
         return np.zeros_like(steps)
-    at_s = np.cumsum(gone_s) - 0.5 * gone_s
-    rate = median_filter(steps[usual] / gone_s[usual], RECORDS.turning_steps, mode="nearest")
-    return np.asarray(np.interp(at_s, at_s[usual], rate) * gone_s)
+    at_s = np.cumsum(elapsed_s) - 0.5 * elapsed_s
+    rate = median_filter(steps[usual] / elapsed_s[usual], RECORDS.turning_steps, mode="nearest")
+    return np.asarray(np.interp(at_s, at_s[usual], rate) * elapsed_s)
 
 
 def _scatter_rad(off: Array) -> float:

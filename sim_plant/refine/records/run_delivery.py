@@ -30,14 +30,15 @@ scan after that takes it."""
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Delivered:
-    """The correction of one actuator that acted from each good row's reading on.
+    """The correction of one actuator that acted from each scan's reading on.
 
     Attributes
     ----------
     values : (scans,), SI.
     how : a sentence: what this rests on.
-    known : the PLC itself says it, or which command it took; False: a delay is assumed.
-    unknown_first : so many of the first rows carry what was decided before the record, or before
+    known : the PLC itself says what it applied, or which command it took; False: a delay is
+        assumed.
+    unknown_first : so many of the first scans carry what was decided before the record, or before
         a hole in it, while AFF corrected: no one knows what.
     """
 
@@ -91,13 +92,13 @@ def delivered(
 
 
 def _unknown_first(sent: Array, tick: Array, wanted: Array, rows: Rows) -> int:
-    """Return of how many first rows the wanted ticks are none of those that are there.
+    """Return of how many of the first scans the wanted ticks are none of those that are there.
 
-    None where nothing was sent in as many ticks from the first row on: nothing was before either.
+    0 where nothing was sent in as many ticks from the first row on: nothing was before either.
     """
     at = np.searchsorted(tick, wanted, side="right") - 1
-    gone = (at < 0) | (wanted - tick[np.maximum(at, 0)] > FILLED_SAMPLES)
-    count = int(np.argmin(gone)) if not gone.all() else gone.size
+    absent = (at < 0) | (wanted - tick[np.maximum(at, 0)] > FILLED_SAMPLES)
+    count = int(np.argmin(absent)) if not absent.all() else absent.size
     begins = int(rows[0])
     return count if np.any(sent[begins : begins + max(count, 1)]) else 0
 

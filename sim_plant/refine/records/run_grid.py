@@ -16,16 +16,17 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Outcome, Status
 from sim_plant.base.arrays import Array
 
-WORD = 1 << 16
+HEARTBEAT_MODULUS = 1 << 16
 """The heartbeat starts over after as many counts."""
 SAME_PERIOD_SHARE = 1e-4
-"""A scan period this close to a whole number of cycles is taken for that: two crystals differ by
-as much. So it is where the rows tell it no better."""
+"""A scan period this close to a whole number of cycles is that number: the clocks of PLC and
+gateway differ by as much. Where the rows tell the period less surely, their own error counts."""
 NEAR_PERIOD_SHARE = 0.01
-"""A PLC that runs free and scans this close to a whole number of cycles is put on those."""
+"""Of a PLC whose period is its own, but this close to a whole number of cycles, the readings are
+put on a grid of that many cycles."""
 LATE_S = 0.25
-"""Between two rows: a heartbeat further off the clock is a break. Rows further apart give no
-period of the scan."""
+"""A heartbeat that is further off the run's clock, from one row to the next, is a break. Rows
+further apart give no period of the scan."""
 MOST_SCANS = 500.0
 """Between two rows; a larger step of the heartbeat is no count of scans."""
 FILLED_SAMPLES = 4
@@ -34,8 +35,8 @@ LONGEST_HOLE_STEPS = FILLED_SAMPLES + 1.5
 """From one reading to the next, with half a step for stamps that wander. A longer hole ends a
 piece; of a channel for the record alone it drops the channel."""
 
-COUNTS = ("tick", "periods_count", "plc_heartbeat", "status")
-"""Columns that a row shows nothing without, beside its channels."""
+ALWAYS_NEEDED = ("tick", "periods_count", "plc_heartbeat", "status")
+"""Columns without which a row shows nothing, beside the channels that are asked for."""
 SHORTEST_PERIOD_S = 1e-6
 """A shorter scan or cycle is refused."""
 LARGEST = 1e15
@@ -47,9 +48,9 @@ Rows = npt.NDArray[np.intp]
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Break:
-    """Where no record may go on: the first good row after it, by its number, and why."""
+    """Where no record may go on: the index of the first scan after it, and why."""
 
-    row: int
+    scan: int
     why: str
 
 
@@ -59,11 +60,11 @@ class Scans:
 
     Attributes
     ----------
-    rows : of the table (scans,).
-    taken_s : when, on the PLC's own clock (scans,), counted from the first.
-    step_s : of the grid that they belong on: of the scans, or the run's cycle if that is longer;
-        whole cycles where scans take nearly as long.
-    scan_s, cycle_s : from scan to scan of the PLC, from tick to tick of the service.
+    rows : which row of the table shows each scan (scans,).
+    taken_s : when each scan was taken, s since the first, on the PLC's own clock (scans,).
+    step_s : of the even grid for a record: the PLC's period or the run's cycle, whichever is
+        longer; whole cycles where the period is within ``NEAR_PERIOD_SHARE`` of as many.
+    scan_s, cycle_s : period of the PLC's scans, and of the service's ticks.
     breaks : in order.
     findings : sentences.
     """
@@ -83,11 +84,12 @@ def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
     Raises
     ------
     PlantError
-        No row shows anything new.
+        No row shows anything new; the times of the rows do not go on, or hardly; or no two rows
+        within ``LATE_S`` have a heartbeat that moves by fewer than ``MOST_SCANS``.
     """
     time_s, good = columns["time_s"], (columns["outcome"] == Outcome.OK) & (columns["fresh"] > 0)
     unread = np.zeros(time_s.shape, dtype=np.bool_)
-    for name in (*channels, *COUNTS):
+    for name in (*channels, *ALWAYS_NEEDED):
         unread |= ~(np.abs(columns[name]) < LARGEST)
     good &= ~unread
     rows = np.flatnonzero(good)
@@ -95,14 +97,15 @@ def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
         raise PlantError("no row shows new readings of the PLC; give another window")
     cycle_s = _cycle_s(columns)
     time_s, beat = time_s[rows], columns["plc_heartbeat"][rows]
-    moved = np.mod(np.diff(beat), WORD)
-    gone_s = np.diff(time_s)
-    scan_s, unsure = _scan_s(gone_s, moved)
-    breaks = {int(k) + 1: "the clock of the run goes back" for k in np.flatnonzero(gone_s <= 0.0)}
-    for k in np.flatnonzero(np.abs(moved * scan_s - gone_s) > LATE_S):
+    moved = np.mod(np.diff(beat), HEARTBEAT_MODULUS)
+    elapsed_s = np.diff(time_s)
+    scan_s, unsure = _scan_s(elapsed_s, moved)
+    back = np.flatnonzero(elapsed_s <= 0.0)
+    breaks = {int(k) + 1: "the clock of the run goes back" for k in back}
+    for k in np.flatnonzero(np.abs(moved * scan_s - elapsed_s) > LATE_S):
         breaks.setdefault(int(k) + 1, "the PLC's heartbeat jumps: it started anew, or stood still")
-    for row in breaks:
-        moved[row - 1] = max(1.0, round(float(gone_s[row - 1]) / scan_s))
+    for scan in breaks:  # the heartbeat does not tell how many scans lie there: the clock has to
+        moved[scan - 1] = max(1.0, round(float(elapsed_s[scan - 1]) / scan_s))
     said = _losses(columns, good)
     whole_s = max(1, round(scan_s / cycle_s)) * cycle_s
     off = abs(scan_s / whole_s - 1.0)
@@ -117,42 +120,45 @@ def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
     elif scan_s > cycle_s:
         said.append(f"the PLC scans every {1e3 * scan_s:.4g} ms: one sample a scan")
     taken_s: Array = np.concatenate(([0.0], np.cumsum(moved))) * scan_s
-    holes = np.diff(taken_s) / step_s
-    for k in np.flatnonzero(holes > LONGEST_HOLE_STEPS):
-        breaks.setdefault(int(k) + 1, f"nothing was read for {holes[k] * step_s:.3g} s")
+    intervals_s = np.diff(taken_s)
+    for k in np.flatnonzero(intervals_s / step_s > LONGEST_HOLE_STEPS):
+        breaks.setdefault(int(k) + 1, f"nothing was read for {intervals_s[k]:.3g} s")
     return Scans(
         rows=rows,
         taken_s=taken_s,
         step_s=step_s,
         scan_s=scan_s,
         cycle_s=cycle_s,
-        breaks=tuple(Break(row=k, why=breaks[k]) for k in sorted(breaks)),
+        breaks=tuple(Break(scan=k, why=breaks[k]) for k in sorted(breaks)),
         findings=tuple(said),
     )
 
 
 def _cycle_s(columns: Mapping[str, Array]) -> float:
     """Return the run's cycle, s: time from row to row over the periods between them."""
-    gone, periods = np.diff(columns["time_s"]), columns["periods_count"][1:]
-    usable = (gone > 0.0) & (periods > 0.0)
+    elapsed_s, periods = np.diff(columns["time_s"]), columns["periods_count"][1:]
+    usable = (elapsed_s > 0.0) & (periods > 0.0)
     if not usable.any():
         raise PlantError("the times of the rows do not go on; give another window")
-    return _long_enough(float(np.median(gone[usable] / periods[usable])))
+    return _long_enough(float(np.median(elapsed_s[usable] / periods[usable])))
 
 
-def _scan_s(gone_s: Array, moved: Array) -> tuple[float, float]:
+def _scan_s(elapsed_s: Array, moved: Array) -> tuple[float, float]:
     """Return the period of the PLC's scan, s: time over counts, where both go on as usual.
 
-    And how far it may be off, as a share of it: at either end of a stretch a row shows a scan that
-    ended up to a scan before, some part of a cycle late.
+    And how far it may be off, as a share of it. Of each uninterrupted sequence of usual rows the
+    time from first to last is off by a scan and a tick at most: a row may show a scan that ended
+    up to a scan ago, and may come up to a tick late.
     """
-    usual = (gone_s > 0.0) & (gone_s < LATE_S) & (moved > 0.0) & (moved < MOST_SCANS)
+    usual = (elapsed_s > 0.0) & (elapsed_s < LATE_S) & (moved > 0.0) & (moved < MOST_SCANS)
     if not usual.any():
-        raise PlantError("the times of the rows do not go on; give another window")
-    span_s = float(np.sum(gone_s[usual]))
+        raise PlantError(
+            f"no two rows within {LATE_S:g} s have a heartbeat that moves; give another window"
+        )
+    span_s = float(np.sum(elapsed_s[usual]))
     scan_s = _long_enough(span_s / float(np.sum(moved[usual])))
-    stretches = 1 + np.count_nonzero(usual[1:] & ~usual[:-1])
-    return scan_s, stretches * (scan_s + float(np.median(gone_s[usual]))) / span_s
+    sequences = 1 + np.count_nonzero(usual[1:] & ~usual[:-1])
+    return scan_s, sequences * (scan_s + float(np.median(elapsed_s[usual]))) / span_s
 
 
 def _long_enough(period_s: float) -> float:
@@ -169,9 +175,9 @@ def _losses(columns: Mapping[str, Array], good: Flags) -> list[str]:
     if missed:
         said.append(f"{missed} ticks were missed")
     with np.errstate(invalid="ignore", over="ignore"):
-        lost = int(np.sum(_beyond_one(np.diff(columns["tick"]))))
-    if lost:
-        said.append(f"{lost} rows are missing between those that are there")
+        absent = int(np.sum(_beyond_one(np.diff(columns["tick"]))))
+    if absent:
+        said.append(f"{absent} rows are missing between those that are there")
     failed = int(np.sum(columns["outcome"] != Outcome.OK))
     if failed:
         said.append(f"{failed} exchanges with the PLC failed")
@@ -187,25 +193,25 @@ def _beyond_one(steps: Array) -> Array:
 
 
 def line_breaks(columns: Mapping[str, Array], rows: Rows) -> list[Break]:
-    """Return where the line itself is another one: a splice, another roll, a stop."""
+    """Return where a splice begins or ends, the roll, LINE_RUN or WEB_INTACT changes."""
     status = columns["status"][rows].astype(np.int64)
     breaks = []
     spliced = (status & int(Status.SPLICE_ACTIVE)) != 0
     for k in np.flatnonzero(np.diff(spliced.astype(np.int8))) + 1:
-        breaks.append(Break(row=int(k), why="a splice begins" if spliced[k] else "a splice ends"))
+        breaks.append(Break(scan=int(k), why="a splice begins" if spliced[k] else "a splice ends"))
     for k in np.flatnonzero(np.diff(columns["roll_id"][rows])) + 1:
-        breaks.append(Break(row=int(k), why="another roll is on"))
+        breaks.append(Break(scan=int(k), why="another roll is on"))
     for bit, name in ((Status.LINE_RUN, "LINE_RUN"), (Status.WEB_INTACT, "WEB_INTACT")):
         on = (status & int(bit)) != 0
         for k in np.flatnonzero(np.diff(on.astype(np.int8))) + 1:
-            breaks.append(Break(row=int(k), why=f"{name} {'comes' if on[k] else 'goes'}"))
+            breaks.append(Break(scan=int(k), why=f"{name} {'comes' if on[k] else 'goes'}"))
     return breaks
 
 
 def angle_breaks(values: Array, taken_s: Array, name: str) -> list[Break]:
     """Return where an angle (scans,) jumps by more than the roll can have turned: a new count."""
-    steps, gone_s = np.diff(values), np.diff(taken_s)
-    rate = steps / np.maximum(gone_s, 1e-9)
+    steps, elapsed_s = np.diff(values), np.diff(taken_s)
+    rate = steps / np.maximum(elapsed_s, 1e-9)
     usual = float(np.median(rate))
-    odd = np.abs(steps - usual * gone_s) > np.pi + 2.0 * abs(usual) * gone_s
-    return [Break(row=int(k) + 1, why=f"{name} counts anew") for k in np.flatnonzero(odd)]
+    odd = np.abs(steps - usual * elapsed_s) > np.pi + 2.0 * abs(usual) * elapsed_s
+    return [Break(scan=int(k) + 1, why=f"{name} counts anew") for k in np.flatnonzero(odd)]

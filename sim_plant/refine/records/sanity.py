@@ -47,8 +47,8 @@ def even_grid(
     step = float(np.median(steps))
     odd = (steps > RECORDS.longest_gap_samples * step) | (steps == 0.0)
     off = _one_stamp_off(steps, step)
-    gap, misplaced = np.flatnonzero(odd & ~off), _stamps_beside(odd & off)
-    twice = gap[steps[gap] == 0.0]
+    bad, misplaced = np.flatnonzero(odd & ~off), _stamps_beside(odd & off)
+    twice, gap = bad[steps[bad] == 0.0], bad[steps[bad] > 0.0]
     if twice.size:
         raise PlantError(
             f"{shown(path)}: {twice.size} rows have the time_s of the row before, the first is "
@@ -67,7 +67,8 @@ def even_grid(
     arrays = {name: np.asarray(values, dtype=np.float64) for name, values in columns.items()}
     if largest_offset_s < RECORDS.jitter_share * mean:
         return mean, arrays, remarks
-    increasing_s = np.maximum.accumulate(time_s + 1e-9 * step * np.arange(time_s.size))
+    # no stamp goes back here; one that repeats the one before it is told apart by a small ramp
+    increasing_s = time_s + 1e-9 * step * np.arange(time_s.size)
     even = {name: np.interp(grid, increasing_s, values) for name, values in arrays.items()}
     uneven = f"stamps are uneven by up to {largest_offset_s:.2g} s: put on a grid of {mean:.6g} s"
     return mean, even, [*remarks, uneven]
@@ -117,24 +118,29 @@ def _stamps_beside(odd: Flags) -> int:
     return int(np.sum((lengths + 1) // 2))
 
 
-def oddities(columns: Mapping[str, Array], counts: Mapping[str, float] | None = None) -> list[str]:
+def oddities(
+    columns: Mapping[str, Array], count_sizes: Mapping[str, float] | None = None
+) -> list[str]:
     """Return sentences about spikes, saturation, resolution and columns that stand still.
 
-    ``counts``: one count of a column, where that is known (``counts_seen``).
+    ``count_sizes``: one count of a column, where that is known (``count_sizes_seen``).
+
+    A reference, which a person or the PLC sets, has few levels and stays on one: of such a column
+    neither coarse steps nor a level that it sits at are odd.
     """
     sentences = []
-    known = {} if counts is None else counts
+    known = count_sizes or {}
     for name, values in columns.items():
         if np.ptp(values) == 0.0:
             sentences.append(f"{name} stands still at {values[0]:g}")
             continue
         levels, unit = np.unique(values), unit_of_name(name)
-        count = known.get(name, 0.0)
-        smallest = count or _smallest_step(levels)
+        count_size, is_reference = known.get(name, 0.0), "_ref_" in name
+        smallest = count_size or _smallest_step(levels)
         if (
             levels.size < RECORDS.coarse_levels_share * values.size
             and smallest > 0.0
-            and "_ref_" not in name
+            and not is_reference
         ):
             sentences.append(f"{name} is read in steps of {smallest:.3g} {unit}".rstrip())
         for level, side in ((levels[-1], "top"), (levels[0], "bottom")):
@@ -142,18 +148,19 @@ def oddities(columns: Mapping[str, Array], counts: Mapping[str, float] | None = 
             if (
                 stuck > RECORDS.stuck_share
                 and levels.size > RECORDS.stuck_levels
-                and "_ref_" not in name
+                and not is_reference
             ):
                 sentences.append(f"{name} sits at its {side} {level:g} for {100 * stuck:.0f} %")
-        few = levels.size <= RECORDS.stuck_levels  # two levels are a count apart, or a spike
-        spikes = count_spikes(values, count if few else smallest)
+        # of few levels the smallest step may itself be a spike: then only a known count is allowed
+        has_few = levels.size <= RECORDS.stuck_levels
+        spikes = spikes_in(values, count_size if has_few else smallest)
         if spikes:
             sentences.append(f"{name} has {spikes} spike{'s' * (spikes > 1)}")
     return sentences
 
 
-def counts_seen(columns: Mapping[str, Array], words: Mapping[str, float]) -> dict[str, float]:
-    """Return one count of each column of readings (samples,): of its word, or the sensor's own.
+def count_sizes_seen(columns: Mapping[str, Array], words: Mapping[str, float]) -> dict[str, float]:
+    """Return the size of one count per column of readings (samples,): its word's, or the sensor's.
 
     A sensor may be coarser than its word; of few levels that is not told from a spike. To be asked
     before anything is filled in between two readings, which would show a smaller one.
@@ -173,11 +180,11 @@ def _smallest_step(levels: Array) -> float:
     return float(np.min(steps)) if steps.size else 0.0
 
 
-def count_spikes(values: Array, count: float = 0.0) -> int:
+def spikes_in(values: Array, count_size: float = 0.0) -> int:
     """Return how many single samples stand far off their neighbours (Hampel).
 
     Far is ``spike_sigma`` times the spread: 1.4826 of the median absolute deviation, half of the
-    standard deviation at least. One ``count`` of a coarse word to or fro is no spike.
+    standard deviation at least. One count (``count_size``) of a coarse word to or fro is no spike.
     """
     deviation = (values - median_filter(values, 7))[3:-3]  # at its ends a ramp looks like a spike
     spread = max(
@@ -187,5 +194,5 @@ def count_spikes(values: Array, count: float = 0.0) -> int:
     return (
         0
         if spread == 0.0
-        else int(np.sum(np.abs(deviation) > max(RECORDS.spike_sigma * spread, 1.5 * count)))
+        else int(np.sum(np.abs(deviation) > max(RECORDS.spike_sigma * spread, 1.5 * count_size)))
     )

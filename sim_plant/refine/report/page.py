@@ -13,7 +13,8 @@ from aff_runtime.base.channel_units import unit_of_name
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.report.aff_block import AffBlock, actuators_for, aff_blocks
-from sim_plant.refine.report.figures import (
+from sim_plant.refine.report.next_step import PERIODIC, next_step
+from sim_plant.refine.report.plots import (
     channels_by_error,
     overlay,
     part_around,
@@ -21,7 +22,6 @@ from sim_plant.refine.report.figures import (
     wavenumber_map,
     worst_of,
 )
-from sim_plant.refine.report.next_step import PERIODIC, next_step
 from sim_plant.refine.report.sketch import sketch
 from sim_plant.refine.report.tables import ShiftRow, above_noise, best_each, error_rows, shift_rows
 from sim_plant.refine.report.wording import (
@@ -98,12 +98,12 @@ def _sure_of_unknown(unknown: Sequence[UnknownFinding]) -> list[str]:
     return [*(said if lines else []), *others]
 
 
-def gain(judged: Evaluation, held: bool, *, amended: bool = True) -> str:
+def gain(judged: Evaluation, held: bool, *, is_amended: bool = True) -> str:
     """Return what the amended line explains: on the tension and the channel that gained most.
 
     Parameters
     ----------
-    amended : the amended line is another one than the declared.
+    is_amended : the amended line is another one than the declared.
     """
     ranked = channels_by_error(judged)
     tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
@@ -111,18 +111,17 @@ def gain(judged: Evaluation, held: bool, *, amended: bool = True) -> str:
     said = []
     for at in dict.fromkeys([*tensions[:1], ranked[0]]):
         unit = unit_of_name(judged.channels[at])
-        before, after, floor = judged.before[at], judged.after[at], judged.floor[at]
         said.append(
-            f"the error in {judged.channels[at]} is {before:.3g} {unit} rms as declared"
-            + (f", {after:.3g} {unit} as amended" if amended else "")
-            + f"; noise alone leaves {floor:.3g} {unit}"
+            f"the error in {judged.channels[at]} is {judged.before[at]:.3g} {unit} rms as declared"
+            + (f", {judged.after[at]:.3g} {unit} as amended" if is_amended else "")
+            + f"; noise alone leaves {judged.floor[at]:.3g} {unit}"
         )
-    return f"{where} {'. There '.join(said)}. {_left(judged, ranked, amended=amended)}"
+    return f"{where} {'. There '.join(said)}. {_left(judged, ranked, is_amended=is_amended)}"
 
 
-def _left(judged: Evaluation, ranked: Sequence[int], *, amended: bool) -> str:
+def _left(judged: Evaluation, ranked: Sequence[int], *, is_amended: bool) -> str:
     """Return which tensions and speeds hold more than noise as amended."""
-    line = "amended" if amended else "declared"
+    line = "amended" if is_amended else "declared"
     above = above_noise(judged, ranked)
     if not above:
         return f"As {line}, all tensions and speeds are within 10 % of noise."
@@ -155,10 +154,10 @@ def shifts_of(outcome: Outcome) -> list[ShiftRow]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Shown:
-    """Two figures of a part of a record, and what is said above them."""
+    """Two plots of a part of a record, and what is said above them."""
 
     caption: str
-    figures: tuple[str, ...]
+    plots: tuple[str, ...]
 
 
 def overlays(outcome: Outcome) -> list[Shown]:
@@ -169,12 +168,12 @@ def overlays(outcome: Outcome) -> list[Shown]:
         at, found = outcome.record_of_onset.moment, outcome.record_of_onset.evaluation
         part = part_around(found, step_s, at.time_s)
         said = f"{_span(at.record, part, step_s)}; dotted: {at.time_s:.2f} s, where it begins"
-        figures = overlay(found, step_s, part, amended=outcome.is_amended, mark_s=at.time_s)
-        shown.append(Shown(caption=said, figures=figures))
+        plots = overlay(found, step_s, part, draw_amended=outcome.is_amended, mark_s=at.time_s)
+        shown.append(Shown(caption=said, plots=plots))
     part = worst_of(judged, step_s)
     said = f"{_span(outcome.judged.path.name, part, step_s)}, where the declared line is worst"
-    figures = overlay(judged, step_s, part, amended=outcome.is_amended)
-    return [*shown, Shown(caption=said, figures=figures)]
+    plots = overlay(judged, step_s, part, draw_amended=outcome.is_amended)
+    return [*shown, Shown(caption=said, plots=plots)]
 
 
 def _span(record: str, part: slice, step_s: float) -> str:
@@ -193,7 +192,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         headline=headline(verdict),
         records_said=outcome.records_said(),
         sure=confidence(verdict),
-        gain=gain(judged, bool(outcome.plan.holdout), amended=is_amended),
+        gain=gain(judged, bool(outcome.plan.holdout), is_amended=is_amended),
         next_step=next_of(outcome),
         verdict=verdict,
         rows=error_rows(judged),
@@ -222,12 +221,12 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         amended=amended.name if amended else "",
         sketch=sketch(outcome.declared, verdict),
         overlays=overlays(outcome),
-        order_map=wavenumber_map(judged, step_s, amended=is_amended),
+        order_map=wavenumber_map(judged, step_s, draw_amended=is_amended),
         spectra=spectrum(
             selection.before[0],
             selection.after[0],
             CRITERIA.search.unexplained.periodic,
-            amended=is_amended,
+            draw_amended=is_amended,
         ),
     )
     path = outcome.plan.out / "report.html"

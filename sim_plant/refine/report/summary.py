@@ -30,7 +30,7 @@ def summary(outcome: Outcome) -> Summary:
         kind=kind_of(verdict),
         headline=headline(verdict),
         sure=confidence(verdict),
-        gain=gain(judged, bool(held), amended=outcome.is_amended),
+        gain=gain(judged, bool(held), is_amended=outcome.is_amended),
         next_step=next_of(outcome),
         effects=tuple(_effect(e, rivals) for e in verdict.effects),
         unknown=tuple(

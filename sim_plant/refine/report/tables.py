@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
-from sim_plant.refine.report.figures import is_sum
+from sim_plant.refine.report.plots import is_angle_or_radius
 
 DIGITS = 2
 """Of a ratio as the page writes it: what rounds to a limit is not told as beyond it."""
@@ -93,8 +93,8 @@ class ErrorRow:
 
     @property
     def mark(self) -> str:
-        """How the page shows the ratio: within noise, above it, or grey where it tells nothing."""
-        if is_sum(self.name):
+        """How the page shows the ratio: within noise, above it, or grey: it does not count."""
+        if is_angle_or_radius(self.name):
             return "sum"
         return "miss" if is_above(self.ratio) else "ok"
 

@@ -131,13 +131,13 @@ def test_what_two_crystals_or_a_short_window_do_not_tell_apart_is_one_clock(off,
 def test_an_outage_ends_a_piece_and_says_how_long_it_was():
     scans = np.concatenate((np.arange(0.0, 200.0), np.arange(300.0, 500.0)))
     found = scans_of(rows(scans, ticks=scans + 1.0), ())
-    assert [(b.row, b.why) for b in found.breaks] == [(200, "nothing was read for 0.505 s")]
+    assert [(b.scan, b.why) for b in found.breaks] == [(200, "nothing was read for 0.505 s")]
 
 
 def test_a_plc_that_starts_anew_ends_a_piece():
     scans = np.concatenate((np.arange(30000.0, 30200.0), np.arange(1.0, 201.0)))
     found = scans_of(rows(scans), ())
-    assert [(b.row, "started anew" in b.why) for b in found.breaks] == [(200, True)]
+    assert [(b.scan, "started anew" in b.why) for b in found.breaks] == [(200, True)]
     assert found.taken_s[-1] == pytest.approx(399 * CYCLE_S)
 
 
@@ -145,7 +145,7 @@ def test_a_clock_that_goes_back_ends_a_piece():
     columns = rows(np.arange(400.0))
     columns["time_s"][200:] -= 0.6
     found = scans_of(columns, ())
-    assert (200, "the clock of the run goes back") in [(b.row, b.why) for b in found.breaks]
+    assert (200, "the clock of the run goes back") in [(b.scan, b.why) for b in found.breaks]
     assert found.taken_s[-1] == pytest.approx(399 * CYCLE_S)
 
 
@@ -153,7 +153,7 @@ def test_a_clock_that_jumps_forward_is_no_time_in_which_nothing_was_read():
     columns = rows(np.arange(400.0))
     columns["time_s"][200:] += 5.0
     found = scans_of(columns, ())
-    assert [b.row for b in found.breaks] == [200]
+    assert [b.scan for b in found.breaks] == [200]
     assert "heartbeat" in found.breaks[0].why
 
 
@@ -164,12 +164,20 @@ def test_a_run_without_any_reading_is_refused():
         scans_of(columns, ())
 
 
+@pytest.mark.parametrize("apart", [60, 200])
+def test_rows_that_are_too_far_apart_to_count_scans_are_refused_as_that(apart):
+    """At 0.3 s and 1 s from row to row: the clock goes on, and so does the heartbeat."""
+    scans = np.arange(0.0, 300.0 * apart, apart)
+    with pytest.raises(PlantError, match=r"no two rows within 0.25 s have a heartbeat that moves"):
+        scans_of(rows(scans, ticks=scans + 1.0), ())
+
+
 def test_splice_roll_and_stop_are_told_apart():
     columns = rows(np.arange(500.0))
     columns["status"][100:150] += float(Status.SPLICE_ACTIVE)
     columns["roll_id"][120:] = 2.0
     columns["status"][300:] -= float(Status.LINE_RUN)
-    found = {b.row: b.why for b in line_breaks(columns, np.arange(500))}
+    found = {b.scan: b.why for b in line_breaks(columns, np.arange(500))}
     assert found == {
         100: "a splice begins",
         150: "a splice ends",
@@ -183,6 +191,6 @@ def test_an_angle_that_counts_anew_is_a_break_and_one_that_turns_is_none():
     angle = 5.0 * taken
     assert angle_breaks(angle, taken, "a_rad") == []
     angle[250:] -= 100.0
-    assert [(b.row, b.why) for b in angle_breaks(angle, taken, "a_rad")] == [
+    assert [(b.scan, b.why) for b in angle_breaks(angle, taken, "a_rad")] == [
         (250, "a_rad counts anew")
     ]

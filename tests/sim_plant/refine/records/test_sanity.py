@@ -5,10 +5,10 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.refine.records.sanity import (
-    count_spikes,
-    counts_seen,
+    count_sizes_seen,
     even_grid,
     oddities,
+    spikes_in,
     unwrapped,
 )
 
@@ -39,14 +39,14 @@ def test_a_missing_row_is_a_gap():
 
 def test_spikes_are_counted_and_noise_is_not():
     values = np.random.default_rng(2).standard_normal(2000)
-    assert count_spikes(values) == 0
+    assert spikes_in(values) == 0
     values[[300, 900, 1500]] += 60.0
-    assert count_spikes(values) == 3
+    assert spikes_in(values) == 3
 
 
 def test_the_ends_of_a_ramp_are_no_spikes():
     """An angle that goes on and on: a median of fewer neighbours is off at both ends."""
-    assert count_spikes(6.0 * np.arange(2000) * 0.01) == 0
+    assert spikes_in(6.0 * np.arange(2000) * 0.01) == 0
 
 
 def test_a_stepped_reference_is_no_coarse_reading():
@@ -61,7 +61,7 @@ def test_one_count_of_a_word_is_no_spike_where_the_count_is_known():
     values = np.full(2000, 0.85)
     values[200::100] += 0.001
     values[[700, 1300]] += 0.004
-    counts = counts_seen({"line_speed_m_s": values}, {"line_speed_m_s": 0.001})
+    counts = count_sizes_seen({"line_speed_m_s": values}, {"line_speed_m_s": 0.001})
     values[50:53] = 0.85 + 0.001 * np.array([0.25, 0.5, 0.75])
     assert oddities({"line_speed_m_s": values}, counts) == [
         "line_speed_m_s is read in steps of 0.001 m/s",
@@ -71,7 +71,7 @@ def test_one_count_of_a_word_is_no_spike_where_the_count_is_known():
 
 def test_a_sensor_may_be_coarser_than_its_word():
     read = {"a_N": np.round(20.0 * np.sin(np.arange(2000.0)) / 0.05) * 0.05, "b_N": np.zeros(9)}
-    counts = counts_seen(read, {"a_N": 0.001, "b_N": 0.01})
+    counts = count_sizes_seen(read, {"a_N": 0.001, "b_N": 0.01})
     assert counts == {"a_N": pytest.approx(0.05), "b_N": 0.01}
 
 

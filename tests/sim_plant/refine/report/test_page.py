@@ -10,15 +10,15 @@ from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.report.confidence import standard_deviations
-from sim_plant.refine.report.figures import (
+from sim_plant.refine.report.next_step import next_step
+from sim_plant.refine.report.page import confidence, gain, headline
+from sim_plant.refine.report.plots import (
     channels_by_error,
     overlay,
     part_around,
     wavenumber_map,
     worst_part,
 )
-from sim_plant.refine.report.next_step import next_step
-from sim_plant.refine.report.page import confidence, gain, headline
 from sim_plant.refine.report.tables import above_noise, best_each, error_rows, shift_rows
 from sim_plant.refine.report.verdict import Ambiguity, Moment, UnknownFinding
 from tests.sim_plant.refine.small import finding, fit_of, verdict_with
@@ -66,11 +66,18 @@ def unknown(kind, where=None):
     return UnknownFinding(unknown_class=kind, coordinate=where or {}, chi2_reduction=1e4)
 
 
-def test_sums_are_not_what_the_figures_show():
+def test_angles_and_radii_are_not_what_the_plots_show():
     assert [CHANNELS[k] for k in channels_by_error(judged())] == [
         "unwind_tension_N",
         "line_speed_m_s",
     ]
+
+
+def test_the_travel_of_a_carriage_counts_as_a_tension_does():
+    names = ("dancer_position_m", "accumulator_position_m", "unwind_angle_rad", "unwind_radius_m")
+    found = replace(judged(), channels=names)  # 3 / 0.25, 900, 90 and 2 over their floors
+    assert [names[k] for k in channels_by_error(found)] == [names[1], names[0]]
+    assert [row.mark for row in error_rows(found)] == ["ok", "ok", "sum", "sum"]
 
 
 def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():
@@ -311,14 +318,14 @@ def test_without_an_amended_line_one_curve_and_one_map_are_drawn(monkeypatch):
     monkeypatch.setattr("matplotlib.axes.Axes.axvline", lambda _axis, x, **_: marks.append(x))
     monkeypatch.setattr("matplotlib.axes.Axes.legend", lambda _axis, **_: None)
     part = part_around(judged(), STEP_S, 20.0)
-    overlay(judged(), STEP_S, part, amended=False, mark_s=20.0)
+    overlay(judged(), STEP_S, part, draw_amended=False, mark_s=20.0)
     assert set(drawn) == {"measured", "declared", "error as declared"}
     assert set(marks) == {20.0}
     overlay(judged(), STEP_S, part)
     assert {"amended", "error as amended"} < set(drawn)
     assert len(marks) == 2 * 2  # of two channels, measured and error: the first overlay's only
-    assert len(wavenumber_map(judged(), STEP_S, amended=False)) == 1
-    assert "as amended" not in gain(judged(), held=True, amended=False).casefold()
+    assert len(wavenumber_map(judged(), STEP_S, draw_amended=False)) == 1
+    assert "as amended" not in gain(judged(), held=True, is_amended=False).casefold()
 
 
 def test_a_line_in_web_travel_stands_still_on_the_map_at_every_speed(monkeypatch):
@@ -334,6 +341,23 @@ def test_a_line_in_web_travel_stands_still_on_the_map_at_every_speed(monkeypatch
     assert 0 < slow.sum() < slow.size
     assert np.abs(ridge - 4.0).max() < 2.0 * (wavenumber[1] - wavenumber[0])
     assert before.max() > after.max() + 60.0
+
+
+def test_noise_of_the_floors_size_is_at_zero_decibels_of_the_map(monkeypatch):
+    """Mean power of white noise through a window: its variance times the window's energy."""
+    drawn = []
+    monkeypatch.setattr(
+        "matplotlib.axes.Axes.pcolormesh",
+        lambda _axis, _x, _y, level, *, vmin, vmax, **_: drawn.append((level, vmin, vmax)),
+    )
+    one = judged()
+    noise = one.floor[0] * np.random.default_rng(5).standard_normal(one.travel_m.size)
+    steady = replace(one, measured=one.declared + noise, travel_m=STEP_S * np.arange(4000.0))
+    wavenumber_map(steady, STEP_S, draw_amended=False)
+    ((level, lowest, highest),) = drawn
+    # without the mean of each part, and what the window brings of it
+    power = 10.0 * np.log10(np.mean(10.0 ** (level[3:] / 10.0)))
+    assert (lowest, highest) == pytest.approx((power - 6.0, power + 30.0), abs=0.3)
 
 
 def test_a_size_is_as_uncertain_as_the_model_and_an_angle_only_as_the_noise():
