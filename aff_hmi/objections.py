@@ -13,7 +13,7 @@ from aff_hmi.words import N_, Say, figures_in
 
 PROBE = N_("run the probe with the line at its speed: page Commissioning, or aff-runtime probe")
 PROBE_HERE = N_("probe at this speed and radius")
-ENCODER = N_("correct the site file")
+SITE_FILE = N_("correct the site file")
 # the sentence, and what to do about it
 SENTENCES = {
     N_("no measured response; run the probe"): PROBE,
@@ -34,15 +34,15 @@ SENTENCES = {
     N_(
         "{roll}: {angle} counts against the line's speed; turn the sign of its scale, "
         "or that of the speed"
-    ): ENCODER,
+    ): SITE_FILE,
     N_(
         "{roll}: {angle} turns {ratio} times as fast as speed over radius; mend its scale "
         "(counts per turn of the roll, gear), the radius or the channel"
-    ): ENCODER,
+    ): SITE_FILE,
 }
 MORE = N_("and {count} more")
-_MORE = re.compile(r"and (\d+) more")
 PREFIXED = "{actuator}: "
+"""How a sentence of the law begins: with the actuator that it is about."""
 BY_GUARD = {
     N_("REMOTE=1: the PLC arms, by its reset"): N_("arm at the PLC, or turn its key to local"),
     "SHADOW=1": N_("end shadow operation: page Timing and rights, or aff-runtime shadow off"),
@@ -50,14 +50,21 @@ BY_GUARD = {
 
 
 def translated(blocked: str, say: Say) -> tuple[str, str] | None:
-    """Return an objection and what to do about it; None for a sentence that is not known."""
-    more = _MORE.fullmatch(blocked)
+    """Return an objection and what to do about it; None for a sentence that is not known.
+
+    Parameters
+    ----------
+    blocked : one reason against arming as the service says it: a sentence of the guard as it is
+        (``SHADOW=1``), one of the law behind its actuator (``unwind: ...``), or at the end of a
+        long list how many more there are (``and 3 more``).
+    """
+    more = _pattern(MORE).fullmatch(blocked)
     if more is not None:
-        return say(MORE).format(count=more[1]), say(N_("clear those that are listed first"))
+        return say(MORE).format(count=more["count"]), say(N_("clear those that are listed first"))
     if blocked in BY_GUARD:
-        return say(blocked) if "=1:" in blocked else blocked, say(BY_GUARD[blocked])
+        return say(blocked), say(BY_GUARD[blocked])
     for sentence, to_do in SENTENCES.items():
-        found = _pattern(sentence).fullmatch(blocked)
+        found = _pattern(PREFIXED + sentence).fullmatch(blocked)
         if found is not None:
             named = found.groupdict()
             actuator = named.pop("actuator")
@@ -68,6 +75,7 @@ def translated(blocked: str, say: Say) -> tuple[str, str] | None:
 
 @cache
 def _pattern(sentence: str) -> re.Pattern[str]:
-    parts = re.split(r"\{(\w+)\}", PREFIXED + sentence)
+    """Return what finds a sentence with something in the place of each ``{name}``."""
+    parts = re.split(r"\{(\w+)\}", sentence)
     texts = [f"(?P<{part}>.+?)" if i % 2 else re.escape(part) for i, part in enumerate(parts)]
     return re.compile("".join(texts), re.DOTALL)

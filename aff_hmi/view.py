@@ -21,7 +21,7 @@ from aff_hmi.watch import Observed
 from aff_hmi.words import N_, Say
 from aff_runtime.app.report.alarm_table import Priority
 from aff_runtime.app.report.block_status import SHAPE
-from aff_runtime.app.report.status_answer import Meeting
+from aff_runtime.app.report.status_answer import ComingMeeting
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.events import BY_CODE
@@ -339,7 +339,7 @@ def _notes(
             )
 
 
-def _coming(meeting: Meeting, say: Say) -> Coming:
+def _coming(meeting: ComingMeeting, say: Say) -> Coming:
     text = say(
         N_("{actuator}: {roll} {order}x meets {other} {other_order}x in {time}, at {radius}")
     ).format(

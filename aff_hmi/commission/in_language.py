@@ -98,7 +98,7 @@ def _is_done(one: StepView) -> bool:
 
 
 def _undone(one: StepView, say: Say) -> str:
-    """Return what is left to do of a step, as ``app.card.page.undone`` says it in English.
+    """Return what is left to do of a step, as ``app.card.page.unfinished`` says it in English.
 
     It is put together again and not found by a pattern: titles have commas and colons in them.
     """

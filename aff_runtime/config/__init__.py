@@ -3,7 +3,6 @@
 __all__ = [
     "can_wire",
     "check",
-    "crossings",
     "declared",
     "devices",
     "diff",
@@ -14,6 +13,7 @@ __all__ = [
     "learned_responses",
     "leaves",
     "loader",
+    "meetings",
     "models",
     "plain_file",
     "probe_bound",

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from aff_runtime.config.crossings import Crossing, crossings_of, frequency_Hz
 from aff_runtime.config.findings import dotted
 from aff_runtime.config.leaves import leaves
+from aff_runtime.config.meetings import Meeting, frequency_Hz, meetings_of
 from aff_runtime.config.models import Site
 from aff_runtime.config.registers import Row, block_of, read_rows, write_rows
 from aff_runtime.config.revision import site_hash_of
@@ -95,7 +95,7 @@ class Facts:
     orders: tuple[OrderFact, ...]
     shapes: tuple[ShapeFact, ...]
     limits: tuple[LimitFact, ...]
-    crossings: tuple[tuple[str, Crossing], ...]
+    meetings: tuple[tuple[str, Meeting], ...]
     rows: tuple[Row, ...]
     read_block: tuple[int, int]
     write_block: tuple[int, int]
@@ -116,10 +116,10 @@ def facts_of(site: Site, speeds_m_s: tuple[float, ...] = ()) -> Facts:
         orders=tuple(_orders(site, speeds)),
         shapes=tuple(_shapes(site, speeds)),
         limits=tuple(_limits(site)),
-        crossings=tuple(
-            (name, crossing)
+        meetings=tuple(
+            (name, meeting)
             for name, actuator in site.actuators.items()
-            for crossing in crossings_of(site, actuator)
+            for meeting in meetings_of(site, actuator)
         ),
         rows=(*read, *write),
         read_block=block_of(read),

@@ -10,7 +10,7 @@ from aff_hmi.recent_window import RecentWindow
 from aff_hmi.watch import Observed
 from aff_runtime.app.door.messages import Facts
 from aff_runtime.app.report.line_facts import LineFacts, OutputFacts, RollFacts
-from aff_runtime.app.report.status_answer import Meeting, StatusAnswer
+from aff_runtime.app.report.status_answer import ComingMeeting, StatusAnswer
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
 from aff_runtime.core.monitor import Trend
@@ -35,7 +35,7 @@ LINE = LineFacts(
     ),
     rolls=(RollFacts(name="unwind", radius_channel="unwind_radius_m"),),
 )
-MEETING = Meeting(
+MEETING = ComingMeeting(
     actuator="unwind",
     time_s=720.0,
     roll="unwind",

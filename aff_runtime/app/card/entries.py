@@ -103,7 +103,7 @@ class Measured:
 
     step: int
     verdict: Verdict
-    finding: StepResult
+    result: StepResult
     inputs: Inputs
     windows: tuple[RecordWindow, ...] = ()
     typed: tuple[Typed, ...] = ()
@@ -131,12 +131,12 @@ class Signed:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Entry:
-    """One entry with what it says."""
+    """One entry of the chain, and what it holds."""
 
     number: int
     utc: str
     sha256: str
-    said: Begun | Measured | Signed
+    content: Begun | Measured | Signed
 
 
 def entries_of(chain: Chain) -> tuple[Entry, ...]:
@@ -148,10 +148,10 @@ def entries_of(chain: Chain) -> tuple[Entry, ...]:
         An entry is none of this release; the message says which, and where.
     """
     entries = tuple(
-        Entry(number=link.number, utc=link.utc, sha256=link.sha256, said=_said(link))
+        Entry(number=link.number, utc=link.utc, sha256=link.sha256, content=_content(link))
         for link in chain.links
     )
-    begun = [entry for entry in entries if isinstance(entry.said, Begun)]
+    begun = [entry for entry in entries if isinstance(entry.content, Begun)]
     if not entries or begun != [entries[0]]:
         raise ConfigError("entry 1: a card begins with what it is of, once; no card of ours")
     return entries
@@ -165,10 +165,10 @@ def read_back(kind: str, body: Any) -> Begun | Measured | Signed:
     ConfigError
         It is none of this release.
     """
-    return _said(Link(number=0, utc="", kind=kind, body=body, sha256=""))
+    return _content(Link(number=0, utc="", kind=kind, body=body, sha256=""))
 
 
-def _said(link: Link) -> Begun | Measured | Signed:
+def _content(link: Link) -> Begun | Measured | Signed:
     fields = Fields(link.body, f"entry {link.number}")
     if link.kind == BEGUN:
         names = ("line", "site", "site_sha256", "site_hash", "release", "machine")
@@ -185,51 +185,51 @@ def _said(link: Link) -> Begun | Measured | Signed:
     raise ConfigError(f"entry {link.number}: of a kind that this release does not know")
 
 
-def _measured(said: Fields) -> Measured:
+def _measured(fields: Fields) -> Measured:
     try:
-        verdict = Verdict(said.text("verdict"))
+        verdict = Verdict(fields.text("verdict"))
     except ValueError:
-        raise ConfigError(f"entry: {said.text('verdict')!r} is no verdict of a step") from None
+        raise ConfigError(f"entry: {fields.text('verdict')!r} is no verdict of a step") from None
     return Measured(
-        step=said.whole("step"),
+        step=fields.whole("step"),
         verdict=verdict,
-        finding=StepResult(
-            figures=said.each("figures", _figure),
-            remarks=said.texts("remarks"),
-            proposals=said.texts("proposals"),
-            samples=said.each("samples", _sample),
-            missing=said.texts("missing"),
+        result=StepResult(
+            figures=fields.each("figures", _figure),
+            remarks=fields.texts("remarks"),
+            proposals=fields.texts("proposals"),
+            samples=fields.each("samples", _sample),
+            missing=fields.texts("missing"),
         ),
-        inputs=_inputs(said.inner("inputs")),
-        windows=said.each("windows", _window),
-        typed=said.each("typed", _typed),
-        reason=said.text("reason"),
-        by=said.text("by"),
-        release=said.text("release"),
+        inputs=_inputs(fields.inner("inputs")),
+        windows=fields.each("windows", _window),
+        typed=fields.each("typed", _typed),
+        reason=fields.text("reason"),
+        by=fields.text("by"),
+        release=fields.text("release"),
     )
 
 
-def _figure(said: Fields) -> Figure:
+def _figure(fields: Fields) -> Figure:
     return Figure(
-        name=said.text("name"),
-        value=said.number("value"),
-        unit=said.text("unit"),
-        low=said.number("low"),
-        high=said.number("high"),
-        limit=said.text("limit"),
-        good=said.flag("good"),
-        needed=said.flag("needed") is not False,
+        name=fields.text("name"),
+        value=fields.number("value"),
+        unit=fields.text("unit"),
+        low=fields.number("low"),
+        high=fields.number("high"),
+        limit=fields.text("limit"),
+        good=fields.flag("good"),
+        needed=fields.flag("needed") is not False,
     )
 
 
-def _sample(said: Fields) -> Sample:
+def _sample(fields: Fields) -> Sample:
     sample = Sample(
-        kind=said.text("kind"),
-        of=said.text("of"),
-        names=said.texts("names"),
-        numbers=said.numbers("numbers"),
-        columns=said.texts("columns"),
-        rows=said.table("rows"),
+        kind=fields.text("kind"),
+        of=fields.text("of"),
+        names=fields.texts("names"),
+        numbers=fields.numbers("numbers"),
+        columns=fields.texts("columns"),
+        rows=fields.table("rows"),
     )
     if len(sample.names) != len(sample.numbers) or any(
         len(row) != len(sample.columns) for row in sample.rows
@@ -238,25 +238,25 @@ def _sample(said: Fields) -> Sample:
     return sample
 
 
-def _inputs(said: Fields) -> Inputs:
+def _inputs(fields: Fields) -> Inputs:
     return Inputs(
-        site_hash=said.text("site_hash"),
-        config_hash=said.text("config_hash"),
-        plc=said.text("plc"),
-        roll_id=said.text("roll_id"),
-        responses=said.named("responses"),
-        machine=said.text("machine"),
-        parts=said.named("parts"),
-        shapes=said.named("shapes"),
+        site_hash=fields.text("site_hash"),
+        config_hash=fields.text("config_hash"),
+        plc=fields.text("plc"),
+        roll_id=fields.text("roll_id"),
+        responses=fields.named("responses"),
+        machine=fields.text("machine"),
+        parts=fields.named("parts"),
+        shapes=fields.named("shapes"),
     )
 
 
-def _window(said: Fields) -> RecordWindow:
+def _window(fields: Fields) -> RecordWindow:
     return RecordWindow(
-        folder=said.text("folder"),
-        from_s=said.number("from_s"),
-        to_s=said.number("to_s"),
-        segments=said.each(
+        folder=fields.text("folder"),
+        from_s=fields.number("from_s"),
+        to_s=fields.number("to_s"),
+        segments=fields.each(
             "segments",
             lambda one: Segment(
                 name=one.text("name"), size=one.whole("size"), sha256=one.text("sha256")
@@ -265,12 +265,12 @@ def _window(said: Fields) -> RecordWindow:
     )
 
 
-def _typed(said: Fields) -> Typed:
+def _typed(fields: Fields) -> Typed:
     return Typed(
-        name=said.text("name"),
-        text=said.text("text"),
-        number=said.number("number"),
-        unit=said.text("unit"),
+        name=fields.text("name"),
+        text=fields.text("text"),
+        number=fields.number("number"),
+        unit=fields.text("unit"),
     )
 
 
@@ -278,8 +278,8 @@ def as_plain(value: Any) -> Any:
     """Return a record as plain values for an entry; a number that is none is null."""
     if hasattr(value, "__dataclass_fields__"):
         row = {name: as_plain(getattr(value, name)) for name in value.__dataclass_fields__}
-        finding = row.pop("finding", {}) if isinstance(value, Measured) else {}
-        return {**row, **finding}
+        result = row.pop("result", {}) if isinstance(value, Measured) else {}
+        return {**row, **result}
     if isinstance(value, Mapping):
         return {str(key): as_plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):

@@ -59,7 +59,7 @@ class Sources:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gathered:
-    """What a step looks at, and what of it goes on the card beside the finding."""
+    """What a step looks at, and what of it goes on the card beside the result."""
 
     evidence: Evidence
     windows: tuple[RecordWindow, ...]

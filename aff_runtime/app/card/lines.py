@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from aff_runtime.app.card.entries import Measured, Signed
 from aff_runtime.app.card.figures import Figure
-from aff_runtime.app.card.page import span_text, undone, value_text
+from aff_runtime.app.card.page import interval_text, unfinished, value_text
 from aff_runtime.app.card.standing import Card
 
 HOW_TO_TYPE = "what is typed: --typed 'NAME=VALUE UNIT', once for each"
@@ -18,7 +18,7 @@ def card_lines(card: Card) -> Iterator[str]:
     for one in card.steps:
         signed = signed_line(one.signed) if one.signed is not None else ""
         yield f"{one.step.number:3}  {one.step.title[:52]:52}  {one.stand:14}  {signed}".rstrip()
-    for sentence in undone(card):
+    for sentence in unfinished(card):
         yield f"not done: {sentence}"
 
 
@@ -29,21 +29,22 @@ def signed_line(signed: Signed) -> str:
 
 def measured_lines(measured: Measured) -> Iterator[str]:
     """Yield the figures of a measurement, and what it says."""
-    for figure in measured.finding.figures:
+    for figure in measured.result.figures:
         yield _figure(figure)
-    for text in measured.finding.waits_for:
+    for text in measured.result.waits_for:
         yield f"missing   {text}"
-    if any("type " in text for text in measured.finding.waits_for):
+    if any("type " in text for text in measured.result.waits_for):
         yield f"          {HOW_TO_TYPE}"
-    for text in measured.finding.proposals:
+    for text in measured.result.proposals:
         yield f"proposed  {text}"
-    for text in measured.finding.remarks:
+    for text in measured.result.remarks:
         yield f"remark    {text}"
     yield f"step {measured.step}: {measured.verdict}"
 
 
 def _figure(figure: Figure) -> str:
     mark = {True: "ok   ", False: "FAIL ", None: "-    "}[figure.good]
-    span = span_text(figure)
+    interval = interval_text(figure)
+    beside = f" ({interval})" if interval else ""
     limit = f"; {figure.limit}" if figure.limit else ""
-    return f"{mark} {figure.name}: {value_text(figure)}{f' ({span})' if span else ''}{limit}"
+    return f"{mark} {figure.name}: {value_text(figure)}{beside}{limit}"

@@ -22,7 +22,7 @@ STYLE = (
     "td,th{padding:.12em .5em;text-align:left;border-bottom:1px solid #bbb;vertical-align:top}"
     "td.n{text-align:right;white-space:nowrap}code{font-size:8.5pt;overflow-wrap:anywhere}"
     "section{break-inside:avoid-page}thead{display:table-header-group}tr{break-inside:avoid}"
-    ".fail,.again,.open,.undone{font-weight:bold}.fail{color:#a00}.again,.open{color:#840}"
+    ".fail,.again,.open,.emphasis{font-weight:bold}.fail{color:#a00}.again,.open{color:#840}"
     "svg{max-width:100%;height:auto}li{margin:.1em 0}p{margin:.3em 0}"
 )
 SYMBOLS = {
@@ -48,7 +48,7 @@ def page(card: Card, size: str = "a4", remarks: Sequence[str] = ()) -> str:
         for part in (
             f"<h1>{_shown(title)}</h1>",
             _about(card),
-            *(f'<p class="undone">{_shown(one)}</p>' for one in remarks),
+            *(f'<p class="emphasis">{_shown(one)}</p>' for one in remarks),
             _overview(card),
             _not_done(card),
             *(_step(one) for one in card.steps if one.measured is not None),
@@ -97,65 +97,67 @@ def _overview(card: Card) -> str:
     rows = "".join(
         f"<tr><td>{one.step.number}</td><td>{_shown(one.step.title)}</td>"
         f'<td class="{_class(one)}">{_shown(SYMBOLS[one.stand])}</td>'
-        f"<td>{_shown(_signature(one))}</td></tr>"
+        f"<td>{_shown(_signed_by(one))}</td></tr>"
         for one in card.steps
     )
     return f"<h2>Steps</h2><table><thead>{head}</thead><tbody>{rows}</tbody></table>"
 
 
 def _class(one: StepStanding) -> str:
-    return "undone" if one.stand is Stand.NOT_DONE else str(one.stand).split(" ", 1)[0]
+    """Return the class in the page's style; of *not applicable* ``not``, which has no rule."""
+    return "emphasis" if one.stand is Stand.NOT_DONE else str(one.stand).split(" ", 1)[0]
 
 
-def _signature(one: StepStanding) -> str:
-    if one.signed is None or one.signature is None:
+def _signed_by(one: StepStanding) -> str:
+    if one.signed is None or one.signature_entry is None:
         return ""
-    return f"{one.signed.name}, {one.signature.utc}"
+    return f"{one.signed.name}, {one.signature_entry.utc}"
 
 
-def undone(card: Card) -> Iterator[str]:
+def unfinished(card: Card) -> Iterator[str]:
     """Yield a sentence for every step that is not passed and signed."""
     for one in card.not_done:
-        said = str(one.stand)
+        stands = str(one.stand)
         if one.stand in (Stand.PASS, Stand.NOT_APPLICABLE):
-            said = f"{said}, not signed"
+            stands = f"{stands}, not signed"
         why = [*one.why]
         if one.stand is Stand.OPEN and one.measured is not None:
-            why += one.measured.finding.waits_for
-        yield f"step {one.step.number}, {one.step.title}: {said}" + (
+            why += one.measured.result.waits_for
+        yield f"step {one.step.number}, {one.step.title}: {stands}" + (
             f" ({'; '.join(why)})" if why else ""
         )
 
 
 def _not_done(card: Card) -> str:
-    sentences = list(undone(card))
+    sentences = list(unfinished(card))
     if not sentences:
         return "<h2>What was not done</h2><p>Every step is passed and signed.</p>"
     return f"<h2>What was not done</h2>{_list(sentences)}"
 
 
 def _step(one: StepStanding) -> str:
-    said, entry = one.measured, one.last
-    assert said is not None
+    measurement, entry = one.measured, one.last
+    assert measurement is not None
     assert entry is not None
-    finding = said.finding
+    result = measurement.result
     parts = [
         f"<h2>{one.step.number}. {_shown(one.step.title)}: "
         f'<span class="{_class(one)}">{_shown(SYMBOLS[one.stand])}</span></h2>',
         f"<p>{_shown(one.step.measured)}; good when: {_shown(one.step.limit)}</p>",
-        _paragraphs("does not apply", [said.reason] if said.reason else []),
+        _paragraphs("does not apply", [measurement.reason] if measurement.reason else []),
         _paragraphs("to be done again, since it has changed", one.why),
-        _figures(finding.figures),
-        intervals(finding.figures),
-        *(bode(sample) or course(sample) for sample in finding.samples),
-        _paragraphs("still missing", finding.waits_for),
-        _paragraphs("proposed, and not applied", finding.proposals),
-        _paragraphs("remarks", finding.remarks),
-        _typed(said.typed),
-        _windows(said.windows),
-        _rests(said),
-        f"<p>Measured {_shown(entry.utc)} by {_shown(said.by)}, {_shown(said.release)}; entry "
-        f"{entry.number} <code>{entry.sha256}</code>; {one.earlier} earlier on this card.</p>",
+        _figures(result.figures),
+        intervals(result.figures),
+        *(bode(sample) or course(sample) for sample in result.samples),
+        _paragraphs("still missing", result.waits_for),
+        _paragraphs("proposed, and not applied", result.proposals),
+        _paragraphs("remarks", result.remarks),
+        _typed(measurement.typed),
+        _windows(measurement.windows),
+        _rests(measurement),
+        f"<p>Measured {_shown(entry.utc)} by {_shown(measurement.by)}, "
+        f"{_shown(measurement.release)}; entry {entry.number} <code>{entry.sha256}</code>; "
+        f"{one.earlier} earlier on this card.</p>",
         _signed(one),
     ]
     return f"<section>{''.join(parts)}</section>"
@@ -167,7 +169,7 @@ def _figures(figures: Sequence[Figure]) -> str:
     head = "<tr><th>figure</th><th>value</th><th>95 %, or error</th><th>limit</th><th></th></tr>"
     rows = "".join(
         f'<tr><td>{_shown(one.name)}</td><td class="n">{_shown(value_text(one))}</td>'
-        f'<td class="n">{_shown(span_text(one))}</td><td>{_shown(one.limit)}</td>'
+        f'<td class="n">{_shown(interval_text(one))}</td><td>{_shown(one.limit)}</td>'
         f"<td>{_good(one)}</td></tr>"
         for one in figures
     )
@@ -181,7 +183,7 @@ def value_text(figure: Figure) -> str:
     return f"{_number(figure.value)} {figure.unit}".rstrip()
 
 
-def span_text(figure: Figure) -> str:
+def interval_text(figure: Figure) -> str:
     """Return the interval, empty where it is not known."""
     if not (math.isfinite(figure.low) and math.isfinite(figure.high)):
         return ""
@@ -212,8 +214,8 @@ def _windows(windows: Iterable[RecordWindow]) -> str:
     return f"<p>record:</p><code>{_list(texts)}</code>" if texts else ""
 
 
-def _rests(said: Measured) -> str:
-    inputs = said.inputs
+def _rests(measurement: Measured) -> str:
+    inputs = measurement.inputs
     texts = [
         f"{name} {value}"
         for name, value in (
@@ -231,12 +233,12 @@ def _rests(said: Measured) -> str:
 
 
 def _signed(one: StepStanding) -> str:
-    if one.signed is None or one.signature is None:
+    if one.signed is None or one.signature_entry is None:
         return "<p>Not signed.</p>"
     return (
-        f"<p>Signed {_shown(one.signature.utc)} as <b>{_shown(one.signed.name)}</b> "
+        f"<p>Signed {_shown(one.signature_entry.utc)} as <b>{_shown(one.signed.name)}</b> "
         f"({_shown(one.signed.by)}): {_shown(signed_reason(one.signed))}; "
-        f"entry {one.signature.number} <code>{one.signature.sha256}</code></p>"
+        f"entry {one.signature_entry.number} <code>{one.signature_entry.sha256}</code></p>"
     )
 
 

@@ -40,7 +40,8 @@ class StepStanding:
     why : what has changed since, in sentences, where it is to be done again.
     not_compared : what is known then or now alone, in sentences.
     last : entry of the measurement that counts; None without one.
-    earlier : how many measurements were made before it. ``signature`` : entry below ``last``.
+    earlier : how many measurements were made before it.
+    signature_entry : entry of the signature below ``last``; None without one.
     """
 
     step: Step
@@ -49,19 +50,19 @@ class StepStanding:
     not_compared: tuple[str, ...] = ()
     last: Entry | None = None
     earlier: int = 0
-    signature: Entry | None = None
+    signature_entry: Entry | None = None
 
     @property
     def measured(self) -> Measured | None:
         """What was measured last."""
-        said = self.last.said if self.last is not None else None
-        return said if isinstance(said, Measured) else None
+        content = self.last.content if self.last is not None else None
+        return content if isinstance(content, Measured) else None
 
     @property
     def signed(self) -> Signed | None:
         """The signature below it."""
-        said = self.signature.said if self.signature is not None else None
-        return said if isinstance(said, Signed) else None
+        content = self.signature_entry.content if self.signature_entry is not None else None
+        return content if isinstance(content, Signed) else None
 
     @property
     def is_done(self) -> bool:
@@ -97,7 +98,7 @@ def card_of(entries: Sequence[Entry], now: Inputs | None = None) -> Card:
     ----------
     now : what holds now; None: it is not known, and nothing is compared.
     """
-    begun = entries[0].said
+    begun = entries[0].content
     assert isinstance(begun, Begun)  # `entries_of` has seen to it
     return Card(
         begun=begun,
@@ -175,51 +176,51 @@ def former_samples(step: Step, entries: Sequence[Entry], now: Inputs) -> tuple[S
     """
     samples: list[Sample] = []
     for entry in entries:
-        said = entry.said
-        if isinstance(said, Measured) and said.step == step.number:
-            then = replace(said.inputs, responses=now.responses)
+        content = entry.content
+        if isinstance(content, Measured) and content.step == step.number:
+            then = replace(content.inputs, responses=now.responses)
             same = not any(changed(step, then, now))
-            samples = [*samples, *said.finding.samples] if same else []
+            samples = [*samples, *content.result.samples] if same else []
     return tuple(samples)
 
 
 def newest_plc(entries: Sequence[Entry]) -> str:
     """Return the version of the PLC's program that was typed last, empty without one."""
-    said = (entry.said for entry in reversed(entries))
-    return next((one.inputs.plc for one in said if isinstance(one, Measured)), "")
+    contents = (entry.content for entry in reversed(entries))
+    return next((one.inputs.plc for one in contents if isinstance(one, Measured)), "")
 
 
 def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepStanding:
     mine = [
         entry
         for entry in entries
-        if isinstance(entry.said, Measured) and entry.said.step == step.number
+        if isinstance(entry.content, Measured) and entry.content.step == step.number
     ]
     if not mine:
         return StepStanding(step=step, stand=Stand.NOT_DONE)
     last = mine[-1]
-    assert isinstance(last.said, Measured)
-    then = last.said.inputs
+    assert isinstance(last.content, Measured)
+    then = last.content.inputs
     if not (then.machine or then.parts):  # an older release: in the card's first entry alone
-        begun = entries[0].said
+        begun = entries[0].content
         then = replace(then, machine=begun.machine if isinstance(begun, Begun) else "")
     why = tuple(changed(step, then, now)) if now is not None else ()
-    signature = next(
+    signature_entry = next(
         (
             entry
             for entry in reversed(entries)
-            if isinstance(entry.said, Signed) and entry.said.measured == last.sha256
+            if isinstance(entry.content, Signed) and entry.content.measured == last.sha256
         ),
         None,
     )
     return StepStanding(
         step=step,
-        stand=Stand.AGAIN if why else _OF_VERDICT[last.said.verdict],
+        stand=Stand.AGAIN if why else _OF_VERDICT[last.content.verdict],
         why=why,
         not_compared=tuple(not_compared(step, then, now)) if now is not None else (),
         last=last,
         earlier=len(mine) - 1,
-        signature=signature,
+        signature_entry=signature_entry,
     )
 
 

@@ -45,7 +45,7 @@ def verify(given: Path, newest: str = "", *, records: bool = False) -> Verified:
             else "no entry has the page's hash: entries were taken away, or it is another card"
         )
     if not wrong and records:
-        said = [one.said for one in entries_of(chain)]
-        measured = [one for one in said if isinstance(one, Measured)]
+        contents = [one.content for one in entries_of(chain)]
+        measured = [one for one in contents if isinstance(one, Measured)]
         wrong = [text for one in measured for w in one.windows for text in differences(w)]
     return Verified(path=path, entries=len(chain.links), newest=chain.newest, wrong=tuple(wrong))

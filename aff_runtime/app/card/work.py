@@ -79,9 +79,9 @@ class CardFile:
     @property
     def begun(self) -> Begun:
         """What the card is of."""
-        said = self.entries[0].said
-        assert isinstance(said, Begun)
-        return said
+        begun = self.entries[0].content
+        assert isinstance(begun, Begun)
+        return begun
 
     @property
     def plc(self) -> str:
@@ -138,11 +138,11 @@ def measure(
     step = step_of(number)
     former = former_samples(step, card.entries, inputs_of(sources))
     gathered = gather(step, sources, TypedValues(typed), former)
-    finding = _bounded(step.measure(gathered.evidence))
+    result = _bounded(step.measure(gathered.evidence))
     kept = Measured(
         step=number,
-        verdict=finding.verdict,
-        finding=finding,
+        verdict=result.verdict,
+        result=result,
         inputs=gathered.inputs,
         windows=gathered.windows,
         typed=typed,
@@ -164,7 +164,7 @@ def leave_out(card: CardFile, number: int, reason: str, inputs: Inputs, by: str)
     kept = Measured(
         step=step_of(number).number,
         verdict=Verdict.NOT_APPLICABLE,
-        finding=StepResult(figures=()),
+        result=StepResult(figures=()),
         inputs=inputs,
         reason=_said(reason, "reason", SHORTEST_REASON, LONGEST_REASON),
         by=by,
@@ -189,7 +189,7 @@ def sign(card: CardFile, number: int, now: Inputs, *, name: str, reason: str, by
     standing = card.standing(number, now)
     if standing.stand not in SIGNABLE or standing.last is None:
         why = "; ".join(
-            (*standing.why, *(standing.measured.finding.missing if standing.measured else ()))
+            (*standing.why, *(standing.measured.result.missing if standing.measured else ()))
         )
         raise RefusedError(
             f"step {number} is {standing.stand}{f' ({why})' if why else ''}: nothing to sign"
@@ -225,7 +225,7 @@ def _may_follow(card: CardFile, said: Measured | Signed, chain: Chain) -> bool:
     entries, seen = entries_of(chain), len(card.entries)
     if not isinstance(said, Measured) or entries[seen - 1 : seen] != card.entries[-1:]:
         return False
-    since = [entry.said for entry in entries[seen:]]
+    since = [entry.content for entry in entries[seen:]]
     return not any(
         isinstance(one, Begun)
         or one.step == said.step
@@ -234,13 +234,13 @@ def _may_follow(card: CardFile, said: Measured | Signed, chain: Chain) -> bool:
     )
 
 
-def _bounded(finding: StepResult) -> StepResult:
-    """Return a finding with bounded sentences (``LONGEST_SENTENCE``), and few of each kind."""
+def _bounded(result: StepResult) -> StepResult:
+    """Return a result with bounded sentences (``LONGEST_SENTENCE``), and few of each kind."""
     return replace(
-        finding,
-        remarks=_cut(finding.remarks),
-        proposals=_cut(finding.proposals),
-        missing=_cut(finding.missing),
+        result,
+        remarks=_cut(result.remarks),
+        proposals=_cut(result.proposals),
+        missing=_cut(result.missing),
     )
 
 

@@ -8,7 +8,7 @@ from aff_runtime.app.card.entries import Entry, Measured
 from aff_runtime.app.card.evidence import CheckedSite, Evidence
 from aff_runtime.app.card.figures import Figure
 from aff_runtime.app.card.measure import proof
-from aff_runtime.app.card.page import signed_reason, span_text, undone, value_text
+from aff_runtime.app.card.page import interval_text, signed_reason, unfinished, value_text
 from aff_runtime.app.card.standing import SIGNABLE, Card, StepStanding
 from aff_runtime.app.card.steps import Step
 from aff_runtime.app.card.typed_values import TypedValues
@@ -43,7 +43,7 @@ def card_view(
         entries=card.entries,
         utc=card.utc,
         remarks=tuple(remarks),
-        undone=tuple(undone(card)),
+        undone=tuple(unfinished(card)),
         steps=tuple(_step(one, checked) for one in card.steps),
         proof=proof_times(checked.site, answer) if checked is not None and answer else None,
     )
@@ -59,7 +59,7 @@ def proof_times(site: Site, answer: StatusAnswer) -> ProofTimes | None:
 
 
 def _step(one: StepStanding, checked: CheckedSite | None) -> StepView:
-    step, said, entry = one.step, one.measured, one.last
+    step, measurement, entry = one.step, one.measured, one.last
     return StepView(
         number=step.number,
         title=step.title,
@@ -71,38 +71,40 @@ def _step(one: StepStanding, checked: CheckedSite | None) -> StepView:
         typed_names=_typed_names(step, checked),
         earlier=one.earlier,
         can_sign=one.stand in SIGNABLE and one.signed is None,
-        entry=_entry(entry, said) if entry is not None and said is not None else None,
+        entry=_entry(entry, measurement)
+        if entry is not None and measurement is not None
+        else None,
         signed=_signature(one),
     )
 
 
-def _entry(entry: Entry, said: Measured) -> EntryView:
+def _entry(entry: Entry, measurement: Measured) -> EntryView:
     return EntryView(
         number=entry.number,
         utc=entry.utc,
         sha256=entry.sha256,
-        by=said.by,
-        release=said.release,
-        reason=said.reason,
-        figures=tuple(_figure(figure) for figure in said.finding.figures),
-        missing=said.finding.waits_for,
-        proposals=said.finding.proposals,
-        remarks=said.finding.remarks,
-        typed=tuple(f"{typed.name} = {typed.text}" for typed in said.typed),
-        windows=_windows(said),
+        by=measurement.by,
+        release=measurement.release,
+        reason=measurement.reason,
+        figures=tuple(_figure(figure) for figure in measurement.result.figures),
+        missing=measurement.result.waits_for,
+        proposals=measurement.result.proposals,
+        remarks=measurement.result.remarks,
+        typed=tuple(f"{typed.name} = {typed.text}" for typed in measurement.typed),
+        windows=_windows(measurement),
     )
 
 
 def _signature(one: StepStanding) -> SignatureView | None:
-    if one.signed is None or one.signature is None:
+    if one.signed is None or one.signature_entry is None:
         return None
     return SignatureView(
         name=one.signed.name,
         reason=signed_reason(one.signed),
         by=one.signed.by,
-        utc=one.signature.utc,
-        number=one.signature.number,
-        sha256=one.signature.sha256,
+        utc=one.signature_entry.utc,
+        number=one.signature_entry.number,
+        sha256=one.signature_entry.sha256,
     )
 
 
@@ -110,13 +112,13 @@ def _figure(figure: Figure) -> FigureView:
     return FigureView(
         name=figure.name,
         value=value_text(figure),
-        span=span_text(figure),
+        span=interval_text(figure),
         limit=figure.limit,
         good=figure.good,
     )
 
 
-def _windows(said: Measured) -> tuple[WindowView, ...]:
+def _windows(measurement: Measured) -> tuple[WindowView, ...]:
     return tuple(
         WindowView(
             folder=one.folder,
@@ -126,7 +128,7 @@ def _windows(said: Measured) -> tuple[WindowView, ...]:
                 SegmentView(name=s.name, size=s.size, sha256=s.sha256) for s in one.segments
             ),
         )
-        for one in said.windows
+        for one in measurement.windows
     )
 
 

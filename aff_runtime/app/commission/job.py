@@ -37,7 +37,7 @@ JOBS: dict[str, Job] = {
     "sign": card_jobs.sign,
     "verify": card_jobs.verified,
     "line": line_view.line,
-    "words": setup_jobs.words,
+    "words": setup_jobs.find_words,
     "try": settings_jobs.try_proposed,
     "keep": settings_jobs.keep,
     "undo": settings_jobs.undo,

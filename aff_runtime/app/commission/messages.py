@@ -74,7 +74,8 @@ class Request:
     typed, plc, leave_out : values of displays, one a line; name of the PLC; why a step does not
         apply.
     seconds, reason : how long to try something, and why something is done.
-    again, number, text : question to be asked once more; which question, and its answer.
+    again : names of questions or quantities to be asked once more, separated by spaces.
+    number, text : which question, and its answer.
     paper : of a page that prints.
     windows, holdout : parts of runs to fit and to judge on, one a line: ``NAME[@FROM..TO]``.
     without : effects that are left out of refine's library, a word each.

@@ -55,7 +55,7 @@ def try_proposed(where: Paths, asked: Request, talk: Talk) -> Answer:
     ):
         return Refusal(why=Why.CHANGED)
     now = parameters_of(where.site, where.state)
-    text = text_with(now.site_text, proposed(standing.measured.finding.proposals))
+    text = text_with(now.site_text, proposed(standing.measured.result.proposals))
     return try_text(where, asked, talk, text, by_screen(asked))
 
 

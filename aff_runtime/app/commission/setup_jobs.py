@@ -1,4 +1,4 @@
-"""The words of the PLC for a screen: the interview of `aff-runtime setup`, answered elsewhere."""
+"""A screen finds the PLC's words: the interview of `aff-runtime setup`, answered at the screen."""
 
 from __future__ import annotations
 
@@ -13,11 +13,12 @@ from aff_runtime.app.setup.questions import Question
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import State
 
-GOES_OUT = (State.ARMED.name, State.ACTIVE.name, State.FADING.name)
+LIVE_STATES = (State.ARMED.name, State.ACTIVE.name, State.FADING.name)
+"""In which a correction may be going out, as `TickRow.is_live` has it."""
 
 
-class Screen:
-    """Somebody at a screen, who can always try again."""
+class ScreenAsker:
+    """An `Asker`: puts what is asked on a screen, where somebody can always try again."""
 
     is_patient = True
 
@@ -25,17 +26,17 @@ class Screen:
         self._talk = talk
 
     def answers_itself(self, name: str) -> bool:
-        """Return False: whoever is at the screen has not answered yet."""
+        """Return False: a screen has no answers of its own, such as a file of them has."""
         return False
 
     def answer(self, question: Question) -> str:
-        """Return what is answered, else the default."""
+        """Return what is answered, else the default; ``LeftError`` when somebody leaves."""
         try:
             text = self._talk.ask(
                 question.name,
                 question.text,
                 question.default,
-                choices=question.words,
+                choices=question.choices,
                 rows=question.rows,
             )
         except EOFError:
@@ -55,22 +56,29 @@ class Screen:
         self._talk.complain(line)
 
 
-def words(where: Paths, asked: Request, talk: Talk) -> Done:
+def find_words(where: Paths, asked: Request, talk: Talk) -> Done:
     """Find the PLC's words and write the site file.
+
+    Parameters
+    ----------
+    asked : its ``again`` holds names of questions or quantities, separated by spaces, that were
+        answered or found before and shall be asked once more.
 
     Raises
     ------
+    RefusedError
+        A correction may be going out, or somebody has saved the site file meanwhile.
     AffError
         It cannot go on; what was answered is kept beside the site file.
     """
     status = status_of(where.socket)
-    if status is not None and status.state in GOES_OUT:
+    if status is not None and status.state in LIVE_STATES:
         raise RefusedError("a correction goes out; bypass first")
     kept_in = where.site.with_suffix(".setup.json")
     draft = read_draft(kept_in)
     for name in asked.again.split():
         draft = draft.without(name)
-    dialogue = Dialogue(draft, kept_in, Screen(talk))
+    dialogue = Dialogue(draft, kept_in, ScreenAsker(talk))
     before = content_of(where.site)
     try:
         interview(dialogue)

@@ -35,7 +35,7 @@ class Alarm:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Meeting:
+class ComingMeeting:
     """Orders of two rolls that one actuator corrects will have one frequency.
 
     Attributes
@@ -111,8 +111,8 @@ class StatusAnswer:
         screen may do anything. ``commands`` : what was commanded since the service began.
     operators : the last commands of the console with their time, the newest last.
     probes : how good and how old the responses in force are.
-    shapes, crossings : what became of shapes; when orders of two rolls will meet.
-    meetings : the crossings as numbers. ``facts`` : what a screen needs of the site.
+    shapes, crossings : sentences: what became of shapes, and when orders of two rolls will meet.
+    meetings : the same meetings as numbers. ``facts`` : what a screen needs of the site.
     live : None while there is no record yet. ``tick_age_s`` : of the tick that it is; `NOT_SAID`
         without one.
     """
@@ -138,7 +138,7 @@ class StatusAnswer:
     probes: tuple[ProbeFacts, ...] = ()
     shapes: tuple[str, ...] = ()
     crossings: tuple[str, ...] = ()
-    meetings: tuple[Meeting, ...] = ()
+    meetings: tuple[ComingMeeting, ...] = ()
     facts: LineFacts | None = None
     tick_age_s: float = NOT_SAID
     live: Live | None = None
@@ -190,7 +190,7 @@ def read_answer(said: Any) -> StatusAnswer:
         probes=tuple(ProbeFacts(**one) for one in said.get("probes", ())),
         shapes=tuple(said.get("shapes", ())),
         crossings=tuple(said.get("crossings", ())),
-        meetings=tuple(Meeting(**one) for one in said.get("meetings", ())),
+        meetings=tuple(ComingMeeting(**one) for one in said.get("meetings", ())),
         facts=LineFacts.from_json(facts) if facts else None,
         tick_age_s=said.get("tick_age_s", NOT_SAID),
         live=_live(said) if said.get("signals") else None,

@@ -152,7 +152,7 @@ def _read_lost(text: str) -> str:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SignalReader:
-    """Takes a row's number, a signal by its name, or ``none`` where ``words`` has it.
+    """Takes a row's number, a signal by its name, or ``none`` where ``choices`` has it.
 
     Attributes
     ----------
@@ -164,7 +164,7 @@ class SignalReader:
     rows: Mapping[str, str]
     known: frozenset[str]
     why_not: Callable[[str], str]
-    words: tuple[str, ...] = ()
+    choices: tuple[str, ...] = ()
     unsure: str = ""
 
     def __call__(self, text: str) -> str:
@@ -173,7 +173,7 @@ class SignalReader:
         if not shown:
             raise AnswerError(f"no row is taken unasked: {self.unsure}. Write {self._takes}.")
         name = self.rows.get(shown, shown)
-        if name in self.words or name in self.known:
+        if name in self.choices or name in self.known:
             return name
         if shown.isdecimal():
             raise AnswerError(f'"{shown[:40]}": write {self._takes}.')
@@ -183,7 +183,7 @@ class SignalReader:
     @property
     def _takes(self) -> str:
         rows = [f"1 to {len(self.rows)}"] if self.rows else []
-        return " or ".join([*rows, "MESSAGE.Signal", *self.words])
+        return " or ".join([*rows, "MESSAGE.Signal", *self.choices])
 
 
 def scale_question(

@@ -129,7 +129,7 @@ class BusSteps:
             rows={str(n): one.signal.name for n, one in enumerate(rows[:SHOWN_ROWS], 1)},
             known=frozenset(one.signal.name for one in rows),
             why_not=lambda given: self._why_not(role, given),
-            words=(NONE,) if role.optional else (),
+            choices=(NONE,) if role.optional else (),
             unsure=unsure,
         )
         return Question(

@@ -109,7 +109,7 @@ class Dialogue:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RowReader:
-    """Takes a row's number, its word such as w5, or one of ``words``.
+    """Takes a row's number, its word such as w5, or one of ``choices``.
 
     ``at`` : wire address by row.
     ``unsure`` : why an empty answer does not take row 1; empty where it does.
@@ -117,19 +117,19 @@ class RowReader:
 
     rows: frozenset[int]
     at: Mapping[int, int]
-    words: tuple[str, ...]
+    choices: tuple[str, ...]
     unsure: str = ""
 
     def __call__(self, text: str) -> str:
-        """Return the row's number, or the word."""
+        """Return the row's number, or the choice."""
         shown = text.strip()
         named = [n for n, address in self.at.items() if shown == f"w{address}"]
         if named:
             return str(named[0])
-        if shown in self.words or (shown.isdecimal() and int(shown) in self.rows):
+        if shown in self.choices or (shown.isdecimal() and int(shown) in self.rows):
             return shown
         rows = [f"1 to {max(self.rows)}"] if self.rows else []
-        takes = " or ".join([*rows, *self.words])
+        takes = " or ".join([*rows, *self.choices])
         if not shown and self.unsure:
             raise AnswerError(f"no row is taken unasked: {self.unsure}. Write {takes}.")
         raise AnswerError(f'"{shown[:40]}": write {takes}.')

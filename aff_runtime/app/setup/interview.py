@@ -308,11 +308,11 @@ def _of_second(second: str) -> list[Question]:
 class _Output:
     """Takes a reference that setup writes a site file for, and says what to do for the other."""
 
-    words: tuple[str, ...] = ("velocity", "torque")
+    choices: tuple[str, ...] = ("velocity", "torque")
 
     def __call__(self, text: str) -> str:
         """Return the reference."""
-        chosen = one_of(*self.words)(text)
+        chosen = one_of(*self.choices)(text)
         if chosen == "torque":
             raise AnswerError(NO_TORQUE)
         return chosen

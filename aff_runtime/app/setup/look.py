@@ -76,17 +76,17 @@ class Look:
         name: str,
         text: str,
         rows: dict[int, str],
-        *words: str,
+        *choices: str,
         at: Mapping[int, int] | None = None,
         unsure: str = "",
     ) -> str:
-        """Return the picked row's number, or one of ``words``.
+        """Return the picked row's number, or one of ``choices``.
 
         Row 1 is taken unasked, unless ``unsure`` says why not.
         """
-        first = "1" if rows else words[0] if words else None
+        first = "1" if rows else choices[0] if choices else None
         default = first if not unsure else None
-        reader = RowReader(rows=frozenset(rows), at=at or {}, words=words, unsure=unsure)
+        reader = RowReader(rows=frozenset(rows), at=at or {}, choices=choices, unsure=unsure)
         shown = tuple((str(n), row) for n, row in rows.items())
         return self.dialogue.ask_anew(
             Question(name=name, text=text, read=reader, default=default, rows=shown)

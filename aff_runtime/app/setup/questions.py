@@ -42,9 +42,9 @@ class Question:
     rows: tuple[tuple[str, str], ...] = ()
 
     @property
-    def words(self) -> tuple[str, ...]:
-        """Words that may be answered beside rows; empty where anything may be typed."""
-        return getattr(self.read, "words", ())
+    def choices(self) -> tuple[str, ...]:
+        """What may be answered beside rows; empty where anything may be typed."""
+        return getattr(self.read, "choices", ())
 
 
 def read_text(text: str) -> str:
@@ -123,19 +123,21 @@ def whole(low: int, high: int) -> Callable[[str], str]:
 class OneOf:
     """Takes one word of several."""
 
-    words: tuple[str, ...]
+    choices: tuple[str, ...]
 
     def __call__(self, text: str) -> str:
         """Return the word."""
         shown = text.strip()
-        if shown not in self.words:
-            raise AnswerError(f'"{printable(shown, 40)}" is not known. {meant(shown, self.words)}')
+        if shown not in self.choices:
+            raise AnswerError(
+                f'"{printable(shown, 40)}" is not known. {meant(shown, self.choices)}'
+            )
         return shown
 
 
-def one_of(*words: str) -> OneOf:
+def one_of(*choices: str) -> OneOf:
     """Return the reader of one word of several."""
-    return OneOf(words)
+    return OneOf(choices)
 
 
 def number(unit: str, low: float, high: float) -> Callable[[str], str]:

@@ -11,9 +11,9 @@ from aff_runtime.app.report.line_facts import line_facts
 from aff_runtime.app.report.probe_facts import probes_of
 from aff_runtime.app.report.status import live_status
 from aff_runtime.app.report.status_answer import NOT_SAID, SILENT, StatusAnswer
-from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.hand.desk import HandDesk
+from aff_runtime.app.supervisor.meeting_forecast import MeetingForecast
 from aff_runtime.app.supervisor.probe_desk import Probes
 from aff_runtime.app.supervisor.processes import FRESH_S, Processes
 from aff_runtime.app.supervisor.response_ledger import learned_sentences
@@ -35,7 +35,7 @@ class Standing:
         edits: EditSession,
         settings: SettingsDesk,
         probes: Probes,
-        forecast: CrossingForecast,
+        forecast: MeetingForecast,
         counts: CommandTally,
         hand: HandDesk | None,
         *,

@@ -32,11 +32,11 @@ from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.link.request_socket import Asked, RequestSocket
 from aff_runtime.app.report.command_counts import CommandTally, Result, Via
 from aff_runtime.app.supervisor.control_child import Ending
-from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
 from aff_runtime.app.supervisor.door import Door
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.file_watch import FileWatch
 from aff_runtime.app.supervisor.hand.opening import open_hand
+from aff_runtime.app.supervisor.meeting_forecast import MeetingForecast
 from aff_runtime.app.supervisor.pending import AnswerOf, Pending
 from aff_runtime.app.supervisor.probe_desk import Probes
 from aff_runtime.app.supervisor.processes import DIED, STOPS, Processes
@@ -93,7 +93,7 @@ class Supervisor:
             on_end=self._control_ended,
         )
         self._states = StateLog()
-        self._forecast = CrossingForecast()
+        self._forecast = MeetingForecast()
         self._link_fd: int | None = None
         self._edits = EditSession(
             self._processes, self._pending, options.site, result, options.state_directory, watch

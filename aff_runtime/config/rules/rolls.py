@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from aff_runtime.config.crossings import crossings_of, frequency_Hz
 from aff_runtime.config.findings import KeyPath
+from aff_runtime.config.meetings import frequency_Hz, meetings_of
 from aff_runtime.config.models import Actuator, Roll, Site
 from aff_runtime.config.rules.issue import Issue
 
@@ -26,12 +26,12 @@ def issues(site: Site) -> Iterator[Issue]:
             yield Issue(path=("rolls", name), text=text, warning=True, at_key=True)
     for name, actuator in site.actuators.items():
         yield from _sampling(("actuators", name), actuator, site)
-        crossings = crossings_of(site, actuator)
-        if crossings:
+        meetings = meetings_of(site, actuator)
+        if meetings:
             met = "The blocks share their gain there; expect slower settling near it."
             if actuator.uses_shape:
                 met = "The signal cannot tell them apart there: not judged, not saved meanwhile."
-            text = f"{'; '.join(map(str, crossings))}. {met}"
+            text = f"{'; '.join(map(str, meetings))}. {met}"
             path: KeyPath = ("actuators", name, "blocks")
             yield Issue(path=path, text=text, warning=True, at_key=True)
 

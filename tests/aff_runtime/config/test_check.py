@@ -60,15 +60,15 @@ def test_order_n_has_n_times_the_frequency_at_every_speed():
     assert len(facts.orders) == 2 * (4 * 2 + 1 + 1)
 
 
-def test_words_counts_and_crossings():
+def test_words_counts_and_meetings():
     facts = check_site(EUCLID).facts
     assert facts.read_block == (0, 18)
     assert facts.write_block == (100, 10)
     assert facts.words_per_tick == 28
     assert [round(limit.counts) for limit in facts.limits] == [5000, 2000, 1000, 4000, 3000]
-    (name, crossing) = facts.crossings[0]
-    assert (name, crossing.order, crossing.other_order) == ("unwind", 1, 1)
-    assert crossing.radius_m == pytest.approx(0.15367)
+    (name, meeting) = facts.meetings[0]
+    assert (name, meeting.order, meeting.other_order) == ("unwind", 1, 1)
+    assert meeting.radius_m == pytest.approx(0.15367)
 
 
 def test_T6_the_forecast_of_crossings_is_that_of_the_field_notes(tmp_path):
@@ -79,7 +79,7 @@ def test_T6_the_forecast_of_crossings_is_that_of_the_field_notes(tmp_path):
         ("orders: [1], settle_s: 10", "orders: [1, 2, 3], settle_s: 10"),
     )
     facts = check_site(path).facts
-    met = {(c.order, c.other_order): c.radius_m / 0.0254 for _, c in facts.crossings}
+    met = {(c.order, c.other_order): c.radius_m / 0.0254 for _, c in facts.meetings}
     assert met[2, 1] == pytest.approx(12.1, abs=0.01)
     assert met[3, 2] == pytest.approx(9.075, abs=0.01)
     assert met[4, 3] == pytest.approx(8.067, abs=0.01)
@@ -88,7 +88,7 @@ def test_T6_the_forecast_of_crossings_is_that_of_the_field_notes(tmp_path):
 
 def test_disabled_blocks_meet_nothing(tmp_path):
     path = edited(tmp_path, ("settle_s: 10, ", "settle_s: 10, enabled: false, "))
-    assert check_site(path).facts.crossings == ()
+    assert check_site(path).facts.meetings == ()
 
 
 def test_defaults_in_use_are_listed_and_given_keys_are_not():

@@ -106,11 +106,11 @@ def test_all_findings_come_together(tmp_path):
     assert len(str(caught.value).split("\n")) == 3
 
 
-def test_shipped_file_is_clean_but_for_its_plain_wire_and_its_one_crossing():
-    wire, crossing = read_site(EUCLID).warnings
-    assert (wire.path, crossing.path) == ("gateway.modbus_tcp", "actuators.unwind.blocks")
+def test_shipped_file_is_clean_but_for_its_plain_wire_and_its_one_meeting():
+    wire, meeting = read_site(EUCLID).warnings
+    assert (wire.path, meeting.path) == ("gateway.modbus_tcp", "actuators.unwind.blocks")
     assert "nothing on this wire is encrypted or signed" in wire.text
-    assert "unwind 1x meets swrap_follower 1x at radius 0.1537 m" in crossing.text
+    assert "unwind 1x meets swrap_follower 1x at radius 0.1537 m" in meeting.text
 
 
 def test_site_gives_si_numbers():

@@ -1,4 +1,4 @@
-"""What each step of the card measures: pure functions from evidence to a finding."""
+"""What each step of the card measures: pure functions from evidence to a result."""
 
 __all__ = [
     "limits",

@@ -10,7 +10,7 @@ from dataclasses import astuple, fields
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Figure, Sample, StepResult, at_least, at_most
 from aff_runtime.app.card.measure.proof import enabled
-from aff_runtime.config.crossings import frequency_Hz as order_Hz
+from aff_runtime.config.meetings import frequency_Hz as order_Hz
 from aff_runtime.core.probe.estimate import SIGN_BAND, low_direction, measured_sign
 from aff_runtime.core.probe.repeats import MOST_REPEAT_ERRORS, alike, repeat_sigmas
 from aff_runtime.core.response import (

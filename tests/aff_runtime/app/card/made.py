@@ -43,10 +43,10 @@ def book(folder):
     return found
 
 
-def measured(step=0, figures=(GOOD,), inputs=INPUTS, **finding):
+def measured(step=0, figures=(GOOD,), inputs=INPUTS, **result):
     """Return a measurement."""
-    what = StepResult(figures=tuple(figures), **finding)
-    return Measured(step=step, verdict=what.verdict, finding=what, inputs=inputs, by="root")
+    what = StepResult(figures=tuple(figures), **result)
+    return Measured(step=step, verdict=what.verdict, result=what, inputs=inputs, by="root")
 
 
 def add(book, said):

@@ -20,7 +20,7 @@ def test_every_entry_comes_back_as_it_was_put_in(tmp_path):
     first = measured(7, remarks=("a remark",), proposals=("x: 1",), missing=("more",))
     digest = add(card, first)
     add(card, signed(7, digest))
-    said = [entry.said for entry in entries_of(card.read())]
+    said = [entry.content for entry in entries_of(card.read())]
     assert said == [BEGUN_OF, first, signed(7, digest)]
 
 
@@ -167,7 +167,7 @@ def killed_at(folder, at):
     chain = follow(after)
     assert chain.wrong == ""
     assert after == before or len(chain.links) == 3
-    assert isinstance(entries_of(chain)[1].said, Measured)
+    assert isinstance(entries_of(chain)[1].content, Measured)
     add(CardBook(folder), signed(3, digest))
     if done.returncode == 0:
         return "not killed"

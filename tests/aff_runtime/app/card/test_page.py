@@ -8,7 +8,7 @@ import pytest
 
 from aff_runtime.app.card.entries import Inputs, entries_of
 from aff_runtime.app.card.figures import Figure, Sample
-from aff_runtime.app.card.page import page, undone
+from aff_runtime.app.card.page import page, unfinished
 from aff_runtime.app.card.standing import card_of
 from aff_runtime.app.card.steps import STEPS
 from tests.aff_runtime.app.card.made import BAD, GOOD, INPUTS, add, book, measured, signed
@@ -150,7 +150,7 @@ def test_everything_that_counts_is_on_it(card):
 
 def test_what_was_not_done_is_listed_and_why(card):
     found, _ = shown(card, replace(INPUTS, responses={}))
-    said = list(undone(found))
+    said = list(unfinished(found))
     assert len(said) == len(STEPS) - 1  # only step 0 is passed and signed
     assert "step 3, Limits, in the PLC first: fail" in said
     assert "step 4, Watchdog of drive or gateway: open (type it)" in said
@@ -158,10 +158,12 @@ def test_what_was_not_done_is_listed_and_why(card):
         text.startswith("step 7") and "again (measured responses of" in text for text in said
     )
     found, _ = shown(card)
-    assert any(text.endswith("pass, not signed") for text in undone(found))
+    assert any(text.endswith("pass, not signed") for text in unfinished(found))
 
 
 def test_a_step_that_was_not_measured_is_never_shown_as_measured(tmp_path):
     found, text = shown(book(tmp_path), Inputs())
-    assert list(undone(found)) == [f"step {step.number}, {step.title}: not done" for step in STEPS]
+    assert list(unfinished(found)) == [
+        f"step {step.number}, {step.title}: not done" for step in STEPS
+    ]
     assert "section" not in Outline(text).tags

@@ -46,8 +46,8 @@ def test_a_step_with_far_too_much_to_say_is_cut_and_read_back(begun):
     assert found.verdict is Verdict.PASS
     kept = work.CardFile.of(begun).card().steps[3].measured
     assert kept == found
-    assert len(kept.finding.remarks) < 50
-    assert max(map(len, kept.finding.remarks)) <= work.LONGEST_SENTENCE
+    assert len(kept.result.remarks) < 50
+    assert max(map(len, kept.result.remarks)) <= work.LONGEST_SENTENCE
 
 
 def replace_responses():

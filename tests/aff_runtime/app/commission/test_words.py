@@ -5,7 +5,7 @@ import pytest
 from aff_runtime.app.commission import setup_jobs
 from aff_runtime.app.commission.answers import Done
 from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.setup_jobs import words
+from aff_runtime.app.commission.setup_jobs import find_words
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import RefusedError
@@ -66,12 +66,12 @@ def where(tmp_path):
 def test_a_screen_finds_the_words_of_the_shipped_site_file_leaves_and_goes_on(plc, where):
     answers = ANSWERS | PICKS | {"port": str(plc.port)}
     first = Talk(answers, leaves_at="line_speed_m_s.pick")
-    assert words(where, Request(do="words", again=""), first) == Done(
+    assert find_words(where, Request(do="words", again=""), first) == Done(
         text="left; what was answered is kept"
     )
     assert not where.site.exists()
     second = Talk(answers)
-    assert words(where, Request(do="words", again=""), second).text == f"wrote {where.site}"
+    assert find_words(where, Request(do="words", again=""), second).text == f"wrote {where.site}"
     assert second.asked[0] == "line_speed_m_s.display"
     choices, rows = second.rows["line_speed_m_s.pick"]
     assert choices == ("again", "move")
@@ -87,7 +87,7 @@ def test_a_screen_finds_the_words_of_the_shipped_site_file_leaves_and_goes_on(pl
     third = Talk(answers | {"name": "Other", "replace": "yes"})
     third.before = lambda name: where.site.write_text("of somebody") if name == "replace" else None
     with pytest.raises(RefusedError, match="somebody has saved it meanwhile"):
-        words(where, Request(do="words", again="name"), third)
+        find_words(where, Request(do="words", again="name"), third)
     assert third.asked == ["name", "replace"]
     assert where.site.read_text() == "of somebody"
 
@@ -96,4 +96,4 @@ def test_while_a_correction_goes_out_nobody_else_speaks_to_the_plc(where, monkey
     standing = StatusAnswer(line="Euclid", state="ACTIVE")
     monkeypatch.setattr(setup_jobs, "status_of", lambda socket: standing)
     with pytest.raises(RefusedError, match="bypass first"):
-        words(where, Request(do="words", again=""), Talk({}))
+        find_words(where, Request(do="words", again=""), Talk({}))

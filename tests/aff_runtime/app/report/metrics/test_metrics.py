@@ -28,7 +28,7 @@ from aff_runtime.app.report.metrics.exposition import exposition
 from aff_runtime.app.report.metrics.readings import TICK_PATIENCE_S, MetricHistogram, readings
 from aff_runtime.app.report.probe_facts import probes_of
 from aff_runtime.app.report.status import live_status
-from aff_runtime.app.report.status_answer import Meeting, StatusAnswer, read_answer
+from aff_runtime.app.report.status_answer import ComingMeeting, StatusAnswer, read_answer
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.base.events import TABLE
@@ -85,7 +85,7 @@ def answer(*, age_s: float = 0.004, state: State = State.ACTIVE) -> StatusAnswer
     tick = TickRow(row | shape_record("unwind_3x", Trend.CLAMPED))
     _, live = live_status(tick, NEED, SHAPE_SITE)
     meta = RunMeta(start_ns=START_NS, rights=(Right(granted=False, text="SCHED_FIFO 80: no"),))
-    meeting = Meeting(
+    meeting = ComingMeeting(
         actuator="unwind",
         time_s=90.0,
         roll="a",

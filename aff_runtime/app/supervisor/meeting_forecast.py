@@ -8,9 +8,9 @@ from collections import deque
 import numpy as np
 
 from aff_runtime.app.link.parameter_record import ParameterRecord
-from aff_runtime.app.report.status_answer import Meeting
+from aff_runtime.app.report.status_answer import ComingMeeting
 from aff_runtime.app.report.tick_row import TickRow
-from aff_runtime.config.crossings import Crossing, crossings_of
+from aff_runtime.config.meetings import Meeting, meetings_of
 from aff_runtime.config.models import Site
 
 EVERY_S = 1.0  # between two readings, at least
@@ -55,13 +55,13 @@ class RadiusTrack:
         return slope if abs(slope) > SIGMAS * error else math.nan
 
 
-class CrossingForecast:
+class MeetingForecast:
     """Follows the radii of the rolls and says which orders meet next, and when."""
 
     def __init__(self) -> None:
         self._config_hash = ""
         self._site: Site | None = None
-        self._crossings: dict[str, tuple[Crossing, ...]] = {}
+        self._meetings: dict[str, tuple[Meeting, ...]] = {}
         self._tracks: dict[str, RadiusTrack] = {}
         self._latest = TickRow({})
 
@@ -89,53 +89,53 @@ class CrossingForecast:
             return
         self._config_hash = parameters.config_hash
         site = self._site = parameters.site
-        self._crossings = {
-            name: tuple(c for c in crossings_of(site, actuator) if not c.always)
+        self._meetings = {
+            name: tuple(one for one in meetings_of(site, actuator) if not one.always)
             for name, actuator in site.actuators.items()
         }
-        moving = {c.roll for found in self._crossings.values() for c in found}
+        moving = {one.roll for found in self._meetings.values() for one in found}
         self._tracks = {name: self._tracks.get(name, RadiusTrack()) for name in moving}
 
-    def meetings(self) -> tuple[Meeting, ...]:
+    def meetings(self) -> tuple[ComingMeeting, ...]:
         """Return the next meeting of every actuator; empty while no slope stands out."""
-        return tuple(_meeting(name, time_s, one) for name, time_s, one in self._next())
+        return tuple(_coming(name, time_s, one) for name, time_s, one in self._next())
 
     def sentences(self) -> list[str]:
         """Return the same in words."""
         return [f"{name}: in about {_duration(t)} {one}" for name, t, one in self._next()]
 
-    def _next(self) -> list[tuple[str, float, Crossing]]:
+    def _next(self) -> list[tuple[str, float, Meeting]]:
         """Return the next meeting of every actuator with the time to it, s."""
         if self._site is None:
             return []
         speed_m_s = self._latest.number(self._site.line.speed)
-        meetings = []
-        for name, crossings in self._crossings.items():
-            coming = [(self._time_s(c, speed_m_s), c) for c in crossings]
-            ahead = [(t, c) for t, c in coming if 0.0 < t < FORESEEN_S]
+        found = []
+        for name, meetings in self._meetings.items():
+            timed = [(self._time_s(one, speed_m_s), one) for one in meetings]
+            ahead = [(time_s, one) for time_s, one in timed if 0.0 < time_s < FORESEEN_S]
             if ahead:
-                meetings.append((name, *min(ahead, key=lambda one: one[0])))
-        return meetings
+                found.append((name, *min(ahead, key=lambda pair: pair[0])))
+        return found
 
-    def _time_s(self, crossing: Crossing, speed_m_s: float) -> float:
+    def _time_s(self, meeting: Meeting, speed_m_s: float) -> float:
         """Return the time to a meeting at this speed, s; negative: behind, NaN: not known."""
         assert self._site is not None
-        radius_m = self._latest.number(self._site.rolls[crossing.roll].radius)
-        slope_m = self._tracks[crossing.roll].slope_m()
+        radius_m = self._latest.number(self._site.rolls[meeting.roll].radius)
+        slope_m = self._tracks[meeting.roll].slope_m()
         if not abs(speed_m_s) > STANDSTILL_M_S:
             return math.nan
-        return (crossing.radius_m**2 - radius_m**2) / (slope_m * speed_m_s)
+        return (meeting.radius_m**2 - radius_m**2) / (slope_m * speed_m_s)
 
 
-def _meeting(actuator: str, time_s: float, crossing: Crossing) -> Meeting:
-    return Meeting(
+def _coming(actuator: str, time_s: float, meeting: Meeting) -> ComingMeeting:
+    return ComingMeeting(
         actuator=actuator,
         time_s=time_s,
-        roll=crossing.roll,
-        order=crossing.order,
-        other_roll=crossing.other_roll,
-        other_order=crossing.other_order,
-        radius_m=crossing.radius_m,
+        roll=meeting.roll,
+        order=meeting.order,
+        other_roll=meeting.other_roll,
+        other_order=meeting.other_order,
+        radius_m=meeting.radius_m,
     )
 
 

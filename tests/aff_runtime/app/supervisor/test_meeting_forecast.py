@@ -8,7 +8,7 @@ import re
 import pytest
 
 from aff_runtime.app.report.tick_row import TickRow
-from aff_runtime.app.supervisor.crossing_forecast import CrossingForecast
+from aff_runtime.app.supervisor.meeting_forecast import MeetingForecast
 from aff_runtime.config.loader import load_site
 from tests.lockstep.known_response import ROOT
 from tests.parameter_records import record_of
@@ -25,7 +25,7 @@ class Roll:
 
     def __init__(self, radius_m: float, thickness_m: float = WEB_M) -> None:
         self.square, self.thickness_m, self.time_s = radius_m**2, thickness_m, 0.0
-        self.forecast = CrossingForecast()
+        self.forecast = MeetingForecast()
 
     def run(self, seconds: int, speed_m_s: float) -> None:
         for _ in range(seconds):
