@@ -175,7 +175,7 @@ def _better(objective: Objective, fit: Fit, walks: Sequence[LikelyRange]) -> Fit
 def _hidden_walk(
     objective: Objective, fit: Fit, at: int, name: str, explained: float
 ) -> tuple[int, str, LikelyRange, int]:
-    """Return effect, name and walk of a number that is not fitted, and its place in the walk."""
+    """Return effect, name and walk of a number that is not fitted, and its index in the walk."""
     h = fit.hypotheses[at]
     row, value = h.effect.accepts[name], float(dict(h.fixed)[name])
     wider = with_numbers(objective, fit, at, (name,), {name: value})

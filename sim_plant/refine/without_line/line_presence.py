@@ -64,15 +64,17 @@ def chi2_reduction(
 
     Parameters
     ----------
-    frequency : the largest reduction counts within 1 / extent of the record on either side.
+    white : the whitened residual (outputs, judged).
+    frequency : in cycles per unit of ``axis``. The largest reduction counts that is found within
+        1 / extent of the record on either side.
     """
     moving = item.speed_m_s if item.speed_m_s is not None else np.ones(white.shape[1])
     weights = speed_weights(moving, 2)
-    u = position_of(item, axis)
-    reach = 1.0 / float(u[-1])
+    position = position_of(item, axis)
+    width = 1.0 / float(position[-1])
     best = 0.0
-    for at in np.linspace(frequency - reach, frequency + reach, 9):
-        wave = np.exp(-2j * np.pi * at * u)
+    for at in np.linspace(frequency - width, frequency + width, 9):
+        wave = np.exp(-2j * np.pi * at * position)
         here = np.abs((white * wave) @ weights.T) ** 2
         best = max(best, 2.0 / white.shape[1] * float(here.sum()))
     return best, 2 * white.shape[0] * weights.shape[0]
@@ -141,14 +143,20 @@ def _scope(present: Sequence[bool], *, several: bool, axis_proven: bool) -> str:
     return EVERY_RECORD if all(present) else SOME_RECORDS
 
 
-def _axis_proven(item: Remainder, white: Array, axis: str, at: float, value: float) -> bool:
-    """Return whether the speed of one record varies enough to part time from travel."""
+def _axis_proven(
+    item: Remainder, white: Array, axis: str, frequency: float, reduction: float
+) -> bool:
+    """Return whether the speed of one record varies enough to part time from travel.
+
+    ``reduction`` : of chi-square, by the spectral line of ``frequency`` on ``axis``.
+    """
     if item.speed_m_s is None or item.travel_m is None:
         return False
     mean = float(np.mean(item.speed_m_s))
-    other, there = ("travel", at / mean) if axis == "time" else ("time", at * mean)
-    rival, degrees = chi2_reduction(item, white, other, there)
-    return value - rival > max(own_threshold(degrees), WITHOUT_LINE.axis_share * value)
+    is_in_time = axis == "time"
+    other, of_other = ("travel", frequency / mean) if is_in_time else ("time", frequency * mean)
+    rival, degrees = chi2_reduction(item, white, other, of_other)
+    return reduction - rival > max(own_threshold(degrees), WITHOUT_LINE.axis_share * reduction)
 
 
 def harmonic_series(
@@ -157,8 +165,8 @@ def harmonic_series(
     """Return the fundamental that most spectral lines are whole multiples of, and their orders.
 
     The largest fundamental counts of those with as many lines; at least three lines have to share
-    it, so closely that chance does it less than once in fifty sets of them. Nothing (0, no
-    orders) otherwise.
+    it, so closely that chance does it less often than ``chance``. Nothing (0, no orders)
+    otherwise.
 
     Parameters
     ----------
@@ -213,10 +221,12 @@ def as_orders(
     extents_m : travel of every record.
     """
     waves, widths, which = [], [], []
-    for k, (axis, at, where) in enumerate(lines):
-        if axis == "travel" or (where.other_frequency > 0.0 and not where.axis_proven):
-            waves.append(at if axis == "travel" else where.other_frequency)
-            widths.append(1.0 / min(e for e, p in zip(extents_m, where.present, strict=True) if p))
+    for k, (axis, frequency, presence) in enumerate(lines):
+        may_be_in_travel = presence.other_frequency > 0.0 and not presence.axis_proven
+        if axis == "travel" or may_be_in_travel:
+            waves.append(frequency if axis == "travel" else presence.other_frequency)
+            extents = zip(extents_m, presence.present, strict=True)
+            widths.append(1.0 / min(extent_m for extent_m, is_there in extents if is_there))
             which.append(k)
     named = list(lines)
     while which:
@@ -239,8 +249,8 @@ def _named(
     line: tuple[str, float, LinePresence], wave: float, order: int, base: float
 ) -> tuple[str, float, LinePresence]:
     """Return a spectral line as an order: in travel, whatever it was taken for before."""
-    axis, at, where = line
-    where = replace(where, order=order, fundamental=base)
+    axis, frequency, presence = line
+    presence = replace(presence, order=order, fundamental=base)
     if axis == "travel":
-        return axis, at, where
-    return "travel", wave, replace(where, other_frequency=at)
+        return axis, frequency, presence
+    return "travel", wave, replace(presence, other_frequency=frequency)

@@ -43,12 +43,14 @@ NO_TRAVEL = (
     "no column is an absolute speed or angle: a frequency cannot be tied to a roller, no roller "
     "is claimed"
 )
-NO_INPUTS = "no inputs are declared: nothing is explained but zero, drift and lines"
+NO_INPUTS = "no inputs are declared: nothing is explained but zero, drift and spectral lines"
 
 
 def caveats_of(declaration: RecordDeclaration) -> list[str]:
     """Return what cannot be claimed without a line, as sentences."""
-    sentences = ["no line declaration: no place can be named, a line is named by its coordinate"]
+    sentences = [
+        "no line declaration: no place can be named, a spectral line is named by its coordinate"
+    ]
     if declaration.travel_speed is None:
         sentences.append(NO_TRAVEL)
     if not declaration.inputs:
@@ -96,7 +98,7 @@ def refine_records(
     check_apart(records, held)
     caveats = [*caveats_of(declaration), *holdout_caveats(held)]
     announce(caveats, everything, progress)
-    at = len(records) if held else 0
+    at = len(records) if held else 0  # the record judged on: the first held out, or fitted
     outputs = [
         _output(declaration, name, stamped[: len(records)], stamped[at], progress)
         for name in declaration.outputs
@@ -176,10 +178,17 @@ def _output(
 
 def _error(o: _Output, left: Array) -> ChannelError:
     """Return the error of an output; spectral lines count only where they make it smaller."""
-    plain = min(o.judged.chosen_rms, o.judged.plain_rms, o.judged.declared_rms)
+    without_lines = _least_rms(o.judged)
     return ChannelError(
-        before=o.judged.declared_rms, after=min(rms(left), plain), noise_floor=float(np.std(left))
+        before=o.judged.declared_rms,
+        after=min(rms(left), without_lines),
+        noise_floor=float(np.std(left)),
     )
+
+
+def _least_rms(judged: Judged) -> float:
+    """Return the smallest error of the three filters, without spectral lines."""
+    return min(judged.chosen_rms, judged.plain_rms, judged.declared_rms)
 
 
 def _model(
@@ -196,13 +205,12 @@ def _model(
         text = GAIN_ALONE
     if model.back < 0:
         text = CONSTANT
-    plain = min(o.judged.chosen_rms, o.judged.plain_rms, o.judged.declared_rms)
     return OutputModel(
         filter=text,
         fell_back=o.judged.fell_back,
         plain_rms=o.judged.plain_rms,
         chosen_rms=o.judged.chosen_rms,
-        with_lines=bool(machine) and rms(left) <= plain,
+        with_lines=bool(machine) and rms(left) <= _least_rms(o.judged),
         tried=o.judged.rows,
         delays=o.delays,
         at_stamps=_at_stamps(o, view_of(declaration, held.record, o.name), held),

@@ -52,7 +52,7 @@ def on_declared_grid(record: Recording, sample_time_s: float) -> Stamped:
         columns[name] = values * factor
     name = next(n for n in columns if n.lower().removesuffix("_s") in TIME_NAMES)
     time_s = columns.pop(name)
-    time_s = np.maximum.accumulate(time_s - time_s[0])
+    time_s = time_s - time_s[0]  # they do not go back: `read_record` refuses such a record
     apart = time_s + 1e-9 * sample_time_s * np.arange(time_s.size)  # no two stamps alike
     readings, _ = unwrapped(columns)
     grid = sample_time_s * np.arange(int(time_s[-1] / sample_time_s * (1.0 + 1e-12)) + 1)

@@ -17,6 +17,8 @@ from sim_plant.refine.without_line.general.search import Search, Trial, counts, 
 Mask = NDArray[np.bool_]
 STEPS = 4
 """Gauss-Newton steps to a record's own shift."""
+MOST_STEP_SAMPLES = 2.0
+"""By so much one of these steps moves the shift at most."""
 SLOPE_SAMPLES = 0.05
 """By so much the shift is moved to find the slope of what is explained."""
 
@@ -75,12 +77,12 @@ def rms(values: Array) -> float:
 
 
 @lru_cache(maxsize=4)
-def _filter_part(trial: Trial, view: View, shift: float) -> Array:
+def _filter_part(trial: Trial, view: View, shift_samples: float) -> Array:
     """Return what the weights explain (judged,), without an own zero and drift.
 
     Cached, so not to be written to: `explained_by` begins at the same shift for both its halves.
     """
-    a = regressors(trial.model, view, shift)
+    a = regressors(trial.model, view, shift_samples)
     explained: Array = a @ trial.weights[: a.shape[1]]
     return explained
 
@@ -88,24 +90,27 @@ def _filter_part(trial: Trial, view: View, shift: float) -> Array:
 def _own_numbers(
     trial: Trial, view: View, mask: Mask, *, shift: bool, own: bool
 ) -> tuple[float, Array]:
-    """Return shift in samples and weights of zero and drift, from the samples of a mask."""
+    """Return shift in samples and weights of zero and drift, from the samples of a mask.
+
+    ``shift``, ``own`` : whether the record is to have a shift, or a zero and drift, of its own.
+    """
     beside = own_columns(view) if own else np.zeros((view.judged.size, 0))
-    at = strongest_lag(view, _filter_part(trial, view, 0.0), mask) if shift else 0.0
+    shift_samples = strongest_lag(view, _filter_part(trial, view, 0.0), mask) if shift else 0.0
     weights: Array = np.zeros(beside.shape[1])
     for _ in range(STEPS if shift else 1):
-        explained = _filter_part(trial, view, at)
+        explained = _filter_part(trial, view, shift_samples)
         columns = [beside]
         if shift:
-            there = _filter_part(trial, view, at + SLOPE_SAMPLES)
-            columns.append(((there - explained) / SLOPE_SAMPLES)[:, None])
+            moved = _filter_part(trial, view, shift_samples + SLOPE_SAMPLES)
+            columns.append(((moved - explained) / SLOPE_SAMPLES)[:, None])
         a = np.hstack(columns)
         if a.shape[1] == 0:
             break
         found = np.linalg.lstsq(a[mask], (view.judged - explained)[mask], rcond=None)[0]
         weights = np.asarray(found[: beside.shape[1]], dtype=np.float64)
         if shift:
-            at += float(np.clip(found[-1], -2.0, 2.0))
-    return at, weights
+            shift_samples += float(np.clip(found[-1], -MOST_STEP_SAMPLES, MOST_STEP_SAMPLES))
+    return shift_samples, weights
 
 
 def explained_by(trial: Trial, view: View, *, shift: bool, own: bool) -> Array:
@@ -119,8 +124,8 @@ def explained_by(trial: Trial, view: View, *, shift: bool, own: bool) -> Array:
     odd = _odd_blocks(view)
     found = np.empty(view.judged.size)
     for mask in (odd, ~odd):
-        at, weights = _own_numbers(trial, view, ~mask, shift=shift, own=own)
-        found[mask] = _filter_part(trial, view, at)[mask]
+        shift_samples, weights = _own_numbers(trial, view, ~mask, shift=shift, own=own)
+        found[mask] = _filter_part(trial, view, shift_samples)[mask]
         if own:
             found[mask] += (own_columns(view) @ weights)[mask]
     return found
@@ -142,13 +147,14 @@ def _blocks(values: Array) -> Array:
 
 
 def own_shift(trial: Trial, view: View) -> tuple[float, float]:
-    """Return the shift of a record against the first fitted, samples, and its deviation."""
+    """Return a record's shift against the first fitted and its standard deviation, samples."""
     everywhere = np.ones(view.judged.size, dtype=bool)
-    at, _ = _own_numbers(trial, view, everywhere, shift=True, own=True)
-    explained = _filter_part(trial, view, at)
-    slope = (_filter_part(trial, view, at + SLOPE_SAMPLES) - explained) / SLOPE_SAMPLES
+    shift_samples, _ = _own_numbers(trial, view, everywhere, shift=True, own=True)
+    explained = _filter_part(trial, view, shift_samples)
+    moved = _filter_part(trial, view, shift_samples + SLOPE_SAMPLES)
+    slope = (moved - explained) / SLOPE_SAMPLES
     found = moments([np.column_stack([own_columns(view), slope])], [view.judged - explained])
-    return at, float(found.spread()[-1])
+    return shift_samples, float(found.spread()[-1])
 
 
 def judge(search: Search, view: View) -> Judged:
@@ -157,12 +163,14 @@ def judge(search: Search, view: View) -> Judged:
     output = view.judged
     shift, own = False, best.model.own
     explained = explained_by(best, view, shift=shift, own=own)
-    for more in ((True, own), (shift, True), (True, True)):
-        if (more[0] and (not view.inputs or best.model.back < 0)) or more == (shift, own):
+    # own numbers are taken where they save enough: a shift, a zero and drift, or both
+    can_shift = bool(view.inputs) and best.model.back >= 0  # else there is nothing to shift
+    for tried_shift, tried_own in ((True, own), (False, True), (True, True)):
+        if (tried_shift and not can_shift) or (tried_shift, tried_own) == (shift, own):
             continue
-        tried = explained_by(best, view, shift=more[0], own=more[1])
+        tried = explained_by(best, view, shift=tried_shift, own=tried_own)
         if counts(_blocks(output - explained), _blocks(output - tried)):
-            explained, (shift, own) = tried, more
+            explained, shift, own = tried, tried_shift, tried_own
     simple = {
         trial.what: (trial, explained_by(trial, view, shift=False, own=False))
         for trial in (search.declared, search.plain)
@@ -183,8 +191,8 @@ def judge(search: Search, view: View) -> Judged:
     )
 
 
-def _rows(search: Search, view: View, own: tuple[bool, bool], chosen_rms: float) -> list[Row]:
-    """Return the table; ``own``: has the record judged an own shift, an own zero and drift."""
+def _rows(search: Search, view: View, needed: tuple[bool, bool], chosen_rms: float) -> list[Row]:
+    """Return the table; ``needed``: has the record judged an own shift, an own zero and drift."""
     rows = []
     for trial in search.tried:
         explained = explained_by(trial, view, shift=bool(trial.model.shifts), own=trial.model.own)
@@ -197,7 +205,7 @@ def _rows(search: Search, view: View, own: tuple[bool, bool], chosen_rms: float)
                 taken=_taken(trial, search.best),
             )
         )
-    names = [w for w, used in zip(("shift", "zero and drift"), own, strict=True) if used]
+    names = [w for w, used in zip(("shift", "zero and drift"), needed, strict=True) if used]
     what = "what was chosen" + (f", with this record's own {' and '.join(names)}" if names else "")
     rows.append(
         Row(

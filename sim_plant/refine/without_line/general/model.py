@@ -45,8 +45,8 @@ class Model:
     @property
     def numbers(self) -> Array:
         """All numbers that are fitted by steps: delays, shifts but the first, effects' own."""
-        own = [value for x in self.effects for value in x.numbers]
-        return np.array([*self.delays, *self.shifts[1:], *own])
+        of_effects = [value for x in self.effects for value in x.numbers]
+        return np.array([*self.delays, *self.shifts[1:], *of_effects])
 
     def with_numbers(self, numbers: Sequence[float] | Array) -> Model:
         """Return the same model with these numbers, in the order of ``numbers``."""
@@ -63,7 +63,10 @@ class Model:
         return replace(self, delays=delays, shifts=shifts, effects=effects)
 
     def steps(self) -> Array:
-        """Return a small step of every number: 0.05 samples of a time, 0.001 of any other."""
+        """Return a small step of every number: 0.05 samples of a time, 0.001 of any other.
+
+        A number counts as a tenth of its effect's largest at least: one near 0 has a step too.
+        """
         times = len(self.delays) + max(0, len(self.shifts) - 1)
         found = [0.05] * times
         for x in self.effects:
