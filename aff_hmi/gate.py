@@ -15,10 +15,12 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from aff_runtime.base.ports import Clock
 
 PER_SECOND, BURST = 50.0, 100.0
+"""Requests of one address: so many go on and on, and so many at once after a rest."""
 MAX_ADDRESSES = 1024
 METHODS = ("GET", "HEAD")
 MAX_BODY_BYTES = 4096
 REFUSED_SOCKET = 1008
+"""Code with which a websocket is closed against a rule of the server [RFC 6455, 7.4.1]."""
 HEADERS = {
     "content-security-policy": (
         "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; "
@@ -34,6 +36,7 @@ HEADERS = {
     "cache-control": "no-store",
 }
 HSTS = "max-age=31536000"
+"""For a year a browser comes by https alone, where it once did."""
 
 
 class Rates:

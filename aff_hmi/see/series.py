@@ -17,8 +17,13 @@ from aff_runtime.base.order_columns import order_columns
 from aff_runtime.base.signals import State
 
 MOST = 96
+"""Curves that are kept of a line."""
 MEASURED_GROUPS = ("tension", "speed", "radius")  # what a PLC said last is no news of these
 VALUE, REFERENCE, NOW, WITHOUT, MEASURED = "value", "reference", "now", "without", "measured"
+"""Roles. Of ripple: of the orders now, of the orders without correction (an estimate), and all
+that moves, as measured."""
+CHANGE, SIZE = "dB:", "mm:"
+"""How the slots of an order's curves begin, before its key."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -65,10 +70,7 @@ class SeriesSet:
         samples = dict(_of_samples(layout))
         samples |= dict(_of_orders(columns, site))
         self._samples = tuple(samples)[: MOST - len(ticks)]
-        places = {slot: len(ticks) + n for n, slot in enumerate(self._samples)}
-        self._change_at = {slot[3:]: at for slot, at in places.items() if slot.startswith("dB:")}
-        self._size_at = {slot[3:]: at for slot, at in places.items() if slot.startswith("mm:")}
-        self._place_of = places
+        self._at_of_slot = {slot: len(ticks) + n for n, slot in enumerate(self._samples)}
         self.all = (*(one.series for one in ticks), *(samples[slot] for slot in self._samples))
 
     def of_ticks(self, records: Rows) -> NDArray[np.float64]:
@@ -91,22 +93,23 @@ class SeriesSet:
 
         Parameters
         ----------
-        values : of the overview, by slot; those that are no curves are left out.
+        values : of the overview, by slot (``now:unwind``); those that are no curves are left out.
         """
         sample = np.full((1, len(self.all)), np.nan)
         if row.number("age_s") > self._fault_after_s:
             return sample
         numbers = sample[0]
         for slot, value in values.items():
-            if (at := self._place_of.get(slot)) is not None:
+            if (at := self._at_of_slot.get(slot)) is not None:
                 numbers[at] = value
         is_active = row.state is State.ACTIVE
         for order in row.orders():
             key = f"{order.actuator}.{order.name}"
-            before, now, at = order.ripple_before, order.ripple, self._change_at.get(key)
+            before, now = order.ripple_before, order.ripple
+            at = self._at_of_slot.get(f"{CHANGE}{key}")
             if at is not None and is_active and before > 0.0 and now > 0.0:
                 numbers[at] = 20.0 * math.log10(now / before)
-            if (at := self._size_at.get(key)) is not None:
+            if (at := self._at_of_slot.get(f"{SIZE}{key}")) is not None:
                 numbers[at] = order.size
         return sample
 
@@ -142,6 +145,7 @@ def _of_ticks(layout: Layout, site: LineFacts) -> Iterator[_OfTick]:
 
 
 def _of_samples(layout: Layout) -> Iterator[tuple[str, Series]]:
+    """Yield what the overview tells several times a second, by its slot: role and name."""
     for output in layout.outputs:
         for role in (NOW, WITHOUT):
             series = Series("ripple", output.signal, role, output.signal_unit)
@@ -157,6 +161,6 @@ def _of_orders(columns: Sequence[str], site: LineFacts) -> Iterator[tuple[str, S
         label = label_of(output.actuator)
         mine = [order for order in known if order.actuator == output.actuator]
         for order in mine:
-            yield f"dB:{order.key}", Series(f"dB {label}", label_of(order.name), VALUE, "dB")
+            yield f"{CHANGE}{order.key}", Series(f"dB {label}", label_of(order.name), VALUE, "dB")
         for order in (one for one in mine if one.size_unit == "mm"):
-            yield f"mm:{order.key}", Series(f"mm {label}", label_of(order.name), VALUE, "mm")
+            yield f"{SIZE}{order.key}", Series(f"mm {label}", label_of(order.name), VALUE, "mm")

@@ -15,13 +15,14 @@ from aff_runtime.config.yaml_marks import Mark, MarkedTree, Tree
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Place:
-    """Where a key would be written.
+class Insertion:
+    """Where a key would be written, and below which sections.
 
     Attributes
     ----------
-    line : before it, from 1. ``column`` : within it, from 0; -1: on a line of its own.
-    indent : spaces before the key, on a line of its own.
+    line : file line, from 1: the key gets a line of its own before it, or stands within it.
+    column : within that line, from 0; -1 where the key gets a line of its own.
+    indent : spaces before the key on a line of its own.
     names : the key; before it sections that do not stand in the file either.
     """
 
@@ -43,9 +44,9 @@ class Place:
         return "".join(f"{row}{line_end}" for row in rows)
 
 
-def place_of(
+def insertion_of(
     tree: MarkedTree, lines: Sequence[str], path: KeyPath, own: Mapping[KeyPath, Mark]
-) -> Place | None:
+) -> Insertion | None:
     """Return where a key that is not in the file would stand; None where nothing shows it.
 
     Parameters
@@ -67,13 +68,13 @@ def place_of(
     start = tree.marks[section]
     if lines[start.line - 1][start.column - 1 : start.column] == "{":
         first = keys[0]
-        return Place(
+        return Insertion(
             line=first.key_line, column=first.key_column - 1, indent=0, names=tuple(names)
         )
     indent = keys[0].key_column - 1
     above = start.key_line if section else 0
     line = _below_its_comment(lines, above, indent, names[0]) or _beside(lines, keys, indent)
-    return Place(line=line, column=-1, indent=indent, names=tuple(names)) if line else None
+    return Insertion(line=line, column=-1, indent=indent, names=tuple(names)) if line else None
 
 
 def _below_its_comment(lines: Sequence[str], above: int, indent: int, name: str) -> int:

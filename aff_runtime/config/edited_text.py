@@ -7,7 +7,7 @@ from collections.abc import Collection, Mapping
 from functools import cached_property
 
 from aff_runtime.base.errors import ConfigError, RefusedError
-from aff_runtime.config.added_key import Place, place_of
+from aff_runtime.config.added_key import Insertion, insertion_of
 from aff_runtime.config.findings import KeyPath, dotted
 from aff_runtime.config.yaml_marks import Mark, MarkedTree, Tree, parse_marked
 
@@ -40,7 +40,7 @@ class EditedText:
 
     def can_add(self, path: KeyPath) -> bool:
         """Return whether a key that is not in the file can be written into it."""
-        return self._place(path) is not None
+        return self._insertion(path) is not None
 
     def with_values(self, values: Mapping[KeyPath, str]) -> str:
         """Return the text with other values in it; keys that are not in it are added.
@@ -60,42 +60,44 @@ class EditedText:
 
     def with_key(self, path: KeyPath, new: str) -> str:
         """Return the text with a key that it did not have; errors as in `with_values`."""
-        place = self._place(path)
-        if place is None:
+        insertion = self._insertion(path)
+        if insertion is None:
             raise ConfigError(f"{dotted(path)}: write it into the site file first")
         _refuse_more_than_a_value(path, new, is_list=new.startswith("["))
-        at, lines = 2 * (place.line - 1), list(self._lines)
+        at, lines = 2 * (insertion.line - 1), list(self._lines)
         line_end = self._lines[1] if len(self._lines) > 1 else "\n"
-        if place.column >= 0:
+        if insertion.column >= 0:
             line = lines[at]
-            lines[at] = line[: place.column] + place.text(new, "") + line[place.column :]
+            lines[at] = (
+                line[: insertion.column] + insertion.text(new, "") + line[insertion.column :]
+            )
         elif at >= len(lines) or (at == len(lines) - 1 and lines[at] == ""):
             ends = len(lines) > 1 and lines[-1] == ""
-            lines.append(("" if ends else line_end) + place.text(new, line_end))
+            lines.append(("" if ends else line_end) + insertion.text(new, line_end))
         else:
-            lines[at] = place.text(new, line_end) + lines[at]
+            lines[at] = insertion.text(new, line_end) + lines[at]
         text = self._order_mark + "".join(lines)
-        self._refuse_other_changes(text, {path[: len(path) - len(place.names) + 1]: new})
+        self._refuse_other_changes(text, {path[: len(path) - len(insertion.names) + 1]: new})
         return text
 
-    def _place(self, path: KeyPath) -> Place | None:
+    def _insertion(self, path: KeyPath) -> Insertion | None:
         if path in self._tree.marks:
             return None
-        return place_of(self._tree, self._lines[::2], path, self._own)
+        return insertion_of(self._tree, self._lines[::2], path, self._own)
 
     def _replaced(self, values: Mapping[KeyPath, str]) -> str:
-        """Return the text with other values in the places of those that stand in it."""
-        places = []
+        """Return the text with other values in place of those that stand in it."""
+        edits = []
         for path, new in values.items():
             old = self._token(path)
             if old is None:
                 raise ConfigError(f"{dotted(path)}: write it into the site file first")
             quote = old[0] if old[0] in "\"'" else ""
             mark = self._tree.marks[path]
-            places.append((2 * (mark.line - 1), mark.column - 1, old, f"{quote}{new}{quote}"))
+            edits.append((2 * (mark.line - 1), mark.column - 1, old, f"{quote}{new}{quote}"))
             _refuse_more_than_a_value(path, new, is_list=old[0] == "[")
         lines = list(self._lines)
-        for line, column, old, new in sorted(places, reverse=True):
+        for line, column, old, new in sorted(edits, reverse=True):
             lines[line] = lines[line][:column] + new + lines[line][column + len(old) :]
         text = self._order_mark + "".join(lines)
         self._refuse_other_changes(text, values)

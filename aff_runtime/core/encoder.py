@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from enum import Enum
 
-STUCK_CHECK_RAD = 0.5  # of motion by the speed channel, over which the encoder is judged:
-STUCK_SHARE = 0.3  # of it, and an encoder that moved less is out of service,
-CREDIBLE_SHARE = 0.7  # of it, and one that moved more is back
+STUCK_CHECK_RAD = 0.5
+"""The encoder is judged over as much motion by the speed channel."""
+STUCK_SHARE = 0.3
+"""An encoder that turned by a smaller share of that motion is out of service."""
+CREDIBLE_SHARE = 0.7
+"""One that turned by a larger share is back in service."""
 CHANGES_SHARE = 0.02
-"""A speed that changes by more over those 0.5 rad may lag behind the roll, or lead it, and judges
-nobody out.
+"""A speed that changes by more over those 0.5 rad may lag behind the roll, or lead it, and takes
+no encoder out of service.
 
 A speed that is filtered with tau coasts omega tau after a stop at omega, and has fallen by
 0.5 rad / (omega tau) over the first 0.5 rad: by 2 % where it coasts four turns. At a start the
@@ -20,8 +23,8 @@ TAIL_S = 2.0  # a stop so soon after an encoder went out of service was what hel
 STOOD_S = 1.0  # of standing, after which no law sends anything (``gate.RAMP_S`` is half of it)
 
 
-class Verdict(Enum):
-    """What one reading makes of an encoder."""
+class Trust(Enum):
+    """Whether an encoder is believed after one reading."""
 
     BELIEVED = 1
     OUT = 2
@@ -66,14 +69,14 @@ class EncoderCheck:
 
     def judge(
         self, turned_rad: float, speed_rad_s: float, gap_s: float, stands_below_rad_s: float
-    ) -> Verdict:
+    ) -> Trust:
         """Take one reading, ``gap_s`` after the last; ``speed_rad_s`` is by the speed channel.
 
         Below ``stands_below_rad_s`` the roll stands; NaN: nobody knows from where on.
         """
         if not math.isfinite(speed_rad_s):
             self.in_service = True
-            return Verdict.BELIEVED
+            return Trust.BELIEVED
         if abs(speed_rad_s) < stands_below_rad_s:
             return self._stand(gap_s)
         self._stood_s = 0.0
@@ -92,20 +95,21 @@ class EncoderCheck:
         if abs(self._model_rad) >= STUCK_CHECK_RAD:
             change_rad_s = abs(abs(speed_rad_s) - self._first_rad_s)
             self._decide(change_rad_s > CHANGES_SHARE * self._first_rad_s)
-        return Verdict.BELIEVED if self.in_service else Verdict.OUT
+        return Trust.BELIEVED if self.in_service else Trust.OUT
 
-    def _stand(self, gap_s: float) -> Verdict:
+    def _stand(self, gap_s: float) -> Trust:
         """Begin the judgement anew; after a stop an encoder that went out with it is right."""
         self._encoder_rad = self._model_rad = 0.0
         self._stood_s += gap_s
         if self.in_service:
-            return Verdict.BELIEVED
+            return Trust.BELIEVED
         if self._stood_s < STOOD_S or self._out_s > TAIL_S:
-            return Verdict.OUT
+            return Trust.OUT
         self.begin()
-        return Verdict.STOOD
+        return Trust.STOOD
 
     def _decide(self, changes: bool) -> None:
+        """Take the encoder out of service or back; ``changes``: the speed did, so never out."""
         share = self._encoder_rad / self._model_rad
         self._encoder_rad = self._model_rad = 0.0
         if share > CREDIBLE_SHARE:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import IntEnum
 
-from aff_runtime.core.encoder import STUCK_SHARE, EncoderCheck, Verdict
+from aff_runtime.core.encoder import STUCK_SHARE, EncoderCheck, Trust
 from aff_runtime.core.params import RollParams
 
 JUMP_RAD = 0.2  # an encoder reading may be off the expected angle by this,
@@ -278,12 +278,12 @@ class RollPhase:
                 self._go_on(angle, turned, model)
                 return True
             self._own_raw, self._own_theta = self._raw, self._theta_at_raw
-        verdict = self._judge(turned, model, gap_s)
-        if verdict is Verdict.OUT:
+        trust = self._judge(turned, model, gap_s)
+        if trust is Trust.OUT:
             # the reference goes along, so that a recovered encoder continues without a jump
             self._hold_reference(angle, self.theta_rad + (model * dt_s))
             return False
-        if verdict is Verdict.STOOD:
+        if trust is Trust.STOOD:
             self._go_back(angle)
             return True
         self._hold_reference(angle, self._theta_at_raw + turned)
@@ -324,9 +324,9 @@ class RollPhase:
         self._agreeing = 0
         self._accepted(Source.ENCODER, origin_is_known=True)
 
-    def _judge(self, turned: float, model: float, gap_s: float) -> Verdict:
+    def _judge(self, turned: float, model: float, gap_s: float) -> Trust:
         if gap_s > PREDICT_MAX_S and math.isfinite(model):
-            return Verdict.OUT  # as before: nobody knows what the speed did meanwhile
+            return Trust.OUT  # as before: nobody knows what the speed did meanwhile
         stands_below = self._p.moves_above_m_s / self.radius_m if self.radius_m > 0.0 else math.nan
         return self._check.judge(turned, model, gap_s, stands_below)
 

@@ -28,6 +28,7 @@ class RunAbout:
     def encode(self) -> str:
         """Return the text of ``run.yaml``; its texts are made printable (``base.printable``)."""
         said = asdict(self.context)
+        # a file of its own, and what is for the recorder that takes over alone
         for name in ("site_text", "takes_over", "died"):
             del said[name]
         said = _printable({**said, **self.meta.to_json()})

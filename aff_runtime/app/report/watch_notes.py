@@ -15,7 +15,7 @@ from aff_runtime.base.printable import printable
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 
 STORE = STATE_DIRECTORY / "watch"
-"""Of the timer that `install.sh --records` brings."""
+"""Where the timer that `install.sh --records` brings keeps what it knows of the line."""
 FILE = "notes.json"
 MOST, LONGEST = 50, 400
 """Notes, and characters of one, that are read of a file."""
@@ -32,7 +32,7 @@ class WatchNotes:
     ----------
     line : its name. ``looked_utc`` : when runs were last taken, or an exchange told, with zone.
     notes : sentences; empty where nothing stands out.
-    limits : (roller, SI unit, size) that were given then.
+    limits : (roller, SI unit, size): the sizes of ripple that were given as a roller's limit.
     """
 
     line: str
@@ -47,7 +47,7 @@ class WatchNotes:
 
     def by_roller(self) -> dict[tuple[str, str], float]:
         """Return the limits by roller and unit."""
-        return {(roll, unit): size for roll, unit, size in self.limits}
+        return {(roller, unit): size for roller, unit, size in self.limits}
 
 
 def write_notes(store: Path, notes: WatchNotes) -> None:

@@ -87,6 +87,7 @@ class _Seen:
         """Return -log P(a wrong word, read with ``scale``, shows the display's value)."""
         digit = self.shown.half_digit / math.sqrt(3.0)
         sigma = math.hypot(digit, self.scatter * scale) / abs(self.shown.value)
+        # a normal curve of this width covers sqrt(2 pi) sigma of a range that is evenly likely
         return -math.log(min(1.0, 2.5 * sigma / _RANGE))
 
     def error_share(self) -> float:
@@ -115,7 +116,7 @@ def candidates(
     word_order : order of two words of the PLC where it is known; the other one is left out.
     """
     latest = observations[-1].seen
-    does = behaviours(latest)
+    behaviour_of = behaviours(latest)
     found: list[Candidate] = []
     for decoding in all_decodings(latest, signed=signed):
         if not taken.isdisjoint(decoding.addresses) or _is_other(decoding.order, word_order):
@@ -123,7 +124,9 @@ def candidates(
         moments = [_moment(decoding, one) for one in observations]
         if any(one is None for one in moments):
             continue
-        found += _of(decoding, [one for one in moments if one is not None], si_unit, does, moves)
+        found += _of_decoding(
+            decoding, [one for one in moments if one is not None], si_unit, behaviour_of, moves
+        )
     best: dict[Decoding, Candidate] = {}
     for one in sorted(found, key=lambda one: -one.score):
         best.setdefault(one.decoding, one)
@@ -136,7 +139,7 @@ def _is_other(word_order: str, known: str) -> bool:
 
 def _moment(decoding: Decoding, one: Observation) -> _Seen | None:
     """Return a decoding at one moment; None where a word is missing, or the mean is 0 counts."""
-    if any(place not in one.seen.words for place in decoding.addresses):
+    if any(address not in one.seen.words for address in decoding.addresses):
         return None
     counts = values(decoding, one.seen)
     mean = statistics.fmean(counts)
@@ -163,11 +166,11 @@ def _late(times_s: Sequence[float], counts: Sequence[int], mean: float) -> float
     return abs(rate) * _TYPED_S / math.sqrt(3.0)
 
 
-def _of(
+def _of_decoding(
     decoding: Decoding,
     moments: Sequence[_Seen],
     si_unit: str,
-    does: Mapping[int, Behaviour],
+    behaviour_of: Mapping[int, Behaviour],
     moves: bool | None,
 ) -> Iterator[Candidate]:
     """Yield the best round scale of one decoding, and the scale that follows from the values."""
@@ -182,7 +185,7 @@ def _of(
         )
     ]
     fitting = [row for row in tried if row[2] is not None]
-    habits, why = _habits(decoding, does, moves)
+    habits, why = _habits(decoding, behaviour_of, moves)
     if moves is None and moments[-1].sd > _CREEPS * abs(moments[-1].mean):
         habits, why = habits - 5.0, (*why, "too much for what moves slowly")
     if fitting:
@@ -245,11 +248,11 @@ def _agreement(moments: Sequence[_Seen], scale: float) -> tuple[str, ...]:
 
 
 def _habits(
-    decoding: Decoding, does: Mapping[int, Behaviour], moves: bool | None
+    decoding: Decoding, behaviour_of: Mapping[int, Behaviour], moves: bool | None
 ) -> tuple[float, tuple[str, ...]]:
     """Return what a word's behaviour adds to the score, and the reasons."""
-    kinds = [does[place].kind for place in decoding.addresses]
-    if any(_runs(does[place]) for place in decoding.addresses):
+    kinds = [behaviour_of[address].kind for address in decoding.addresses]
+    if any(_runs(behaviour_of[address]) for address in decoding.addresses):
         return -8.0, ("it counts or ramps",)
     moving = any(kind is not Kind.STILL for kind in kinds)
     score, why = 0.0, list[str]()
@@ -258,9 +261,9 @@ def _habits(
     why.append("moves" if moving else "stands still")
     if len(kinds) == 2:
         high = decoding.addresses[0 if decoding.order == "high_first" else 1]
-        if not does[high].last and does[high].kind is Kind.STILL:
+        if not behaviour_of[high].last and behaviour_of[high].kind is Kind.STILL:
             score -= 0.5  # the low word alone reads the same
-        if does[high].kind is Kind.NOISY and does[high].sd > 2.0:
+        if behaviour_of[high].kind is Kind.NOISY and behaviour_of[high].sd > 2.0:
             score -= 4.0  # the high word of a measured value hardly moves
     return score, tuple(why)
 

@@ -12,6 +12,7 @@ from aff_runtime.config.models import Actuator, Block, Site
 from aff_runtime.config.rules.issue import Issue
 
 MIN_COUNTS = 5
+"""Of the correction word in the largest amplitude of a block: with fewer it goes in steps."""
 _I16_MAX = 32767
 
 
@@ -67,25 +68,26 @@ def _applied(name: str, site: Site) -> Iterator[Issue]:
 
 def _limits(path: KeyPath, actuator: Actuator) -> Iterator[Issue]:
     unit = actuator.unit
-    right = suffix_of_unit(unit)
-    yield from _one_unit(path, actuator, "limit", right, unit)
-    yield from _one_unit(path, actuator, "slew", f"{right}2" if unit == "m/s" else "N_m_s", unit)
+    suffix = suffix_of_unit(unit)
+    yield from _one_unit(path, actuator, "limit", suffix, unit)
+    yield from _one_unit(path, actuator, "slew", f"{suffix}2" if unit == "m/s" else "N_m_s", unit)
     for index, block in enumerate(actuator.blocks):
         where = (*path, "blocks", index)
-        yield from _one_unit(where, block, "amp_limit", right, unit)
+        yield from _one_unit(where, block, "amp_limit", suffix, unit)
         if block.amp_limit > actuator.limit > 0:
             text = (
                 f"{plain(block.amp_limit)} {unit} is above the actuator's limit "
                 f"{plain(actuator.limit)} {unit}. Lower it."
             )
-            yield Issue(path=(*where, f"amp_limit_{right}"), text=text)
+            yield Issue(path=(*where, f"amp_limit_{suffix}"), text=text)
 
 
 def _one_unit(
-    path: KeyPath, section: Actuator | Block, stem: str, right: str, unit: str
+    path: KeyPath, section: Actuator | Block, stem: str, suffix: str, unit: str
 ) -> Iterator[Issue]:
+    """Yield that a key is not in the unit of the output: ``stem`` and ``suffix`` make its name."""
     given = {name for name in section.model_dump(exclude_none=True) if name.startswith(f"{stem}_")}
-    wanted = f"{stem}_{right}"
+    wanted = f"{stem}_{suffix}"
     for name in sorted(given - {wanted}):
         text = f"the actuator's output is in {unit}. Write {wanted}."
         yield Issue(path=(*path, name), text=text, at_key=True)
@@ -107,7 +109,7 @@ def _reach(path: KeyPath, actuator: Actuator, scale: float) -> Iterator[Issue]:
 
 def _resolution(path: KeyPath, actuator: Actuator, scale: float) -> Iterator[Issue]:
     unit = actuator.unit
-    right = suffix_of_unit(unit)
+    suffix = suffix_of_unit(unit)
     for index, block in enumerate(actuator.blocks):
         counts = block.amp_limit / scale
         if 0 < counts < MIN_COUNTS * (1 - 1e-9):
@@ -115,7 +117,7 @@ def _resolution(path: KeyPath, actuator: Actuator, scale: float) -> Iterator[Iss
                 f"{plain(block.amp_limit)} {unit} is {counts:.2g} counts of the correction word "
                 f"({plain(scale)}). Need >= {MIN_COUNTS}: a finer scale or a higher limit."
             )
-            yield Issue(path=(*path, "blocks", index, f"amp_limit_{right}"), text=text)
+            yield Issue(path=(*path, "blocks", index, f"amp_limit_{suffix}"), text=text)
 
 
 def _blocks(path: KeyPath, actuator: Actuator, site: Site) -> Iterator[Issue]:
@@ -125,11 +127,11 @@ def _blocks(path: KeyPath, actuator: Actuator, site: Site) -> Iterator[Issue]:
         if block.roll not in site.rolls:
             text = f"{block.roll} is no roll. {meant(block.roll, site.rolls)}"
             yield Issue(path=(*where, "roll"), text=text)
-        for place, order in enumerate(block.orders):
+        for at, order in enumerate(block.orders):
             other = seen.setdefault((block.roll, order), index)
-            if other != index or block.orders.index(order) != place:
+            if other != index or block.orders.index(order) != at:
                 text = (
                     f"order {order} of {block.roll} is already in blocks[{other}]; twice doubles "
                     "its gain. Remove one."
                 )
-                yield Issue(path=(*where, "orders", place), text=text)
+                yield Issue(path=(*where, "orders", at), text=text)

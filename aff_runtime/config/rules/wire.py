@@ -24,27 +24,26 @@ def issues(site: Site) -> Iterator[Issue]:
         text = f"give exactly one of {', '.join(WIRES)}; given: {said}."
         yield Issue(path=("gateway",), text=text, at_key=True)
         return
-    modbus = site.gateway.modbus is not None
+    is_modbus = site.gateway.modbus is not None
     for name in ("address_base", "word_order"):
-        if modbus and getattr(site.gateway, name) is None:
+        if is_modbus and getattr(site.gateway, name) is None:
             wanted = type(site.gateway).model_fields[name].description
             yield Issue(
                 path=("gateway", name), text=f"required key is missing. {wanted}", at_key=True
             )
     for path, place in places(site):
-        lack = _missing(place, modbus)
+        lack = _missing(place, is_modbus)
         if lack:
             text = f"{lack} is missing; {given[0]} needs it."
             yield Issue(path=path, text=text, at_key=True)
     if site.gateway.modbus_tcp is None or site.gateway.modbus_tcp.tls is None:
         yield Issue(path=("gateway", given[0]), text=PLAIN, warning=True, at_key=True)
-    if modbus and site.gateway.read.aff_echo is None:  # on a bus everybody's frames are seen
+    if is_modbus and site.gateway.read.aff_echo is None:  # on a bus everybody's frames are seen
         text = (
             "no aff_echo: a second master that always writes last before the PLC's scan cannot "
             "be seen, and both say ACTIVE. Let the PLC copy aff_heartbeat to a word that is read."
         )
         yield Issue(path=("gateway", "read"), text=text, warning=True, at_key=True)
-
     if site.gateway.applied and site.gateway.read.aff_echo is None:
         text = (
             "needs aff_echo: by it AFF knows which of its commands the applied correction is to "
@@ -53,8 +52,9 @@ def issues(site: Site) -> Iterator[Issue]:
         yield Issue(path=("gateway", "read", "applied"), text=text, at_key=True)
 
 
-def _missing(place: _Place, modbus: bool) -> str:
-    if not modbus:
+def _missing(place: _Place, is_modbus: bool) -> str:
+    """Return which key a value lacks on this kind of wire; empty for none."""
+    if not is_modbus:
         return "signal" if place.signal is None else ""
     if place.register_number is None:
         return "register"

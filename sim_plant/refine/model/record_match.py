@@ -14,6 +14,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.run_match import APPLIED
 from sim_plant.refine.model.run_state import at_run, word_steps
 from sim_plant.refine.model.twin import REFERENCES, Case, Twin, modelled_channels
+from sim_plant.refine.records.read import KINDS
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.records.sanity import row_words
 
@@ -24,10 +25,9 @@ UNWIND_CORRECTION = "aff_correction_m_s"
 
 def sidecar_of(path: Path) -> Path:
     """Return where a record's own declaration would be: same stem, ``.yaml``."""
-    name = path.name
-    for ending in (".gz", ".csv", ".txt", ".parquet", ".mf4"):
-        name = name.removesuffix(ending)
-    return path.with_name(name + ".yaml")
+    endings = [ending for kind in KINDS for ending in kind if path.name.lower().endswith(ending)]
+    longest = max(map(len, endings), default=0)
+    return path.with_name(path.name[: len(path.name) - longest] + ".yaml")
 
 
 def declaration_for(line: Declaration, record: Recording) -> Declaration:

@@ -25,7 +25,7 @@ from sim_plant.refine.records.text_table import text_table
 from sim_plant.refine.records.units import TO_SI, canonical, split_header
 
 TIME_NAMES = ("time", "t", "timestamp")
-KINDS = {
+KINDS = {  # a record's reader by the endings of its name
     (".csv", ".csv.gz", ".txt", ".txt.gz"): "text",
     (".parquet",): "parquet",
     (".mf4", ".mdf"): "mdf",

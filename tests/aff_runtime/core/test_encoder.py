@@ -7,7 +7,7 @@ import random
 
 import pytest
 
-from aff_runtime.core.encoder import STOOD_S, TAIL_S, EncoderCheck, Verdict
+from aff_runtime.core.encoder import STOOD_S, TAIL_S, EncoderCheck, Trust
 from aff_runtime.core.phase import PREDICT_MAX_S, Quality, RollPhase, Source
 from tests.aff_runtime.core.plants import COUNT_RAD, CYCLE_S, MODULUS_RAD
 from tests.aff_runtime.core.test_phase import INDEX, NAN, ROLL, encoder
@@ -148,7 +148,7 @@ def test_the_ratio_of_a_turn_counts_no_standing():
     for _ in range(round(math.pi / step_rad)):
         check.judge(step_rad, OMEGA, CYCLE_S, 0.5)
     for _ in range(10_000):
-        assert check.judge(0.0, 0.1, CYCLE_S, 0.5) is Verdict.BELIEVED
+        assert check.judge(0.0, 0.1, CYCLE_S, 0.5) is Trust.BELIEVED
     for _ in range(round(math.pi / step_rad) + 2):
         check.judge(step_rad, OMEGA, CYCLE_S, 0.5)
     assert check.ratio == pytest.approx(1.0)
@@ -156,8 +156,8 @@ def test_the_ratio_of_a_turn_counts_no_standing():
 
 def test_without_a_radius_nobody_knows_when_the_roll_stands():
     check = EncoderCheck()
-    verdicts = [check.judge(0.0, 0.1, CYCLE_S, NAN) for _ in range(2000)]
-    assert verdicts[-1] is Verdict.OUT
+    found = [check.judge(0.0, 0.1, CYCLE_S, NAN) for _ in range(2000)]
+    assert found[-1] is Trust.OUT
 
 
 @pytest.mark.parametrize("omega", [OMEGA, 0.9 * OMEGA])

@@ -16,8 +16,8 @@ from sim_plant.refine.without_line.general.least_squares import fit, refined, wi
 from sim_plant.refine.without_line.general.search import (
     Search,
     Trial,
-    counts,
     effects_in,
+    saves_enough,
     trial_of,
     without,
 )
@@ -230,7 +230,7 @@ def _shift(
     Nothing where the inputs do not count: the best of many shifts would follow the noise.
     """
     no_inputs = replace(best.model, ahead=0, back=-1, delays=(), shifts=())
-    if not counts(fit(no_inputs, views).left_out(), best.left_out, len(views)):
+    if not saves_enough(fit(no_inputs, views).left_out(), best.left_out, len(views)):
         return []
     output, fitted, held = names
     step_s = view.step_s

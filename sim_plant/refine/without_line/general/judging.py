@@ -12,7 +12,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.without_line.general.effect import View
 from sim_plant.refine.without_line.general.least_squares import block_edges, moments
 from sim_plant.refine.without_line.general.model import own_columns, regressors
-from sim_plant.refine.without_line.general.search import Search, Trial, counts, strongest_lag
+from sim_plant.refine.without_line.general.search import Search, Trial, saves_enough, strongest_lag
 
 Mask = NDArray[np.bool_]
 STEPS = 4
@@ -169,7 +169,7 @@ def judge(search: Search, view: View) -> Judged:
         if (tried_shift and not can_shift) or (tried_shift, tried_own) == (shift, own):
             continue
         tried = explained_by(best, view, shift=tried_shift, own=tried_own)
-        if counts(_blocks(output - explained), _blocks(output - tried)):
+        if saves_enough(_blocks(output - explained), _blocks(output - tried)):
             explained, shift, own = tried, tried_shift, tried_own
     simple = {
         trial.what: (trial, explained_by(trial, view, shift=False, own=False))

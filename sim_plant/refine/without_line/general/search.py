@@ -82,7 +82,7 @@ def better_by(before: Array, after: Array, records: int) -> tuple[float, float]:
     return share, float(saved.sum()) / spread if spread > 0.0 else 0.0
 
 
-def counts(before: Array, after: Array, records: int = 1) -> bool:
+def saves_enough(before: Array, after: Array, records: int = 1) -> bool:
     """Return whether an effect saves enough of the squared error on blocks left out."""
     share, t = better_by(before, after, records)
     return share > GENERAL.least_share and t > GENERAL.least_t
@@ -220,7 +220,7 @@ def _grown(best: Trial, views: Sequence[View]) -> tuple[Trial, list[Trial]]:
     for name, what, models in _candidates(best.model, views):
         start = min(models, key=lambda model: fit(model, views).total)
         tried.append(trial_of(name, what, *refined(start, views)))
-    good = [trial for trial in tried if counts(best.left_out, trial.left_out, len(views))]
+    good = [trial for trial in tried if saves_enough(best.left_out, trial.left_out, len(views))]
     return min(good, key=lambda trial: trial.rms, default=best), tried
 
 
@@ -245,7 +245,7 @@ def _pruned(best: Trial, views: Sequence[View]) -> Trial:
     """Return the model without effects that no longer save enough beside the others."""
     for name, place in effects_in(best.model)[:-1]:
         less = trial_of(best.effect, best.what, *refined(without(best.model, name, place), views))
-        if not counts(less.left_out, best.left_out, len(views)):
+        if not saves_enough(less.left_out, best.left_out, len(views)):
             best = less
     return best
 

@@ -193,8 +193,15 @@ def test_another_sample_time_is_refused():
         twin_of(LINE, record(sample_time_s=0.02))
 
 
-def test_the_sidecar_has_the_records_stem():
-    assert sidecar_of(Path("a/line01_a.csv.gz")) == Path("a/line01_a.yaml")
+@pytest.mark.parametrize(
+    "ending", [".csv", ".csv.gz", ".txt", ".txt.gz", ".parquet", ".mf4", ".mdf", ".MDF", ".CSV.gz"]
+)
+def test_the_sidecar_has_the_records_stem(ending):
+    assert sidecar_of(Path(f"a/line01.a{ending}")) == Path("a/line01.a.yaml")
+
+
+def test_a_run_folder_has_no_ending_to_lose():
+    assert sidecar_of(Path("runs/a.b@10..40")) == Path("runs/a.b@10..40.yaml")
 
 
 def test_the_command_refuses_and_writes_nothing(tmp_path, capsys):
