@@ -16,8 +16,11 @@ from aff_runtime.base.ports import Clock
 
 MINUTE_NS = 60_000_000_000
 LASTS_NS = 12 * 60 * MINUTE_NS
+"""A session ends so long after its login, whatever is pressed."""
 IDLE_NS = {Role.VIEW: LASTS_NS, Role.OPERATE: 60 * MINUTE_NS, Role.COMMISSION: 15 * MINUTE_NS}
+"""Without a press a session may only look and bypass, by the role of its account."""
 HAND_NS = 15 * MINUTE_NS
+"""Without a press the hand is let go."""
 MAX_SESSIONS = 32
 
 

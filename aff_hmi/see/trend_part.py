@@ -95,12 +95,12 @@ def trend_part(curves: Curves, flags: Sequence[Flag], say: Say) -> TrendPart:
     shown = [(n, one) for n, one in enumerate(curves.series) if one.group != "state"]
     states = {one.label: n for n, one in enumerate(curves.series) if one.group == "state"}
     kind = shown[0][1].group.partition(" ")[0]
-    bins = curves.stretch.bins
+    bins = curves.binned.bins
     return TrendPart(
         from_s=round(curves.from_s, 1),
         to_s=round(curves.to_s, 1),
-        bin_s=curves.stretch.bin_s,
-        t_s=[int(t) for t in curves.stretch.t_s],
+        bin_s=curves.binned.bin_s,
+        t_s=[int(t) for t in curves.binned.t_s],
         wide_s=[int(wide) for wide in curves.wide_s],
         curves=[
             Curve(

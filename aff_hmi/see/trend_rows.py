@@ -27,7 +27,7 @@ Bins = NDArray[np.float32]  # (bins, 3, curves)
 
 
 @dataclass(frozen=True, slots=True)
-class Stretch:
+class BinnedCurves:
     """Bins of curves in the order of time: ``t_s`` is where each begins, ``bin_s`` its length."""
 
     t_s: NDArray[np.int64]
@@ -144,7 +144,7 @@ def put_hour(connection: sqlite3.Connection, t_s: int) -> None:
 
 def get_bins(
     connection: sqlite3.Connection, tier: int, from_s: float, to_s: float, curves: Sequence[Series]
-) -> Stretch:
+) -> BinnedCurves:
     """Return the bins of some curves; NaN where a curve was not kept."""
     places: dict[int, list[int]] = {}
     sizes: dict[int, int] = {}
@@ -161,7 +161,7 @@ def get_bins(
         whole = np.frombuffer(data, dtype=np.float32).reshape(3, sizes[number])
         at = np.array(places[number], dtype=np.int64)
         bins[n][:, at >= 0] = whole[:, at[at >= 0]]
-    return Stretch(np.array([t for t, _, _ in rows], dtype=np.int64), bins, tier)
+    return BinnedCurves(np.array([t for t, _, _ in rows], dtype=np.int64), bins, tier)
 
 
 def prune_trend(connection: sqlite3.Connection, now_s: float, *, is_full: bool) -> None:
@@ -199,11 +199,11 @@ def _names(curves: Sequence[Series]) -> str:
     return json.dumps([[c.group, c.label, c.role, c.unit] for c in curves])
 
 
-def coarser(stretch: Stretch, bin_s: int) -> Stretch:
+def coarser(binned: BinnedCurves, bin_s: int) -> BinnedCurves:
     """Return the same in longer bins."""
-    if not len(stretch.t_s) or bin_s <= stretch.bin_s:
-        return stretch
-    begins = stretch.t_s // bin_s * bin_s
+    if not len(binned.t_s) or bin_s <= binned.bin_s:
+        return binned
+    begins = binned.t_s // bin_s * bin_s
     starts = np.flatnonzero(np.diff(begins, prepend=begins[0] - 1))
-    parts = np.split(stretch.bins, starts[1:])
-    return Stretch(begins[starts], np.stack([joined(part) for part in parts]), bin_s)
+    parts = np.split(binned.bins, starts[1:])
+    return BinnedCurves(begins[starts], np.stack([joined(part) for part in parts]), bin_s)

@@ -15,8 +15,8 @@ from aff_hmi.see.store import Store
 from aff_hmi.see.trend_rows import (
     HOUR_S,
     MINUTE_S,
+    BinnedCurves,
     Bins,
-    Stretch,
     coarser,
     folded,
     get_bins,
@@ -29,7 +29,7 @@ from aff_hmi.view import ripple_of
 from aff_hmi.watch import News, Observed
 
 FINE = 3600  # seconds in memory
-MOST_POINTS = 300
+MOST_POINTS = 300  # of a window, by `BIN_S`
 # name of a window: its length, s, and the bins of the store behind the seconds in memory
 WINDOWS = {
     "1min": (60, MINUTE_S),
@@ -39,6 +39,7 @@ WINDOWS = {
     "7d": (7 * 86_400, MINUTE_S),
     "1y": (366 * 86_400, HOUR_S),
 }
+# how long a bin of each window is, s
 BIN_S = {"1min": 1, "10min": 2, "1h": 12, "8h": 120, "7d": 2400, "1y": 108_000}
 
 
@@ -53,7 +54,7 @@ class Curves:
     """
 
     series: tuple[Series, ...]
-    stretch: Stretch
+    binned: BinnedCurves
     wide_s: NDArray[np.int64]
     from_s: float
     to_s: float
@@ -144,7 +145,7 @@ class Trends:
 
         return read
 
-    def seconds(self, curves: Sequence[Series], length_s: int) -> Stretch:
+    def seconds(self, curves: Sequence[Series], length_s: int) -> BinnedCurves:
         """Return the seconds in memory of some curves that are kept, up to an hour back."""
         return self._newest(curves, self._wall() - length_s)
 
@@ -206,17 +207,17 @@ class Trends:
             store.put(lambda c: put_hour(c, over))
             store.put(lambda c: prune_trend(c, now_s, is_full=store.is_full(c)))
 
-    def _newest(self, curves: Sequence[Series], from_s: float) -> Stretch:
+    def _newest(self, curves: Sequence[Series], from_s: float) -> BinnedCurves:
         """Return the seconds in memory from a time on, in their order."""
         kept = min(self._count, FINE)
         order = np.arange(self._count - kept, self._count) % FINE
         order = order[self._t_s[order] >= from_s]
         places = [self.series.index(one) for one in curves]
-        return Stretch(self._t_s[order], self._fine[order][:, :, places], 1)
+        return BinnedCurves(self._t_s[order], self._fine[order][:, :, places], 1)
 
 
-def _one_after_the_other(a: Stretch, b: Stretch) -> Stretch:
-    """Return two stretches as one, as fine as the finer of them."""
-    return Stretch(
+def _one_after_the_other(a: BinnedCurves, b: BinnedCurves) -> BinnedCurves:
+    """Return curves of two times as one, as fine as the finer of them."""
+    return BinnedCurves(
         np.concatenate([a.t_s, b.t_s]), np.concatenate([a.bins, b.bins]), min(a.bin_s, b.bin_s)
     )

@@ -32,8 +32,8 @@ def issues(site: Site, folder: Path, state: Path) -> Iterator[Issue]:
     """
     roots = [Path(os.path.realpath(root)) for root in (folder, state)]
     for path, name in named(site):
-        for place in _places(path, folder / name):
-            real = Path(os.path.realpath(place))  # where links lead; it never raises
+        for file in _files(path, folder / name):
+            real = Path(os.path.realpath(file))  # where links lead; it never raises
             inside = real.parent if path[-1] == "response" else real  # it is also written
             if not any(inside.is_relative_to(root) for root in roots):
                 yield Issue(path=path, text=_text(path, name, real, folder))
@@ -49,11 +49,11 @@ def _text(path: KeyPath, name: str, real: Path, folder: Path) -> str:
     return f"{leads}. Put the file there, and no link to it."
 
 
-def _places(path: KeyPath, place: Path) -> Iterator[Path]:
+def _files(path: KeyPath, file: Path) -> Iterator[Path]:
     """Yield the files behind a name: with a response lies the shape that is learned with it."""
-    yield place
+    yield file
     if path[-1] == "response":
-        yield shape_path(place)
+        yield shape_path(file)
 
 
 def shape_path(response: Path) -> Path:

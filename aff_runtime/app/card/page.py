@@ -148,6 +148,7 @@ def _step(one: StepStanding) -> str:
         _paragraphs("to be done again, since it has changed", one.why),
         _figures(result.figures),
         intervals(result.figures),
+        # of a response its Bode plot, of ripple since arming its course; empty for any other
         *(bode(sample) or course(sample) for sample in result.samples),
         _paragraphs("still missing", result.waits_for),
         _paragraphs("proposed, and not applied", result.proposals),

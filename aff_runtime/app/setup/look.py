@@ -11,7 +11,7 @@ from aff_runtime.app.setup.draft import FoundWord
 from aff_runtime.app.setup.plc import scale_of
 from aff_runtime.app.setup.quantities import Quantity
 from aff_runtime.app.setup.questions import Question
-from aff_runtime.app.setup.reading import Stretch, Watched, WordReader
+from aff_runtime.app.setup.reading import Watched, WordBlock, WordReader
 from aff_runtime.base.errors import ConfigError, WireError
 from aff_runtime.base.units import UnitError
 
@@ -29,13 +29,13 @@ class Look:
 
     Attributes
     ----------
-    blocks : stretches of words that the PLC gives; empty before the survey.
+    blocks : words in a row that the PLC gives; empty before the survey.
     """
 
     def __init__(self, dialogue: Dialogue, reader: WordReader) -> None:
         self.dialogue = dialogue
         self.reader = reader
-        self.blocks: tuple[Stretch, ...] = ()
+        self.blocks: tuple[WordBlock, ...] = ()
 
     def is_known(self, wanted: Quantity) -> bool:
         """Return whether a quantity was found, or is not there.

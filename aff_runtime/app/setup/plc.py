@@ -6,7 +6,7 @@ import statistics
 
 from aff_runtime.app.setup.decoding import values
 from aff_runtime.app.setup.draft import Draft, FoundWord
-from aff_runtime.app.setup.reading import Stretch, Watched, WordReader
+from aff_runtime.app.setup.reading import Watched, WordBlock, WordReader
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.units import read_number, read_scale
@@ -63,7 +63,7 @@ def scale_of(text: str, unit: str) -> float:
         return read_scale(text, unit)
 
 
-def polled(draft: Draft) -> Stretch:
-    """Return the one stretch that AFF will read each tick."""
+def polled(draft: Draft) -> WordBlock:
+    """Return the one block of words that AFF will read each tick."""
     addresses = draft.owners
-    return Stretch(start=min(addresses), count=max(addresses) - min(addresses) + 1)
+    return WordBlock(start=min(addresses), count=max(addresses) - min(addresses) + 1)

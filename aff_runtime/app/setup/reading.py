@@ -23,7 +23,7 @@ _REFUSED = (2, 3)  # illegal address, illegal count
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Stretch:
+class WordBlock:
     """Words at neighbouring addresses, which the PLC gives in one answer."""
 
     start: int
@@ -114,7 +114,7 @@ class WordReader:
             "client alone."
         )
 
-    def survey(self, start: int, count: int) -> tuple[Stretch, ...]:
+    def survey(self, start: int, count: int) -> tuple[WordBlock, ...]:
         """Return which words of a window the PLC gives; what it refuses is halved and asked again.
 
         Raises
@@ -127,7 +127,7 @@ class WordReader:
             head = self.survey(start, MAX_READ_WORDS)
             return head + self.survey(start + MAX_READ_WORDS, rest)
         if self.read(start, count) is not None:
-            return (Stretch(start=start, count=count),)
+            return (WordBlock(start=start, count=count),)
         if count == 1:
             return ()
         half = count // 2
@@ -135,7 +135,7 @@ class WordReader:
 
     def watch(
         self,
-        blocks: Sequence[Stretch],
+        blocks: Sequence[WordBlock],
         seconds: float,
         enough: Callable[[Watched], bool] | None = None,
     ) -> Watched:

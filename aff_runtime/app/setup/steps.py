@@ -20,7 +20,7 @@ from aff_runtime.app.setup.look import SKIP
 from aff_runtime.app.setup.plc import mean_si, readings_si
 from aff_runtime.app.setup.quantities import UNWIND, Quantity
 from aff_runtime.app.setup.questions import NONE, Question, one_of, whole
-from aff_runtime.app.setup.reading import Stretch, Watched
+from aff_runtime.app.setup.reading import Watched, WordBlock
 from aff_runtime.app.setup.status_bits import changed_bits
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.units import plain
@@ -212,6 +212,6 @@ class Steps(DisplaySteps):
             self.dialogue.keep(self.dialogue.draft.with_answer(name, place))
             return
 
-    def fits_one_read(self, block: Stretch) -> bool:
+    def fits_one_read(self, block: WordBlock) -> bool:
         """Return whether the PLC gives all that is polled in one answer."""
         return self.patiently(lambda: self.reader.read(block.start, block.count)) is not None

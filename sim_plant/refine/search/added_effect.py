@@ -90,5 +90,5 @@ def certain_size(fit: Fit) -> bool:
     at = fit.covariance.shape[0] - len(values)
     inside = slice(at, at + h.strengths)
     size = np.subtract(values[: h.strengths], h.absent[: h.strengths])
-    known = np.linalg.lstsq(fit.covariance[inside, inside], size, rcond=None)[0]
-    return bool(size @ known > CRITERIA.search.acceptance.certain_size)
+    weighed = np.linalg.lstsq(fit.covariance[inside, inside], size, rcond=None)[0]
+    return bool(size @ weighed > CRITERIA.search.acceptance.certain_size)

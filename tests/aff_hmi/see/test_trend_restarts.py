@@ -12,7 +12,7 @@ import pytest
 from aff_hmi.see.series import Series
 from aff_hmi.see.store import Store
 from aff_hmi.see.trend_part import trend_part
-from aff_hmi.see.trend_rows import HOUR_S, LARGEST, MEAN, SCHEMA, Stretch, get_bins
+from aff_hmi.see.trend_rows import HOUR_S, LARGEST, MEAN, SCHEMA, BinnedCurves, get_bins
 from aff_hmi.see.trends import Trends
 from tests.aff_hmi.moments import seen
 from tests.aff_hmi.see.trend_line import LAYOUT, SAY, T0_S, Line
@@ -40,11 +40,11 @@ def test_what_is_in_memory_and_what_was_stored_follow_each_other_without_overlap
     again.store.close()
 
 
-def hours(store: Store) -> Stretch:
+def hours(store: Store) -> BinnedCurves:
     """Return the rows of the year view as they are kept, of the tension alone."""
     curve = Series("tension", "unwind tension", "value", "N")
     found = store.now(lambda c: get_bins(c, HOUR_S, 0, 2 * T0_S, [curve]))
-    return Stretch(found.t_s, found.bins[:, :, 0], HOUR_S)
+    return BinnedCurves(found.t_s, found.bins[:, :, 0], HOUR_S)
 
 
 @pytest.mark.parametrize("is_crash", [False, True])

@@ -19,7 +19,7 @@ from aff_hmi.see.trend_rows import (
     MEAN,
     MINUTE_S,
     SCHEMA,
-    Stretch,
+    BinnedCurves,
     coarser,
     get_bins,
     joined,
@@ -83,9 +83,9 @@ def test_a_window_is_no_longer_than_it_says_and_has_few_points(line: Line) -> No
         assert length_s / BIN_S[window] <= MOST_POINTS
         found = line.of("tension", window)
         assert found.to_s - found.from_s == length_s
-        assert len(found.stretch.t_s) <= MOST_POINTS + 2
-        assert found.stretch.t_s[0] >= found.from_s - BIN_S[window] - MINUTE_S
-        assert np.all(np.diff(found.stretch.t_s) > 0)
+        assert len(found.binned.t_s) <= MOST_POINTS + 2
+        assert found.binned.t_s[0] >= found.from_s - BIN_S[window] - MINUTE_S
+        assert np.all(np.diff(found.binned.t_s) > 0)
 
 
 def test_the_hour_in_which_memory_begins_is_whole_in_the_year(
@@ -166,7 +166,7 @@ def test_a_curve_that_was_not_kept_then_is_no_number() -> None:
 def test_longer_bins_keep_least_and_largest() -> None:
     rng = np.random.default_rng(1)
     bins = np.sort(rng.normal(size=(100, 3, 2)).astype(np.float32), axis=1)
-    found = coarser(Stretch(np.arange(100) * 60, bins, 60), 600)
+    found = coarser(BinnedCurves(np.arange(100) * 60, bins, 60), 600)
     assert found.t_s.tolist() == list(range(0, 6000, 600))
     for n in range(10):
         part = bins[10 * n : 10 * n + 10]

@@ -7,7 +7,7 @@ from dataclasses import replace
 from aff_hmi.layout import layout_of
 from aff_hmi.see.series import Series
 from aff_hmi.see.store import Store
-from aff_hmi.see.trend_rows import HOUR_S, Stretch
+from aff_hmi.see.trend_rows import HOUR_S, BinnedCurves
 from aff_hmi.see.trends import Curves, Trends
 from aff_hmi.watch import News
 from aff_hmi.words import say_in
@@ -46,7 +46,7 @@ class Line:
     def of(self, group: str, window: str) -> Curves:
         return self.store.now(self.trends.wanted(group, window))
 
-    def tension(self, window: str) -> Stretch:
+    def tension(self, window: str) -> BinnedCurves:
         found = self.of("tension", window)
         at = found.series.index(Series("tension", "unwind tension", "value", "N"))
-        return Stretch(found.stretch.t_s, found.stretch.bins[:, :, at], found.stretch.bin_s)
+        return BinnedCurves(found.binned.t_s, found.binned.bins[:, :, at], found.binned.bin_s)

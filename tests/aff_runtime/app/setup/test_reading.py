@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from aff_runtime.app.setup.reading import Stretch, WordReader
+from aff_runtime.app.setup.reading import WordBlock, WordReader
 from aff_runtime.base.errors import WireError
 from aff_runtime.fieldbus.modbus.tcp_wire import Connecting
 from tests.doubles.virtual_clock import VirtualClock
@@ -82,7 +82,7 @@ def test_a_window_longer_than_a_frame_and_a_device_that_gives_few_at_once() -> N
 
 def test_watching_keeps_every_reading_with_its_time() -> None:
     seen = reader(ScriptedPlc(outside(range(18)))).watch(
-        [Stretch(start=0, count=4), Stretch(start=8, count=2)], 1.0
+        [WordBlock(start=0, count=4), WordBlock(start=8, count=2)], 1.0
     )
     assert sorted(seen.words) == [0, 1, 2, 3, 8, 9]
     assert seen.words[9] == (9,) * len(seen.times_s)
@@ -91,7 +91,7 @@ def test_watching_keeps_every_reading_with_its_time() -> None:
 
 def test_watching_ends_when_it_was_enough() -> None:
     one = reader(ScriptedPlc(outside(range(18))))
-    seen = one.watch([Stretch(start=0, count=4)], 60.0, lambda seen: seen.duration_s > 2.0)
+    seen = one.watch([WordBlock(start=0, count=4)], 60.0, lambda seen: seen.duration_s > 2.0)
     assert 2.0 < seen.duration_s < 3.0
 
 
@@ -101,7 +101,7 @@ def test_a_plc_that_is_unplugged_is_named_with_what_to_do() -> None:
     assert one.read(0, 2) == [0, 1]
     plc.plugged = False
     with pytest.raises(WireError, match=r"plc:502: unplugged\. Check cable"):
-        one.watch([Stretch(start=0, count=2)], 5.0)
+        one.watch([WordBlock(start=0, count=2)], 5.0)
 
 
 def test_a_plc_that_knows_no_holding_registers_is_told_so() -> None:
