@@ -49,9 +49,9 @@ def at_run(line: Declaration, record: Recording) -> Declaration:
                 f"declares a core of {radii.core:g} m: is it a run of another line?"
             )
     _check_turning(line, record, {first: unwind, last: rewind})
-    put = {0: unwind, len(line.rollers) - 1: rewind}
+    at_start = {0: unwind, len(line.rollers) - 1: rewind}
     rollers = [
-        r.model_copy(update={"radius_m": put[k]}) if k in put else r
+        r.model_copy(update={"radius_m": at_start[k]}) if k in at_start else r
         for k, r in enumerate(line.rollers)
     ]
     steps = record.run.site.count_sizes
@@ -70,17 +70,17 @@ def _check_turning(line: Declaration, record: Recording, radii: Mapping[str, flo
 
     A roll of web turns as its mean radius makes it, that of its first and last turn.
     """
-    metres = abs(float(np.sum(record.columns[SPEED_REF][:-1]))) * record.sample_time_s
-    wound = metres * line.web.thickness_m / math.pi
-    square = dict(zip(radii, (-wound, wound), strict=True))
+    web_m = abs(float(np.sum(record.columns[SPEED_REF][:-1]))) * record.sample_time_s
+    wound_m2 = web_m * line.web.thickness_m / math.pi
+    change_m2 = dict(zip(radii, (-wound_m2, wound_m2), strict=True))  # of the radius squared
     for roller in line.rollers:
         radius = radii.get(roller.name, roller.radius_m)
-        if roller.name in square:
-            radius = 0.5 * (radius + math.sqrt(max(radius**2 + square[roller.name], 0.0)))
+        if roller.name in change_m2:
+            radius = 0.5 * (radius + math.sqrt(max(radius**2 + change_m2[roller.name], 0.0)))
         turned = next(_turning(line, record, roller.name, record.samples), 0.0)
-        if metres < LEAST_M or abs(turned) < LEAST_RAD:
+        if web_m < LEAST_M or abs(turned) < LEAST_RAD:
             continue
-        seen = metres / abs(turned)
+        seen = web_m / abs(turned)
         if abs(seen / radius - 1.0) > OTHER_SHARE:
             raise PlantError(
                 f"{record.path}: {roller.name} turns as a body of {seen:.4g} m, its radius is "
@@ -122,11 +122,11 @@ def _radius_at_start(line: Declaration, record: Recording, roller: str) -> float
             if values is not None:
                 return _first_value(values, _angle_of(line, record, roller), record.sample_time_s)
     rows = min(record.samples, max(2, round(TURNING_S / record.sample_time_s)))
-    metres = float(np.sum(record.columns[SPEED_REF][: rows - 1])) * record.sample_time_s
+    web_m = float(np.sum(record.columns[SPEED_REF][: rows - 1])) * record.sample_time_s
     grows = 1.0 if roller == line.rollers[-1].name else -1.0
     for turned in _turning(line, record, roller, rows):
         if turned > LEAST_RAD:
-            return metres / turned - grows * line.web.thickness_m * turned / (4.0 * math.pi)
+            return web_m / turned - grows * line.web.thickness_m * turned / (4.0 * math.pi)
     return None
 
 
@@ -151,7 +151,7 @@ def _angle_of(line: Declaration, record: Recording, roller: str) -> Array | None
 
 
 def _turning(line: Declaration, record: Recording, roller: str, rows: int) -> Iterator[float]:
-    """Yield by what angle, rad, the roll turns in the first rows, the best source first."""
+    """Yield by what angle, rad, the roll turns in the first ``rows``, the best source first."""
     for sensor in line.sensors:
         values: Array | None = record.columns.get(sensor.channel)
         if values is None or sensor.roller != roller:
@@ -165,5 +165,5 @@ def _turning(line: Declaration, record: Recording, roller: str, rows: int) -> It
 def _balance(line: Declaration, unwind_m: float) -> float:
     """Return the rewind's radius, m, when the unwind has this one: web that left is on it."""
     radii = line.initial_radii_m
-    square = radii.rewind**2 + radii.unwind**2 - unwind_m**2
-    return max(radii.core, math.sqrt(max(square, 0.0)))
+    rewind_m2 = radii.rewind**2 + radii.unwind**2 - unwind_m**2
+    return max(radii.core, math.sqrt(max(rewind_m2, 0.0)))

@@ -183,8 +183,8 @@ def refused(read: Callable[[str], str], text: str) -> str:
     return str(told.value)
 
 
-ROWS = RowReader(rows=frozenset({1, 2}), at={}, words=("again", "none"))
-NO_ROWS = RowReader(rows=frozenset(), at={}, words=("again", "move"))
+ROWS = RowReader(rows=frozenset({1, 2}), at={}, choices=("again", "none"))
+NO_ROWS = RowReader(rows=frozenset(), at={}, choices=("again", "move"))
 
 
 @pytest.mark.parametrize(

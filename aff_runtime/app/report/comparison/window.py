@@ -206,11 +206,11 @@ def _other_cycle(window: Window) -> list[str]:
     """Return a sentence where rows come at another cycle than the site file's."""
     columns = window.table.columns
     cycle_s = number(window.section("line").get("cycle_ms"), "ms") * 1e-3
-    gone_s, periods = np.diff(columns["time_s"]), _of(columns, PERIODS, 1.0)[1:]
-    usable = (gone_s > 0.0) & (periods > 0.0)
+    elapsed_s, periods = np.diff(columns["time_s"]), _of(columns, PERIODS, 1.0)[1:]
+    usable = (elapsed_s > 0.0) & (periods > 0.0)
     if not cycle_s > 0.0 or not usable.any():
         return []
-    tick_s = float(np.median(gone_s[usable] / periods[usable]))
+    tick_s = float(np.median(elapsed_s[usable] / periods[usable]))
     if abs(tick_s / cycle_s - 1.0) <= SAME_CYCLE_SHARE:
         return []
     return [
