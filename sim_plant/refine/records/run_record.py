@@ -32,6 +32,7 @@ from sim_plant.refine.records.run_grid import (
     line_breaks,
     scans_of,
 )
+from sim_plant.refine.records.run_heartbeat import modulus_of
 from sim_plant.refine.records.run_site import DEFAULT_SPEED, RunSite, run_site
 from sim_plant.refine.records.sanity import counts_seen, oddities
 from sim_plant.refine.records.word_steps import counts_of
@@ -99,8 +100,9 @@ def read_run_record(path: Path) -> Recording:
         raise PlantError(f"{shown}: {other}")
     channels = [name for name in site.count_sizes if _is_read(table.columns, name)]
     waited_for = [name for name in channels if name in site.needed]
+    modulus, guessed = modulus_of(table.about, table.columns)
     try:
-        scans = scans_of(table.columns, waited_for)
+        scans = scans_of(table.columns, waited_for, modulus)
     except PlantError as error:
         raise PlantError(f"{shown}: {error}") from error
     read = {n: table.columns[n][scans.rows] for n in channels}
@@ -121,6 +123,7 @@ def read_run_record(path: Path) -> Recording:
         *_other_cycle(scans.cycle_s, site.cycle_s),
         *table.lost,
         *few(_edits(table)),
+        *([guessed] if guessed else []),
         *scans.findings,
         *few(breaks),
         *counted,
