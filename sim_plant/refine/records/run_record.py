@@ -324,7 +324,7 @@ def _edits(table: RunTable) -> list[str]:
     """Return a sentence for every change of the site file within the run's window."""
     return [
         f"at {row.get('time_s', '?')} s the site file was changed ({row.get('text', '')}): "
-        "channels and units are those of the run's beginning, which no live edit changes"
+        "channels and units are those of the window's beginning, which no live edit changes"
         for row in table.events
         if row.get("name") in EDITED
     ]

@@ -146,8 +146,10 @@ def test_the_recorder_is_told_the_context_and_then_notes() -> None:
     assert CONTEXT.encode() == CONTEXT_LINE
     assert context_of(CONTEXT_LINE.strip()) == CONTEXT
     note = Note(name="EDIT", text="6 -> 9")
-    assert note.encode() == b'{"name": "EDIT", "text": "6 -> 9"}\n'
+    said = b'{"name": "EDIT", "text": "6 -> 9", "site_text": "", "site_hash": ""}\n'
+    assert note.encode() == said
     assert note_of(note.encode()) == note
+    assert note_of(b'{"name": "EDIT", "text": "6 -> 9"}') == note
 
 
 def test_the_recorder_reports_about_itself_and_others_see_whether_it_lives() -> None:
