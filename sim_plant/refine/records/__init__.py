@@ -7,6 +7,7 @@ __all__ = [
     "read",
     "recording",
     "run_activity",
+    "run_pieces",
     "run_record",
     "run_site",
     "sanity",

@@ -19,7 +19,7 @@ from aff_runtime.base.run_window import run_window
 from aff_runtime.base.signals import Status
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.records.recorded_only import filled
+from sim_plant.refine.records.recorded_only import Filled, filled
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_activity import Activity, activity_of
 from sim_plant.refine.records.run_angle import without_starts_over
@@ -80,13 +80,33 @@ class Piece:
         return f"{self.from_s:.1f}..{self.to_s:.1f} s"
 
 
-def read_run_record(path: Path) -> Recording:
-    """Return the longest unbroken piece of the window that ``path`` names, SI, on an even grid.
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ScannedRun:
+    """The rows of a window of a run on the PLC's scans.
+
+    Attributes
+    ----------
+    read, whole : readings by channel, as they are and without gaps.
+    pieces : unbroken. ``breaks``, ``said`` : sentences, of what ends a piece and of the rest.
+    """
+
+    table: RunTable
+    site: RunSite
+    scans: Scans
+    read: Mapping[str, Array]
+    whole: Mapping[str, Filled]
+    pieces: Sequence[Piece]
+    breaks: Sequence[str]
+    said: Sequence[str]
+
+
+def scanned_run(path: Path) -> ScannedRun:
+    """Return a window of a run, cut into its pieces.
 
     Raises
     ------
     PlantError
-        It is no run, holds no rows there, or no piece of ``SHORTEST_PIECE_S``.
+        It is no run, holds no rows there, or has not the columns of one.
     """
     try:
         shown = printable(str(path))
@@ -112,14 +132,7 @@ def read_run_record(path: Path) -> Recording:
     whole = {n: filled(v, scans.taken_s, time_s, scans.step_s) for n, v in turned.items()}
     readings = {n: one.values for n, one in whole.items()}
     pieces, breaks = _pieces(table.columns, scans, readings)
-    piece = _longest(path, pieces, [*few(table.lost), *few(breaks)])
-    piece, acted = _with_corrections(table.columns, site, scans, piece)
-    lost = {n: one.holes_in(piece.first, piece.end) for n, one in whole.items()}
-    kept = {n: values for n, values in readings.items() if not lost[n]}
-    grid = _on_grid(table.columns, site, scans, piece, kept, acted)
-    said = [_unread(name, table.columns) for name in site.count_sizes if name not in channels]
-    said += [f"{n} is left out: {text}" for n, text in lost.items() if text]
-    said += [
+    said = [
         *_other_cycle(scans.cycle_s, site.cycle_s),
         *table.lost,
         *few(_edits(table)),
@@ -128,6 +141,36 @@ def read_run_record(path: Path) -> Recording:
         *few(breaks),
         *counted,
     ]
+    return ScannedRun(
+        table=table,
+        site=site,
+        scans=scans,
+        read=read,
+        whole=whole,
+        pieces=pieces,
+        breaks=breaks,
+        said=said,
+    )
+
+
+def read_run_record(path: Path) -> Recording:
+    """Return the longest unbroken piece of the window that ``path`` names, SI, on an even grid.
+
+    Raises
+    ------
+    PlantError
+        It is no run, holds no rows there, or no piece of ``SHORTEST_PIECE_S``.
+    """
+    found = scanned_run(path)
+    table, site, scans, pieces = found.table, found.site, found.scans, found.pieces
+    piece = _longest(path, pieces, [*few(table.lost), *few(found.breaks)])
+    piece, acted = _with_corrections(table.columns, site, scans, piece)
+    lost = {n: one.holes_in(piece.first, piece.end) for n, one in found.whole.items()}
+    kept = {n: one.values for n, one in found.whole.items() if not lost[n]}
+    grid = _on_grid(table.columns, site, scans, piece, kept, acted)
+    said = [_unread(name, table.columns) for name in site.count_sizes if name not in found.read]
+    said += [f"{n} is left out: {text}" for n, text in lost.items() if text]
+    said += found.said
     if len(pieces) > 1:
         others = ", ".join(few([str(p) for p in pieces if p.end != piece.end]))
         said.append(f"taken is {piece} of the run; left out {others}")
@@ -137,7 +180,11 @@ def read_run_record(path: Path) -> Recording:
         sha256=_digest(grid.columns),
         sample_time_s=scans.step_s,
         columns=grid.columns,
-        findings=(*said, *grid.said, *oddities(measured, counts_seen(read, site.count_sizes))),
+        findings=(
+            *said,
+            *grid.said,
+            *oddities(measured, counts_seen(found.read, site.count_sizes)),
+        ),
         zeros_rad=grid.zeros_rad,
         run=RunFacts(
             site=site,
@@ -147,6 +194,7 @@ def read_run_record(path: Path) -> Recording:
             from_s=piece.from_s,
             to_s=piece.to_s,
             run_id=table.run_id,
+            roll_id=float(table.columns["roll_id"][scans.rows[piece.first]]),
         ),
     )
 
