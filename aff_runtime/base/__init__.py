@@ -26,6 +26,7 @@ __all__ = [
     "run_table",
     "run_window",
     "signals",
+    "site_in_force",
     "socket_file",
     "suggest",
     "units",

@@ -36,9 +36,15 @@ class Gateway(Protocol):
 
     Attributes
     ----------
+    heartbeat_modulus : counts after which the PLC's heartbeat starts over.
     shift_ns : how much later (negative: earlier) the next tick should start so that it meets the
         other side's scan; 0 where that side keeps no pace of its own.
     """
+
+    @property
+    def heartbeat_modulus(self) -> int:
+        """Counts after which the PLC's heartbeat starts over."""
+        ...
 
     @property
     def shift_ns(self) -> int:

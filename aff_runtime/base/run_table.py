@@ -32,6 +32,7 @@ from aff_runtime.base.run_segment import (
     segments_of,
 )
 from aff_runtime.base.run_window import HOW_WRITTEN, MARK, RunWindow
+from aff_runtime.base.site_in_force import SiteInForce, in_force_within, sites_in_force
 from aff_runtime.base.yaml_section import Section
 
 LONGEST_RUN_S = 1e9
@@ -71,9 +72,10 @@ class RunTable:
     window : what was asked for.
     about : contents of ``run.yaml``. ``run_id`` : the same for every copy of the folder.
     columns : one array (rows,) per column name, in the order of the file.
-    site_text : the site file as it was when the run began; empty where it is missing.
+    site_text : the site file in force where the window begins; empty where it is missing.
     events : rows of ``events.csv`` within the window, those without a time among them.
     lost : sentences about what the files no longer have.
+    sites : every site file in force in the window, in order; the first is ``site_text``.
     """
 
     window: RunWindow
@@ -83,6 +85,7 @@ class RunTable:
     events: tuple[dict[str, str], ...]
     lost: tuple[str, ...]
     run_id: str = ""
+    sites: tuple[SiteInForce, ...] = ()
 
 
 def read_table(
@@ -131,17 +134,33 @@ def read_table(
         del parts[path]
         torn.append(said_of_it)
     table = np.vstack([*parts.values()])
-    events, said = _events(folder / "events.csv", window)
+    every, said = _events(folder / "events.csv")
+    events = [row for row in every if _is_inside(row, window)]
     died = [_of_recorder(row) for row in events if row.get("name") == RECORDER_DIED]
+    sites = _sites(folder, about, every, max(window.from_s, float(table[0, 0])), to_s)
     return RunTable(
         window=window,
         about=about,
         columns={names[k]: np.ascontiguousarray(table[:, i]) for i, k in enumerate(wanted)},
-        site_text=text_of(folder / "site.yaml", _LARGEST_YAML),
+        site_text=sites[0].text,
         events=tuple(events),
-        lost=(*lost, *few(torn), *said, *few(died)),
+        lost=(*lost, *few(torn), *said, *few(died), *(one.said for one in sites if one.said)),
         run_id=run_id(folder),
+        sites=sites,
     )
+
+
+def _sites(
+    folder: Path, about: Section, events: Sequence[Mapping[str, str]], from_s: float, to_s: float
+) -> tuple[SiteInForce, ...]:
+    """Return the site files in force in a window."""
+    sites = sites_in_force(
+        folder,
+        text_of(folder / "site.yaml", _LARGEST_YAML),
+        text_or(about.get("site_hash")),
+        [(time_of(row), row) for row in events],
+    )
+    return in_force_within(sites, from_s, to_s)
 
 
 def run_id(folder: Path) -> str:
@@ -208,7 +227,7 @@ def last_event_s(folder: Path, is_it: Callable[[Mapping[str, str]], bool]) -> fl
 
 def events_of(folder: Path) -> tuple[list[dict[str, str]], bool]:
     """Return all events of a run in the order of the file, and whether none was left out."""
-    rows, said = _events(folder / "events.csv", RunWindow(folder=folder))
+    rows, said = _events(folder / "events.csv")
     return rows, not said
 
 
@@ -329,19 +348,15 @@ def _odd_times(path: Path, time_s: NDArray[np.float64]) -> Iterator[str]:
         yield f"{path.name}: its clock goes back, from {at_s:.2f} s to {to_s:.2f} s"
 
 
-def _events(path: Path, window: RunWindow) -> tuple[list[dict[str, str]], list[str]]:
-    """Return the events of a window, and what is to be said about their file.
-
-    One without a readable time counts as inside.
-    """
+def _events(path: Path) -> tuple[list[dict[str, str]], list[str]]:
+    """Return the events of a run, and what is to be said about their file."""
     found: list[dict[str, str]] = []
     reader = csv.DictReader(io.StringIO(text_of(path, _LARGEST_TEXT)))
     try:
         if len(reader.fieldnames or ()) > MOST_EVENT_COLUMNS:
             return [], [f"{path.name}: has other columns than events have; left out"]
         for row in itertools.islice(reader, MOST_EVENTS):
-            if _is_inside(row, window):
-                found.append({str(k): printable(str(v or "")) for k, v in row.items() if k})
+            found.append({str(k): printable(str(v or "")) for k, v in row.items() if k})
         more = next(reader, None) is not None
     except csv.Error:
         more = True
@@ -357,5 +372,6 @@ def time_of(row: Mapping[str, str]) -> float:
 
 
 def _is_inside(row: Mapping[str, str], window: RunWindow) -> bool:
+    """Return whether an event is of a window; one without a readable time counts as inside."""
     time_s = time_of(row)
     return not (time_s < window.from_s or time_s >= window.to_s)

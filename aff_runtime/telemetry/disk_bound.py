@@ -15,6 +15,8 @@ from pathlib import Path
 MARK = "run.yaml"
 _RUN_NAME = re.compile(r"\d{8}T\d{6}Z_")
 _SEGMENT = re.compile(r"signals-.*\.csv\.gz")
+_SITE = re.compile(r"site-[0-9a-f]+\.yaml")
+_LATER = re.compile(rf"{_SEGMENT.pattern}|{_SITE.pattern}")
 _OTHERS = ("site.yaml", "events.csv", "summary.json", MARK)  # the mark last: a rest is still a run
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 
@@ -84,7 +86,8 @@ def _thin_out(at: int, excess: int, keep: str) -> tuple[int, int]:
             freed += size
             count += 1
     if freed < excess and not keep:
-        freed += sum(_delete(at, name) or 0 for name in _OTHERS)
+        sites = [name for name in os.listdir(at) if _SITE.fullmatch(name)]
+        freed += sum(_delete(at, name) or 0 for name in (*sites, *_OTHERS))
     return freed, count
 
 
@@ -123,6 +126,6 @@ def _folder_bytes(folder: Path) -> int:
     with contextlib.suppress(OSError):
         for path in folder.iterdir():
             with contextlib.suppress(OSError):
-                if path.name in _OTHERS or _SEGMENT.fullmatch(path.name):
+                if path.name in _OTHERS or _LATER.fullmatch(path.name):
                     total += path.lstat().st_size
     return total

@@ -25,6 +25,7 @@ class RunMeta:
     config_hash : revision in force. ``versions`` : of the packages, by name.
     machine : as ``uname`` names it. ``start_ns`` : monotonic time of the start.
     shadow : started to compute and record, transmitting zero.
+    heartbeat_modulus : counts after which the PLC's heartbeat starts over; 0 where not known.
     """
 
     config_hash: str = ""
@@ -33,6 +34,7 @@ class RunMeta:
     machine: str = ""
     start_ns: int = 0
     shadow: bool = False
+    heartbeat_modulus: int = 0
 
     def to_json(self) -> dict[str, Any]:
         """Return plain values for JSON and YAML."""
@@ -50,6 +52,7 @@ class RunMeta:
             machine=said.get("machine", ""),
             start_ns=said.get("start_ns", 0),
             shadow=said.get("shadow", False),
+            heartbeat_modulus=said.get("heartbeat_modulus", 0),
         )
 
 

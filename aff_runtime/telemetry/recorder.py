@@ -98,6 +98,7 @@ def _keep_notes(lines: Sequence[bytes], folder: RunFolder) -> None:
     """Put the supervisor's notes into ``events.csv``; junk is skipped."""
     for note in map(note_of, lines):
         if note is not None:
+            folder.keep_site(note.site_hash, note.site_text)  # before the event that names it
             folder.add_note(note.name, note.text)
 
 

@@ -52,10 +52,15 @@ class RunContext:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Note:
-    """A sentence of the supervisor for ``events.csv``."""
+    """A sentence of the supervisor for ``events.csv``.
+
+    ``site_text``, ``site_hash`` : of the site file that runs from then on; empty where none does.
+    """
 
     name: str = "NOTE"
     text: str = ""
+    site_text: str = ""
+    site_hash: str = ""
 
     def encode(self) -> bytes:
         """Return the note as one line."""
@@ -120,7 +125,12 @@ def note_of(line: bytes) -> Note | None:
     said = _object_in(line)
     if said is None:
         return None
-    return Note(name=str(said.get("name", "NOTE")), text=str(said.get("text", "")))
+    return Note(
+        name=str(said.get("name", "NOTE")),
+        text=str(said.get("text", "")),
+        site_text=str(said.get("site_text", "")),
+        site_hash=str(said.get("site_hash", "")),
+    )
 
 
 def report_of(line: bytes) -> RecorderReport | None:

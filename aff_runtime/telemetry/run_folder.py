@@ -1,4 +1,4 @@
-"""One run folder: ``run.yaml``, segments of signals, ``events.csv``, ``summary.json``."""
+"""One run folder: ``run.yaml``, site files, segments, ``events.csv``, ``summary.json``."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pathlib import Path
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import State
+from aff_runtime.base.site_in_force import file_of
 from aff_runtime.telemetry.disk_bound import delete_oldest, free_bytes, used_bytes
 from aff_runtime.telemetry.header import RingHeader
 from aff_runtime.telemetry.recorder_messages import NOT_SAID, RunContext
@@ -22,6 +23,8 @@ from aff_runtime.telemetry.summary import RunSummary, Summary
 from aff_runtime.telemetry.takeover import Takeover
 
 EVENT_HEADER = "time_s,tick,code,name,argument,text\n"
+MOST_SITES = 300
+"""Site files that are kept of one run beside its first, as many as the history of settings has."""
 
 
 class RunFolder:
@@ -55,12 +58,15 @@ class RunFolder:
         self._summary = RunSummary(self._columns, [state.name for state in State])
         self._last_s = 0.0 if taken is None else taken.time_s
         self._missing: dict[str, str] = {}
+        self._sites = {file_of(context.site_hash)} if taken is None else set[str]()
         self._is_made = taken is not None
         self.files_lost = 0
         self.segments_deleted = 0
         self.kept_bytes = NOT_SAID
         if taken is None:
             self._make(header, context)
+        else:
+            self.keep_site(context.site_hash, context.site_text)
         self.signals = SegmentWriter(
             self.path,
             self._columns,
@@ -109,6 +115,16 @@ class RunFolder:
         self._append_events(
             [[f"{self._last_s:.4f}", "", "", printable(name), "", printable(text)]]
         )
+
+    def keep_site(self, site_hash: str, text: str) -> None:
+        """Keep a site file that runs from now on, unless the folder has it; no text is none."""
+        name = file_of(site_hash)
+        if not text or not name or name in self._sites or len(self._sites) > MOST_SITES:
+            return
+        self._sites.add(name)
+        if not (self.path / name).exists():
+            self._missing[name] = text
+            self._make_up_for()
 
     def finish(self, *, ring_overruns: int) -> None:
         """Close the segment and write ``summary.json``."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -71,6 +72,12 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         metavar="SITE.yaml",
         help="site file of the service: written to DIR with the AFF block in its place, as "
         "site_proposed.yaml, for `aff-runtime settings try`",
+    )
+    parser.add_argument(
+        "--pieces",
+        action="store_true",
+        help="of a run that is to be fitted take every piece of the running line without a "
+        "break (a splice, a stop, a hole) as a record of its own, not the longest alone",
     )
     parser.add_argument(
         "--without",
@@ -196,13 +203,27 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
         raise PlantError("give at least one RECORD, or --example")
     return Plan(
         line=arguments.line,
-        records=tuple(arguments.records),
+        records=tuple(pieces_in(arguments.records) if arguments.pieces else arguments.records),
         holdout=tuple(arguments.holdout),
         out=arguments.out,
         without=tuple(arguments.without),
         workers=arguments.workers,
         site=arguments.site,
     )
+
+
+def pieces_in(records: Sequence[Path]) -> list[Path]:
+    """Return records, each run in its unbroken pieces; says which where there are several."""
+    from aff_runtime.base.run_window import names_a_run  # noqa: PLC0415
+    from sim_plant.refine.records.run_windows import unbroken_windows  # noqa: PLC0415 - heavy imports
+
+    found: list[Path] = []
+    for path in records:
+        pieces = unbroken_windows(path) if names_a_run(path) else [path]
+        if len(pieces) > 1:
+            say(f"{path.name}: {len(pieces)} records: {', '.join(one.name for one in pieces)}")
+        found += pieces
+    return found
 
 
 def record_summary(verdict: RecordVerdict, out: Path, *, held: bool) -> str:

@@ -12,7 +12,7 @@ from aff_runtime.base.refinement import Lacking, RecordLacks
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration
 from sim_plant.refine.model.record_match import record_caveats, twin_of
-from sim_plant.refine.model.run_caveats import lines_of, run_caveats, shared
+from sim_plant.refine.model.run_caveats import lines_of, rolls_of, run_caveats, shared
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.records.read import read_record
@@ -40,7 +40,12 @@ def lacking(plan: Plan, line: Declaration) -> Lacking:
             found.append(record)
             rows.append(_row(record, twin, is_held=is_held))
     together = _given_twice(fitted, held) or shared(fitted, held)
-    together += [*shared_angle(fitted), *holdout_caveats(held), *lines_of((*fitted, *held))]
+    together += [
+        *shared_angle(fitted),
+        *holdout_caveats(held),
+        *lines_of((*fitted, *held)),
+        *rolls_of(fitted),
+    ]
     return Lacking(records=tuple(rows), together=tuple(together))
 
 

@@ -18,7 +18,7 @@ from sim_plant.refine.lacking import caveats_of
 from sim_plant.refine.model.demand import demand_of
 from sim_plant.refine.model.hypotheses import library
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_caveats import lines_of, shared
+from sim_plant.refine.model.run_caveats import lines_of, rolls_of, shared
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
@@ -98,6 +98,7 @@ def caveats_of_all(fitted: Sequence[RecordWithTwin], held: Sequence[RecordWithTw
         *holdout_caveats(of_held),
         *shared(of_fitted, of_held),
         *lines_of((*of_fitted, *of_held)),
+        *rolls_of(of_fitted),
     ]
 
 

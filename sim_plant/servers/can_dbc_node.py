@@ -156,8 +156,9 @@ class DbcNode:
         pairs = [(c.signal, c.complement) for c in rows.corrections.values()]
         theirs = [*rows.write.values(), *(name for pair in pairs for name in pair)]
         self._theirs = {m.frame_id: m for m in _messages(database, theirs)}
-        heartbeat = rows.read["plc_heartbeat"].partition(".")[0]
+        heartbeat, _, beat = rows.read["plc_heartbeat"].partition(".")
         ours.sort(key=lambda message: (message.name == heartbeat, message.frame_id))
+        self._beats = 1 << ours[-1].get_signal_by_name(beat).length
         wrapping = frozenset(c.signal for c in rows.channels.values() if c.wraps)
         self._ours = [_plan(message, wrapping) for message in ours]
         self._aff_heartbeat = tuple(rows.write["aff_heartbeat"].split(".", 1))
@@ -195,6 +196,7 @@ class DbcNode:
         shown = {name: words[at - plc_map.read_start] for name, at in plc_map.read.items()}
         heartbeat = shown["plc_heartbeat"]
         values: dict[str, float] = {s: shown[n] for n, s in self._rows.read.items()}
+        values[self._rows.read["plc_heartbeat"]] = heartbeat % self._beats
         for name, channel in self._rows.channels.items():
             values[channel.signal] = plant.shown.measured[name] / channel.scale
         for name, signal in self._rows.applied.items():

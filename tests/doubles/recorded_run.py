@@ -123,9 +123,10 @@ class RecordedRun:
         law = self.bench.law.telemetry_names() if law_too else ()
         self._of_law = self.bench.law.telemetry if law_too else tuple
         columns = record_columns(tuple(site.gateway.read.channels), outputs, law)
+        meta = RunMeta(heartbeat_modulus=self.bench.heartbeat_modulus)
         self.folder = RunFolder(
             runs,
-            replace(head_of(RunMeta(), start_utc), columns=tuple(columns)),
+            replace(head_of(meta, start_utc), columns=tuple(columns)),
             RunContext(name=site.line.name, site_text=made.site.read_text(), segment_s=segment_s),
         )
         self._rows: list[tuple[float, ...]] = []

@@ -40,8 +40,8 @@ actuators:
     error: { signal: unwind_tension_N }
     limit_m_s: 0.05
     blocks:
-      - { roll: r6, orders: [1], amp_limit_m_s: 0.002 }
-      - { roll: healthy, orders: [1] }
+      - { roll: r6, orders: [1], settle_s: 4, amp_limit_m_s: 0.002 }
+      - { roll: healthy, orders: [1], settle_s: 4 }
 """
 
 

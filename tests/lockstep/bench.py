@@ -147,7 +147,9 @@ class Bench:
         self.guard = Guard(self.params)
         self.law = Controller(setup.law or site_params(site), setup.responses, laws=setup.laws)
         self.outside = Outside(self.guard)
-        self.cycle = self._cycle(self._gateway(site, setup))
+        gateway = self._gateway(site, setup)
+        self.heartbeat_modulus = gateway.heartbeat_modulus
+        self.cycle = self._cycle(gateway)
 
     def _gateway(self, site: Site, setup: Setup) -> Gateway:
         words = setup.words or register_map(site)

@@ -84,8 +84,8 @@ class House:
     def revised(self, parameters: ParameterRecord) -> ParameterRecord:
         return parameters.with_shapes({})
 
-    def revision_words(self) -> str:
-        return "; ".join(learned_sentences(self.parameters, self.probed))
+    def note_applied(self) -> None:
+        self.note("CONFIG_APPLIED", "; ".join(learned_sentences(self.parameters, self.probed)))
 
     def _send(self, message: Message) -> bool:
         self.sent.append(message)

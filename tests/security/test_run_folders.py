@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.app.report.comparison import comparing, page
-from aff_runtime.app.report.comparison.comparing import _leaves
+from aff_runtime.app.report.comparison.site_differences import _leaves
 from aff_runtime.app.report.comparison.window import load_window
 from aff_runtime.base import run_files, run_segment, run_table
 from aff_runtime.base.errors import AffError

@@ -15,10 +15,11 @@ from aff_runtime.app.report.comparison.window import Window
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.run_table import events_of, time_of
 from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.site_in_force import APPLIED, EDIT
 from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.config.revision import SHORT, site_hash_of
 
-EDIT, SETTINGS, APPLIED = "EDIT", "SETTINGS", "CONFIG_APPLIED"
+SETTINGS = "SETTINGS"
 AT_START = " started by "
 """In an event ``SETTINGS``: it names those that the run began with."""
 _APPLIED = re.compile(rf"(?P<whole>[0-9a-f]+): site (?P<site>[0-9a-f]{{{SHORT}}});(?P<rest>.*)")

@@ -63,6 +63,7 @@ def _run(start: Start, link: Link) -> int:
         machine=" ".join(os.uname()),
         start_ns=clock.now_ns(),
         shadow=start.shadow,
+        heartbeat_modulus=assembly.gateway.heartbeat_modulus,
     )
     outside = ControlOutside(assembly, link, meta)
     cycle = cycle_of(assembly, outside)

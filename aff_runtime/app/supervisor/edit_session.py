@@ -181,7 +181,7 @@ class EditSession:
         self._handing_over = False
         if reply.ok:
             self._accept(parameters, findings)
-            self._processes.note("CONFIG_APPLIED", self._processes.revision_words())
+            self._processes.note_applied()
         elif then is None:
             self._refuse([reply.message or "refused"])
         if then is not None:

@@ -117,7 +117,7 @@ class Processes:
             return
         self._on_change()
         LOG.info("control process %d started", self.control.pid)
-        self.note("CONFIG_APPLIED", self.revision_words())
+        self.note_applied()
 
     def revised(self, parameters: ParameterRecord) -> ParameterRecord:
         """Return a record with the revision that it has with the shapes in use."""
@@ -252,11 +252,25 @@ class Processes:
 
     def note(self, name: str, text: str) -> None:
         """Put a line into the log and into the record's events, foreign text made printable."""
-        text = printable(text)
-        loud = name in LOUD_NOTES
-        LOG.log(logging.WARNING if loud else logging.INFO, "%s: %s", name, text)
+        text = self._logged(name, text)
         if self._recorder is not None:
             self._recorder.note(name, text)
+
+    def note_applied(self) -> None:
+        """Say what runs from now on; the record gets its site file too."""
+        text = self._logged("CONFIG_APPLIED", self.revision_words())
+        runs = self.parameters
+        if self._recorder is not None:
+            self._recorder.note(
+                "CONFIG_APPLIED", text, site_text=runs.site_text, site_hash=runs.site_hash
+            )
+
+    def _logged(self, name: str, text: str) -> str:
+        """Put a line into the log; return it as it stands there."""
+        shown = printable(text)
+        loud = name in LOUD_NOTES
+        LOG.log(logging.WARNING if loud else logging.INFO, "%s: %s", name, shown)
+        return shown
 
     def note_operator(self, did: str, who: str) -> None:
         """Put on record who commands what, and keep the last ones for who looks on."""

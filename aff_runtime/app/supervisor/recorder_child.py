@@ -36,7 +36,7 @@ class RecorderChild:
         assert self._process.stdout is not None
         self._input = self._process.stdin.fileno()
         self._output = self._process.stdout.fileno()
-        self._begun_line = b""
+        self._begun_line = self._unsent = b""
         self._report = RecorderReport()
         with contextlib.suppress(OSError):
             fcntl.fcntl(self._input, fcntl.F_SETPIPE_SZ, _CONTEXT_BYTES)
@@ -57,12 +57,13 @@ class RecorderChild:
         how = f"killed by {signal.Signals(-code).name}" if code < 0 else f"exit {code}"
         return f"recorder {self.pid}: {how}"
 
-    def note(self, name: str, text: str) -> None:
-        """Have a line put into ``events.csv``."""
-        self._write(Note(name=name, text=text).encode())
+    def note(self, name: str, text: str, *, site_text: str = "", site_hash: str = "") -> None:
+        """Have a line put into ``events.csv``, and a site file that runs from then on kept."""
+        self._write(Note(name=name, text=text, site_text=site_text, site_hash=site_hash).encode())
 
     def report(self) -> RecorderReport:
         """Return the newest report (folder, rows, losses), with ``alive``."""
+        self._write(b"")
         with contextlib.suppress(OSError):
             while chunk := os.read(self._output, 1 << 16):
                 self._begun_line += chunk
@@ -85,6 +86,11 @@ class RecorderChild:
                 stream.close()
 
     def _write(self, line: bytes) -> None:
-        """Send one line; lost when the recorder does not listen."""
+        """Send one line, after what the pipe had no room for; lost when nobody takes it.
+
+        Half a line would swallow the next one: the rest of one that was begun is never left out.
+        """
+        if len(self._unsent) + len(line) <= 2 * _CONTEXT_BYTES:
+            self._unsent += line
         with contextlib.suppress(OSError):
-            os.write(self._input, line)
+            self._unsent = self._unsent[os.write(self._input, self._unsent) :]

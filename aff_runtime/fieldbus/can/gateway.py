@@ -48,6 +48,7 @@ class CanGateway:
     Attributes
     ----------
     foreign : frames that carried our identifiers.
+    heartbeat_modulus : as many counts as its signal has.
     shift_ns : how much later (negative: earlier) the next tick should start.
     """
 
@@ -65,6 +66,7 @@ class CanGateway:
         self.reader = reader
         self._writer = writer
         self._clock = clock
+        self.heartbeat_modulus = reader.heartbeat_modulus
         self._ours = frozenset(writer.ids)
         self._no_values = (math.nan,) * len(reader.values)
         self._lock = lock

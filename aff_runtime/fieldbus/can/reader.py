@@ -98,6 +98,7 @@ class CanReader:
         self.out_of_order = 0
         self.out_of_range = 0
         self._known = False
+        self.heartbeat_modulus = can_map.plc_heartbeat.mask + 1
         self._order = HeartbeatOrder(can_map.plc_heartbeat.mask)
         self._frames: dict[tuple[int, bool], _ReadFrame] = {}
         slots: dict[tuple[str, int], _Slot] = {}

@@ -37,9 +37,11 @@ class WordGateway:
 
     Attributes
     ----------
+    heartbeat_modulus : that of a word.
     shift_ns : always 0: the other side answers when it is asked.
     """
 
+    heartbeat_modulus = _HEARTBEAT_MASK + 1
     shift_ns = 0
 
     def __init__(

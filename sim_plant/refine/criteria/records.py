@@ -19,6 +19,12 @@ class RecordCriteria:
         "no sensor reads more in any SI unit; its square still is a number",
     )
     fewest_rows: int = criterion(100, "rows", "a shorter record is refused", NOT_RECORDED)
+    most_pieces: int = criterion(
+        8,
+        "pieces",
+        "of one window with more the longest are taken as records",
+        "an hour with a splice every 8 min; time and memory of a search go with the rows",
+    )
     longest_gap_samples: float = criterion(
         1.7, "sample times", "a longer step between stamps is a gap, refused", NOT_RECORDED
     )

@@ -66,6 +66,17 @@ def lines_of(records: Sequence[Recording]) -> list[str]:
     return [f"by their site files the runs are of several lines: {said}; are they of this one?"]
 
 
+def rolls_of(records: Sequence[Recording]) -> list[str]:
+    """Return a sentence where records of runs are of several rolls of web."""
+    known = {r.run.roll_id for r in records if r.run is not None and r.run.roll_id >= 0.0}
+    if len(known) < 2:
+        return []
+    return [
+        f"the records are of {len(known)} rolls of web: what a roll itself does (out of round, "
+        "its winding) is one effect to the fit, and not the same in each; for that give one roll"
+    ]
+
+
 def shared(fitted: Sequence[Recording], held: Sequence[Recording]) -> list[str]:
     """Return a sentence for every two windows of one run that overlap.
 

@@ -9,6 +9,7 @@ __all__ = [
     "run_activity",
     "run_pieces",
     "run_site",
+    "run_windows",
     "sanity",
     "text_table",
 ]

@@ -27,6 +27,7 @@ class RunFacts:
     scan_s : period of the PLC's scans.
     from_s, to_s : the piece that is taken, s of the run's ``time_s``; NaN where not known.
     run_id : the same for every copy of the run's folder; empty where not known.
+    roll_id : the PLC's number of the roll of web at its beginning; NaN where not known.
     """
 
     site: RunSite
@@ -36,6 +37,7 @@ class RunFacts:
     from_s: float = math.nan
     to_s: float = math.nan
     run_id: str = ""
+    roll_id: float = math.nan
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -15,6 +15,7 @@ import numpy.typing as npt
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Outcome, Status
 from sim_plant.base.arrays import Array
+from sim_plant.refine.records.run_heartbeat import scans_between
 
 HEARTBEAT_MODULUS = 1 << 16
 """The heartbeat starts over after as many counts."""
@@ -78,8 +79,12 @@ class Scans:
     findings: tuple[str, ...]
 
 
-def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
+def scans_of(
+    columns: Mapping[str, Array], channels: Sequence[str], modulus: float = HEARTBEAT_MODULUS
+) -> Scans:
     """Return the scans in the rows of a run; in each of them every one of ``channels`` was read.
+
+    ``modulus`` : counts after which the heartbeat starts over.
 
     Raises
     ------
@@ -97,9 +102,9 @@ def scans_of(columns: Mapping[str, Array], channels: Sequence[str]) -> Scans:
         raise PlantError("no row shows new readings of the PLC; give another window")
     cycle_s = _cycle_s(columns)
     time_s, beat = time_s[rows], columns["plc_heartbeat"][rows]
-    moved = np.mod(np.diff(beat), HEARTBEAT_MODULUS)
     elapsed_s = np.diff(time_s)
-    scan_s, unsure = _scan_s(elapsed_s, moved)
+    by_counter, moved = scans_between(beat, elapsed_s, modulus)
+    scan_s, unsure = _scan_s(elapsed_s, by_counter)
     back = np.flatnonzero(elapsed_s <= 0.0)
     breaks = {int(k) + 1: "the clock of the run goes back" for k in back}
     for k in np.flatnonzero(np.abs(moved * scan_s - elapsed_s) > LATE_S):

@@ -22,6 +22,7 @@ from sim_plant.refine.records.run_activity import Activity, activity_of
 from sim_plant.refine.records.run_angle import without_starts_over
 from sim_plant.refine.records.run_delivery import Delivered, on_grid, sent_unseen
 from sim_plant.refine.records.run_grid import Scans, scans_of
+from sim_plant.refine.records.run_heartbeat import modulus_of
 from sim_plant.refine.records.run_pieces import (
     CORRECTION,
     Piece,
@@ -48,6 +49,71 @@ EDITED = ("CONFIG_APPLIED", "EDIT")
 """Events by which the site file changed during a run."""
 
 
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class ScannedRun:
+    """The rows of a window of a run on the PLC's scans.
+
+    Attributes
+    ----------
+    readings, series : by channel, as they are and without gaps.
+    pieces : unbroken. ``breaks``, ``said`` : sentences, of what ends a piece and of the rest.
+    """
+
+    table: RunTable
+    site: RunSite
+    scans: Scans
+    readings: Mapping[str, Array]
+    series: Mapping[str, Filled]
+    pieces: Sequence[Piece]
+    breaks: Sequence[str]
+    said: Sequence[str]
+
+
+def scanned_run(path: Path) -> ScannedRun:
+    """Return a window of a run, cut into its pieces.
+
+    Raises
+    ------
+    PlantError
+        It is no run, holds no rows there, or has not the columns of one.
+    """
+    shown = printable(str(path))
+    table = _table(path, shown)
+    site = run_site(table.site_text, f"{shown}: site.yaml")
+    if other := other_line(table.about, site.name):
+        raise PlantError(f"{shown}: {other}")
+    channels = [name for name in site.count_sizes if _is_read(table.columns, name)]
+    waited_for = [name for name in channels if name in site.needed]
+    modulus, guessed = modulus_of(table.about, table.columns)
+    try:
+        scans = scans_of(table.columns, waited_for, modulus)
+    except PlantError as error:
+        raise PlantError(f"{shown}: {error}") from error
+    readings = {name: table.columns[name][scans.rows] for name in channels}
+    site = replace(site, count_sizes=counts_of(readings, site.count_sizes))
+    series, unwrapped = _in_every_scan(table.columns["time_s"], site, scans, readings)
+    pieces, breaks = pieces_of(table.columns, scans, series)
+    said = [
+        *_other_cycle(scans.cycle_s, site.cycle_s),
+        *table.lost,
+        *few(_edits(table)),
+        *([guessed] if guessed else []),
+        *scans.findings,
+        *few(breaks),
+        *unwrapped,
+    ]
+    return ScannedRun(
+        table=table,
+        site=site,
+        scans=scans,
+        readings=readings,
+        series=series,
+        pieces=pieces,
+        breaks=breaks,
+        said=said,
+    )
+
+
 def read_run_record(path: Path) -> Recording:
     """Return the longest unbroken piece of the window that ``path`` names, SI, on an even grid.
 
@@ -57,23 +123,12 @@ def read_run_record(path: Path) -> Recording:
         It is no run, holds no rows there, or no piece of ``run_pieces.SHORTEST_PIECE_S``.
     """
     shown = printable(str(path))
-    table = _table(path, shown)
-    site = run_site(table.site_text, f"{shown}: site.yaml")
-    if other := other_line(table.about, site.name):
-        raise PlantError(f"{shown}: {other}")
-    channels = [name for name in site.count_sizes if _is_read(table.columns, name)]
-    try:
-        scans = scans_of(table.columns, [name for name in channels if name in site.needed])
-    except PlantError as error:
-        raise PlantError(f"{shown}: {error}") from error
-    readings = {name: table.columns[name][scans.rows] for name in channels}
-    site = replace(site, count_sizes=counts_of(readings, site.count_sizes))
-    series, unwrapped = _in_every_scan(table.columns["time_s"], site, scans, readings)
-    pieces, breaks = pieces_of(table.columns, scans, series)
-    piece = longest(shown, pieces, [*few(table.lost), *few(breaks)])
+    found = scanned_run(path)
+    table, site, scans = found.table, found.site, found.scans
+    piece = longest(shown, found.pieces, [*few(table.lost), *few(found.breaks)])
     piece, acted = with_corrections(shown, table.columns, site, scans, piece)
-    holes = {n: one.holes_in(piece.first_scan, piece.end_scan) for n, one in series.items()}
-    whole = {name: one.values for name, one in series.items() if not holes[name]}
+    holes = {n: one.holes_in(piece.first_scan, piece.end_scan) for n, one in found.series.items()}
+    whole = {name: one.values for name, one in found.series.items() if not holes[name]}
     grid = _piece_on_grid(table.columns, site, scans, piece, whole, acted)
     measured = {n: v for n, v in grid.columns.items() if not n.startswith(CORRECTION)}
     return Recording(
@@ -82,17 +137,12 @@ def read_run_record(path: Path) -> Recording:
         sample_time_s=scans.step_s,
         columns=grid.columns,
         findings=(
-            *(_unread(name, table.columns) for name in site.count_sizes if name not in channels),
+            *(_unread(n, table.columns) for n in site.count_sizes if n not in found.readings),
             *(f"{name} is left out: {text}" for name, text in holes.items() if text),
-            *_other_cycle(scans.cycle_s, site.cycle_s),
-            *table.lost,
-            *few(_edits(table)),
-            *scans.findings,
-            *few(breaks),
-            *unwrapped,
-            *_other_pieces(piece, pieces),
+            *found.said,
+            *_other_pieces(piece, found.pieces),
             *grid.said,
-            *oddities(measured, count_sizes_seen(readings, site.count_sizes)),
+            *oddities(measured, count_sizes_seen(found.readings, site.count_sizes)),
         ),
         zeros_rad=grid.zeros_rad,
         run=RunFacts(
@@ -103,6 +153,7 @@ def read_run_record(path: Path) -> Recording:
             from_s=piece.from_s,
             to_s=piece.to_s,
             run_id=table.run_id,
+            roll_id=float(table.columns["roll_id"][scans.rows[piece.first_scan]]),
         ),
     )
 
@@ -241,7 +292,7 @@ def _edits(table: RunTable) -> list[str]:
     """Return a sentence for every change of the site file within the run's window."""
     return [
         f"at {row.get('time_s', '?')} s the site file was changed ({row.get('text', '')}): "
-        "channels and units are those of the run's beginning, which no live edit changes"
+        "channels and units are those of the window's beginning, which no live edit changes"
         for row in table.events
         if row.get("name") in EDITED
     ]

@@ -20,6 +20,9 @@ import pytest
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, RefusedError
+from aff_runtime.base.run_table import read_table
+from aff_runtime.base.run_window import run_window
+from aff_runtime.base.site_in_force import SiteInForce
 from aff_runtime.cli.main import main
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
@@ -101,6 +104,23 @@ def test_a_try_returns_by_itself_after_its_console_is_gone(service: ServiceRun) 
     assert service.site.read_bytes() == text
     assert verbs(service)[-2:] == ["tried", "returned"]
     assert service.said("returned by the service: its time is up")
+
+
+def test_the_run_has_the_text_of_a_try_and_when_it_ran(service: ServiceRun) -> None:
+    text, new = service.site.read_text(), other(service, OLD, "settle_s: 11,")
+    tried = console(service, "try", str(new), "--seconds", "5", "--why", "hunting at 1x")
+    assert tried[0] == 0
+    until("its end", lambda: service.status()["trying"] == "")
+    run = Path(service.status()["recorder"]["folder"])
+    ran = [text, new.read_text(), text]
+    until("it is noted", lambda: [one.text for one in sites(run)][-3:] == ran)
+    before, tried_s, after = (one.from_s for one in sites(run)[-3:])
+    assert before < tried_s < after
+    assert read_table(run_window(f"{run}@{tried_s + 1.0}..")).site_text == new.read_text()
+
+
+def sites(run: Path) -> tuple[SiteInForce, ...]:
+    return read_table(run_window(run), keep=lambda name: name == "time_s").sites
 
 
 def test_a_try_that_is_kept_becomes_the_site_file_and_can_be_undone(service: ServiceRun) -> None:

@@ -30,6 +30,7 @@ META = RunMeta(
     ),
     machine="Linux gateway",
     start_ns=1000,
+    heartbeat_modulus=256,
 )
 CONTEXT = RunContext(
     name="Line 1",
@@ -47,7 +48,7 @@ HEADER = (
     b'"events_at": 8192, "writer_pid": 7, "start_utc": "2026-01-02T03:04:05.678", "meta": '
     b'{"config_hash": "3f9a", "versions": {"python": "3.11.2", "aff-runtime": "1"}, "rights": '
     b'[{"granted": true, "text": "FIFO: granted"}, {"granted": false, "text": "memory: refused"}],'
-    b' "machine": "Linux gateway", "start_ns": 1000, "shadow": false}}'
+    b' "machine": "Linux gateway", "start_ns": 1000, "shadow": false, "heartbeat_modulus": 256}}'
 )
 RUN_YAML = """\
 name: Line 1
@@ -74,6 +75,7 @@ rights:
 machine: Linux gateway
 start_ns: 1000
 shadow: false
+heartbeat_modulus: 256
 start_utc: '2026-01-02T03:04:05.678'
 columns:
 - time_s
@@ -144,8 +146,10 @@ def test_the_recorder_is_told_the_context_and_then_notes() -> None:
     assert CONTEXT.encode() == CONTEXT_LINE
     assert context_of(CONTEXT_LINE.strip()) == CONTEXT
     note = Note(name="EDIT", text="6 -> 9")
-    assert note.encode() == b'{"name": "EDIT", "text": "6 -> 9"}\n'
+    said = b'{"name": "EDIT", "text": "6 -> 9", "site_text": "", "site_hash": ""}\n'
+    assert note.encode() == said
     assert note_of(note.encode()) == note
+    assert note_of(b'{"name": "EDIT", "text": "6 -> 9"}') == note
 
 
 def test_the_recorder_reports_about_itself_and_others_see_whether_it_lives() -> None:

@@ -12,7 +12,7 @@ import pytest
 
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
-from aff_runtime.telemetry.run_folder import EVENT_HEADER, RunFolder
+from aff_runtime.telemetry.run_folder import EVENT_HEADER, MOST_SITES, RunFolder
 from tests.aff_runtime.telemetry.heads import head_of
 
 
@@ -69,3 +69,49 @@ def test_a_run_without_events_has_their_header(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line"))
     folder.add_events([], 0.0)
     assert (folder.path / "events.csv").read_text() == EVENT_HEADER
+
+
+HASH = "0123456789abcdef" * 4
+LATER = f"site-{HASH[:12]}.yaml"
+
+
+def kept(folder: RunFolder) -> dict[str, str]:
+    return {path.name: path.read_text() for path in sorted(folder.path.glob("site*.yaml"))}
+
+
+def test_a_site_file_that_runs_later_is_kept_once_and_the_first_one_stays(tmp_path: Path) -> None:
+    context = RunContext(name="line", site_text="a: 1\n", site_hash="f" * 64)
+    folder = RunFolder(tmp_path, head_of(RunMeta()), context)
+    for site_hash, text in (("f" * 64, "a: 1\n"), (HASH, "a: 2\n"), (HASH, "a: 2 # same\n")):
+        folder.keep_site(site_hash, text)
+    assert kept(folder) == {"site.yaml": "a: 1\n", LATER: "a: 2\n"}
+
+
+@pytest.mark.parametrize("name", ["", "../../x", "0123", "G" * 12])
+def test_what_is_no_hash_names_no_file(tmp_path: Path, name: str) -> None:
+    folder = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line", site_text="a: 1\n"))
+    folder.keep_site(name, "a: 2\n")
+    assert list(kept(folder)) == ["site.yaml"]
+
+
+def test_a_later_site_file_that_the_disk_refused_is_made_up_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    folder = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line", site_text="a: 1\n"))
+    with monkeypatch.context() as disk:
+        disk.setattr(Path, "write_text", full)
+        folder.keep_site(HASH, "a: 2\n")
+    assert folder.files_lost == 1
+    folder.add([[0.0] * len(head_of(RunMeta()).columns)])  # begins a segment, and makes up
+    folder.finish(ring_overruns=0)
+    assert kept(folder)[LATER] == "a: 2\n"
+
+
+def test_a_run_keeps_so_many_later_site_files_and_no_more(tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line", site_text="a: 1\n"))
+    for number in range(MOST_SITES + 5):
+        folder.keep_site(f"{number:012x}", f"a: {number}\n")
+    assert len(kept(folder)) == MOST_SITES + 1

@@ -71,6 +71,16 @@ def test_the_run_goes_on_in_its_folder_with_the_first_tick_that_is_in_no_file(di
     assert f"at 1.4900 s {said}" in table.lost
 
 
+def test_the_site_file_that_runs_when_a_recorder_follows_is_kept(died: RunFolder):
+    """The one that died may not have had it."""
+    taken = follower(died)
+    context = RunContext(segment_s=1.0, site_hash="ab" * 32, site_text="line: {name: later}\n")
+    folder = RunFolder(died.path.parent, HEADER, context, taken)
+    folder.finish(ring_overruns=0)
+    later = died.path / "site-abababababab.yaml"
+    assert later.read_text() == "line: {name: later}\n"
+
+
 def test_rows_behind_the_last_whole_one_of_a_torn_segment_come_from_the_ring(died: RunFolder):
     segment = died.path / "signals-0002.csv.gz"
     segment.write_bytes(segment.read_bytes()[:-40])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from aff_runtime.app.report.comparison.site_differences import site_differences
 from aff_runtime.app.report.comparison.turns import (
     FEWEST_SAMPLES,
     FEWEST_TURNS,
@@ -30,21 +30,15 @@ from aff_runtime.app.report.comparison.window import (
     roll_angle,
 )
 from aff_runtime.base.channel_units import unit_of_channel
-from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.run_table import PERIODS
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
+from aff_runtime.base.site_in_force import NOTED_WITHIN_S
 from aff_runtime.base.yaml_section import Section
-from aff_runtime.config.diff import diff_sites
-from aff_runtime.config.loader import load_recorded_site
 
 LIKE_SPEED, LIKE_RADIUS, LIKE_TENSION = 0.05, 0.02, 0.03
 """Share by which means of two windows may differ without a label."""
-SITE = "site.yaml"
-MOST_LEAVES = 20_000
-"""Values that are compared of a site file that this version cannot read."""
-LONGEST_KEY = 60
 TIMES = ("wake_us", "io_us", "tick_us")
 
 
@@ -130,7 +124,7 @@ def compare(before: RunWindow, after: RunWindow) -> Comparison:
     pair = (load_window(before), load_window(after))
     angles = (dict(_angles(*pair)), dict(_angles(pair[1], pair[0])))
     facts = (_facts(pair[0], angles[0]), _facts(pair[1], angles[1]))
-    differences, said = _site_differences(*pair)
+    differences, said = site_differences(*pair)
     return Comparison(
         line=pair[0].line,
         windows=facts,
@@ -223,13 +217,31 @@ def _corrections(window: Window) -> Iterator[tuple[str, tuple[float, float, floa
         output = column.removeprefix("correction_")
         sent = np.nan_to_num(values)
         largest = float(np.max(np.abs(sent)))
-        limit = math.nan
-        for end, unit in (("_m_s", "m/s"), ("_N_m", "N m")):
-            given = window.section("actuators").section(output.removesuffix(end))
-            if output.endswith(end) and given:
-                limit = number(given.get(f"limit{end}"), unit)
-        share = largest / limit if limit else math.nan
-        yield output, (float(np.sqrt(np.mean(sent**2))), largest, share)
+        yield output, (float(np.sqrt(np.mean(sent**2))), largest, _of_limit(window, output, sent))
+
+
+def _of_limit(window: Window, output: str, sent: Array) -> float:
+    """Return the largest share of its limit that an output had, NaN where it had none.
+
+    Each row by the limit of its time; near an edit, which is noted late, by the larger of the two.
+    """
+    time_s = window.table.columns["time_s"]
+    begins_s = [site.from_s for site in window.table.sites[1:]]
+    limits = [_limit(site, output) for site in window.sites]
+    at = np.searchsorted(begins_s, time_s, side="right")
+    soon = np.searchsorted(begins_s, time_s + NOTED_WITHIN_S, side="right")
+    limit = np.fmax(np.array(limits)[at], np.array(limits)[soon])
+    shares = np.abs(sent) / np.where(limit > 0.0, limit, math.nan)
+    return float(np.nanmax(shares)) if np.isfinite(shares).any() else math.nan
+
+
+def _limit(site: Section, output: str) -> float:
+    """Return an output's limit by a site file, SI; NaN where it has none."""
+    for end, unit in (("_m_s", "m/s"), ("_N_m", "N m")):
+        given = site.section("actuators").section(output.removesuffix(end))
+        if output.endswith(end) and given:
+            return number(given.get(f"limit{end}"), unit)
+    return math.nan
 
 
 def _rows(
@@ -347,35 +359,3 @@ def _start_s(window: Window) -> float:
 def _apart(first: float, last: float) -> float:
     """Return the difference of two numbers as a share of the larger one."""
     return abs(first - last) / max(abs(first), abs(last), 1e-12)
-
-
-def _site_differences(before: Window, after: Window) -> tuple[list[str], list[str]]:
-    """Return what differs in the site files, and labels about how they were compared."""
-    if before.table.site_text == after.table.site_text:
-        return [], []
-    try:
-        old, new = (load_recorded_site(w.table.site_text, SITE) for w in (before, after))
-    except ConfigError:
-        flat = [
-            dict(itertools.islice(_leaves(window.site.data, ""), MOST_LEAVES))
-            for window in (before, after)
-        ]
-        paths = dict.fromkeys([*flat[1], *flat[0]])
-        return [
-            f"{path}: {flat[0].get(path, '(absent)')} -> {flat[1].get(path, '(absent)')}"
-            for path in paths
-            if flat[0].get(path) != flat[1].get(path)
-        ], ["a site file is of another version: its values are compared as they are written"]
-    return [f"{c.path}: {c.old} -> {c.new}" for c in diff_sites(old, new)], []
-
-
-def _leaves(value: object, path: str) -> Iterator[tuple[str, str]]:
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            shown = printable(str(key), LONGEST_KEY)
-            yield from _leaves(inner, f"{path}.{shown}" if path else shown)
-    elif isinstance(value, list):
-        for index, inner in enumerate(value):
-            yield from _leaves(inner, f"{path}[{index}]")
-    else:
-        yield path, printable(str(value), 200)

@@ -46,7 +46,7 @@ class Window:
     Attributes
     ----------
     table : all rows.
-    site : contents of the run's ``site.yaml``; empty where it cannot be read.
+    site : contents of the site file in force where it begins; empty where it cannot be read.
     rows : which rows show new readings.
     time_s : of these.
     good : per such row, whether the readings go on from the row before without a hole.
@@ -67,6 +67,17 @@ class Window:
             return None
         found = values[self.rows]
         return found if bool(np.isfinite(found).mean() > 0.5) else None
+
+    @property
+    def sites(self) -> list[Section]:
+        """Contents of every site file that was in force in it, in order."""
+        return [self.site, *(_site(one.text) for one in self.table.sites[1:])]
+
+    @property
+    def last_site_text(self) -> str:
+        """Text of the site file in force where it ends."""
+        sites = self.table.sites
+        return sites[-1].text if sites else self.table.site_text
 
     def section(self, name: str) -> Section:
         """Return a section of the site file, empty where it is none."""

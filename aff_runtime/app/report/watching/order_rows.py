@@ -9,8 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from aff_runtime.app.report.comparison.comparing import estimates, tensions
-from aff_runtime.app.report.comparison.turns import BATCHES, FEWEST_TURNS, Array
+from aff_runtime.app.report.comparison.turns import FEWEST_TURNS, Array
 from aff_runtime.app.report.comparison.window import Window, number, orders_of, roll_angle
+from aff_runtime.app.report.watching.learned_error import (
+    block_memory_s,
+    block_of,
+    mean_and_error,
+    shape_memory_s,
+)
 from aff_runtime.app.report.watching.tables import HourRow, OrderRow
 from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.order_columns import OrderColumns, order_columns
@@ -124,11 +130,14 @@ def _learned(window: Window, signal: str, at: tuple[str, int], frequency_Hz: flo
         omega = math.tau * max(frequency_Hz, 1e-9)
         ratio = columns.get(order.response_ratio)
         largest = _largest(actuator, at)
+        seconds = float(columns["time_s"][-1] - columns["time_s"][0])
+        turn_s = math.tau * at[1] / omega
+        shape_s, block_s = shape_memory_s(actuator, turn_s), block_memory_s(actuator, at)
         none = (math.nan, math.nan)
         return Learned(
-            shape_m=_mean(shape, 1e-3) if shape is not None else none,
-            stroke_m=_mean(speed, 1.0 / omega) if speed is not None else none,
-            response_ratio=_mean(ratio, 1.0) if ratio is not None else none,
+            shape_m=none if shape is None else mean_and_error(1e-3 * shape, seconds, shape_s),
+            stroke_m=none if speed is None else mean_and_error(speed / omega, seconds, block_s),
+            response_ratio=none if ratio is None else mean_and_error(ratio, seconds, shape_s),
             limit_m=largest / omega if speed is not None else _shape_limit(actuator),
         )
     return Learned()
@@ -145,26 +154,10 @@ def _is_settled(state: Array) -> bool:
     return bool(np.mean(state == Trend.SETTLED) >= SETTLED_SHARE)
 
 
-def _mean(values: Array, scale: float) -> tuple[float, float]:
-    """Return mean and its standard error, from how batches differ."""
-    finite = scale * values[np.isfinite(values)]
-    if finite.size < 2 * BATCHES:
-        return math.nan, math.nan
-    batches = [float(part.mean()) for part in np.array_split(finite, BATCHES)]
-    return float(finite.mean()), float(np.std(batches, ddof=1)) / math.sqrt(BATCHES)
-
-
 def _largest(actuator: Section, at: tuple[str, int]) -> float:
     """Return the largest correction of a roll's order, m/s, NaN where the file has none."""
-    roll, order = at
-    blocks = actuator.get("blocks")
-    for block in blocks if isinstance(blocks, list) else ():
-        if not isinstance(block, dict) or block.get("roll") != roll:
-            continue
-        orders = block.get("orders")
-        if isinstance(orders, list) and order in orders and "amp_limit_m_s" in block:
-            return number(block["amp_limit_m_s"], "m/s")
-    return number(actuator.get("limit_m_s"), "m/s")
+    own = block_of(actuator, at).get("amp_limit_m_s")
+    return number(actuator.get("limit_m_s") if own is None else own, "m/s")
 
 
 def _shape_limit(actuator: Section) -> float:

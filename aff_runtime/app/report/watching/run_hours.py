@@ -141,6 +141,7 @@ class RunHours:
                 lost[str(error)] = None
             return None
         lost.update(dict.fromkeys(t for t in table.lost if t.startswith(OF_A_SEGMENT)))
+        lost.update(dict.fromkeys(one.said for one in table.sites if one.said))
         return steady(table, _speed_name(self.site))
 
     def _read(self, one: RecordedHour, window: Window | None) -> HourRead:

@@ -12,6 +12,7 @@ from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.run_table import RunTable
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import StateBits, Status
+from aff_runtime.base.site_in_force import in_force_within
 
 BIN_S = 1.0
 SHORTEST_S, LONGEST_S = 20.0, 120.0
@@ -29,7 +30,7 @@ def steady(table: RunTable, speed_name: str) -> Window | None:
     """Return the longest stretch at one speed, corrected all along or not at all; None without.
 
     Of a longer one its first ``LONGEST_S``. Left out are splices, the probe's excitation and what
-    ran into a limit.
+    ran into a limit. Its site file is the one in force at its end.
     """
     speed = table.columns.get(speed_name)
     if speed is None or speed.size < 2:
@@ -99,4 +100,6 @@ def _cut(table: RunTable, from_s: float, to_s: float) -> RunTable:
     keep = (time_s >= from_s) & (time_s < to_s)
     window = RunWindow(folder=table.window.folder, from_s=from_s, to_s=to_s)
     columns = {name: values[keep] for name, values in table.columns.items()}
-    return replace(table, window=window, columns=columns, events=())
+    sites = in_force_within(table.sites, from_s, to_s)[-1:]
+    text = sites[0].text if sites else table.site_text
+    return replace(table, window=window, columns=columns, events=(), site_text=text, sites=sites)

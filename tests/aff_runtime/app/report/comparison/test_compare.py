@@ -13,6 +13,8 @@ from aff_runtime.app.report.comparison.page import as_json, page
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
 from aff_runtime.cli.main import main
+from aff_runtime.config.loader import load_recorded_site
+from aff_runtime.config.revision import site_hash_of
 from sim_plant.base.order_tracking import order_amplitudes
 from tests.aff_runtime.app.card.measure.recorded import recorded, switched
 from tests.doubles.recorded_run import RecordedRun, files
@@ -126,6 +128,78 @@ def test_what_differs_in_the_site_file_is_named_with_units(made, run):
     site.write_text(re.sub(r"limit_m_s: 0.05", "limit_m_s: 60 mm/s", site.read_text()))
     found = of(f"{made[0]}{OFF}", f"{run}{ON}")
     assert found.differences == ("actuators.unwind.limit_m_s: 0.05 m/s -> 0.06 m/s",)
+
+
+EDIT_S, LIMIT_M_S, OTHER_M_S = 42.0, 0.04, 0.001
+LIMIT = f"{OTHER_M_S:g} m/s"
+
+
+def edited(run, limit=LIMIT, at_s=EDIT_S):
+    """Have a service take another limit of the follower, live; return the text that then ran."""
+    text = re.sub(
+        f"limit_m_s: {LIMIT_M_S:g}\\b", f"limit_m_s: {limit}", (run / "site.yaml").read_text()
+    )
+    name = site_hash_of(load_recorded_site(text, "site.yaml"))[:12]
+    (run / f"site-{name}.yaml").write_text(text)
+    change = f"actuators.swrap_follower.limit_m_s: {LIMIT_M_S:g} m/s -> {limit} (applies at once)"
+    with (run / "events.csv").open("a") as file:
+        file.write(f'{at_s},,,EDIT,,"{change}"\n')
+        file.write(f'{at_s + 0.2},,,CONFIG_APPLIED,,"{"c" * 12}: site {name}; unwind: none"\n')
+    return text
+
+
+def share(found, k):
+    return found.windows[k].corrections["swrap_follower_m_s"][1:]
+
+
+def test_an_edit_between_two_windows_of_a_run_is_a_difference_and_gives_the_limit(run):
+    edited(run)
+    found = of(f"{run}{OFF}", f"{run}{ON}")
+    assert found.differences == (
+        f"actuators.swrap_follower.limit_m_s: {LIMIT_M_S:g} m/s -> {LIMIT}",
+    )
+    largest, of_limit = share(found, 1)
+    assert of_limit == pytest.approx(largest / OTHER_M_S)
+    assert "The site files say the same" not in page(found)
+
+
+def test_windows_on_either_side_of_an_edit_and_on_the_same_side_differ_accordingly(run):
+    edited(run)
+    assert of(f"{run}@5..19", f"{run}@19..33").differences == ()
+    assert of(f"{run}@45..60", f"{run}@60..75").differences == ()
+    within = of(f"{run}@5..33", f"{run}@36..60")
+    assert len(within.differences) == 1
+    assert any("the site file was changed at 42.0 s" in text for text in within.windows[1].labels)
+
+
+def test_a_window_that_ran_on_the_next_runs_site_file_already_differs_in_nothing(made, run):
+    """The edit is of the first folder; the second one begins with what it made."""
+    text = edited(run, at_s=4.0)
+    other = run.parent / "next"
+    shutil.copytree(made[0], other)
+    (other / "site.yaml").write_text(text)
+    assert of(f"{run}{OFF}", f"{other}{ON}").differences == ()
+    assert len(of(f"{made[0]}{OFF}", f"{other}{ON}").differences) == 1
+
+
+def test_in_a_window_with_an_edit_each_row_counts_by_the_limit_of_its_time(run):
+    """The correction stays while the limit is raised: its share is that of the earlier rows."""
+    edited(run, limit="1 m/s", at_s=60.0)
+    largest, of_limit = share(of(f"{run}{OFF}", f"{run}@50..75"), 1)
+    assert of_limit == pytest.approx(largest / LIMIT_M_S)
+    largest, of_limit = share(of(f"{run}{OFF}", f"{run}@62..75"), 1)
+    assert of_limit == pytest.approx(largest / 1.0)
+
+
+def test_of_a_run_that_kept_no_later_site_file_the_noted_values_count_and_that_is_said(run):
+    edited(run)
+    for later in run.glob("site-*.yaml"):
+        later.unlink()
+    found = of(f"{run}{OFF}", f"{run}{ON}")
+    assert found.differences == (
+        f"actuators.swrap_follower.limit_m_s: {LIMIT_M_S:g} m/s -> {LIMIT}",
+    )
+    assert any("which the run does not hold" in text for text in found.windows[1].labels)
 
 
 def test_a_run_of_another_line_is_compared_and_labelled(made, run):

@@ -13,7 +13,7 @@ from aff_runtime.app.report.watching.run_hours import READ_S, RunHours, run_hour
 from aff_runtime.app.report.watching.store import load_store
 from aff_runtime.base import run_segment
 from aff_runtime.base.errors import ConfigError
-from tests.doubles.virtual_weeks import Weeks, write_weeks
+from tests.doubles.virtual_weeks import BEGAN, RADIUS_M, RUN_S, SITE, Weeks, write_run, write_weeks
 
 WEEKS = Weeks(r6_m=lambda km, _: 4e-5 + 1e-8 * km)
 
@@ -145,3 +145,22 @@ def test_the_segments_of_a_run_are_looked_at_once(in_pieces, tmp_path, monkeypat
     assert load_store(tmp_path / "store").hours["covered_s"].sum() == pytest.approx(SECONDS, abs=5)
     looks = 3 * 3 * (READ_S + 2)  # at three places of three hours, a segment more at either end
     assert SECONDS <= len(opened) <= SECONDS + looks + 10
+
+
+@pytest.mark.parametrize(("at_s", "limit_m_s"), [(5.0, 0.004), (RUN_S - 0.1, 0.002)])
+def test_the_limit_of_an_order_is_that_of_the_site_file_in_force_in_its_stretch(
+    tmp_path, at_s, limit_m_s
+):
+    """The block's own limit is doubled by a live edit: within the stretch, hours after it."""
+    sizes = {"r6": 4e-5, "healthy": 2e-5}
+    weeks = Weeks(r6_m=lambda _km, _day: 4e-5)
+    run = write_run(weeks, tmp_path, BEGAN, sizes, np.random.default_rng(1))
+    text = SITE.replace("amp_limit_m_s: 0.002", "amp_limit_m_s: 0.004")
+    (run / "site-bbbbbbbbbbbb.yaml").write_text(text)
+    with (run / "events.csv").open("a") as file:
+        file.write(f'{0.0},,,CONFIG_APPLIED,,"{"c" * 12}: site {"a" * 12}; unwind: none"\n')
+        file.write(f'{at_s},,,CONFIG_APPLIED,,"{"d" * 12}: site {"b" * 12}; unwind: none"\n')
+    found = run_hours(run)
+    orders = [row for hour in found.hours for row in found.read(hour).orders]
+    (limit_m,) = {row.limit_m for row in orders if row.roll == "r6" and np.isfinite(row.stroke_m)}
+    assert limit_m == pytest.approx(limit_m_s / (weeks.speed_m_s / RADIUS_M["r6"]), rel=1e-3)

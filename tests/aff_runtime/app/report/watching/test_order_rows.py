@@ -33,7 +33,7 @@ actuators:
     error: { signal: a_tension_N, reference: tension_ref_N }
     limit_m_s: 0.1
     shape_limit_m: 15 mm
-    blocks: [{ roll: roller, orders: [1, 2] }]
+    blocks: [{ roll: roller, orders: [1, 2], settle_s: 4 s }]
 """
 HOUR = HourRow(
     run_id="7",
@@ -88,9 +88,9 @@ def test_the_plain_laws_amplitude_is_a_stroke_over_its_angular_frequency():
 
 def test_the_limit_is_that_of_the_block_that_has_the_order():
     site = SITE.replace(
-        "[{ roll: roller, orders: [1, 2] }]",
-        "[{ roll: roller, orders: [2], amp_limit_m_s: 0.02 }, "
-        "{ roll: roller, orders: [1], amp_limit_m_s: 0.03 }]",
+        "[{ roll: roller, orders: [1, 2], settle_s: 4 s }]",
+        "[{ roll: roller, orders: [2], settle_s: 4, amp_limit_m_s: 0.02 }, "
+        "{ roll: roller, orders: [1], settle_s: 4, amp_limit_m_s: 0.03 }]",
     )
     once = rows(site, **law(Trend.SETTLED, amplitude_m_s=0.003))["roller", 1]
     assert once.limit_m == pytest.approx(0.03 / OMEGA, rel=1e-3)

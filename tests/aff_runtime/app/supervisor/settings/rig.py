@@ -106,8 +106,8 @@ class Running:
     def revised(self, parameters: ParameterRecord) -> ParameterRecord:
         return parameters
 
-    def revision_words(self) -> str:
-        return self.parameters.site_hash
+    def note_applied(self) -> None:
+        self.note("CONFIG_APPLIED", self.parameters.site_hash)
 
     def recorder_report(self) -> None:
         return None

@@ -1,0 +1,174 @@
+"""Which site file was in force when, in one run.
+
+``site.yaml`` of a run is written once, when its folder begins. What the control process takes
+later is in the folder too, as ``site-HASH.yaml``, and an event CONFIG_APPLIED names that hash.
+Older runs have the values alone that an edit changed, one event EDIT each: these are put into the
+text that ran before.
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from aff_runtime.base.run_files import text_of, yaml_values
+
+APPLIED, EDIT, DIFFERS = "CONFIG_APPLIED", "EDIT", "CONFIG_DIFFERS"
+HASH_DIGITS = 12
+"""Of the hash of a site file's values that names it."""
+NOTED_WITHIN_S = 1.0
+"""A note has the time of the newest row when the recorder gets it: what it tells of was before
+that by an answer of the control process and a poll of the recorder, together less than so much."""
+LARGEST_SITE = 1 << 20
+_HASH = re.compile(rf"[0-9a-f]{{{HASH_DIGITS}}}")
+_APPLIED = re.compile(rf"[0-9a-f]+: site (?P<site>[0-9a-f]{{{HASH_DIGITS}}});.*")
+_EDIT = re.compile(r"(?P<path>[\w.\[\]-]+): .* -> (?P<new>.*) \(applies at once\)")
+_KEY = re.compile(r"[^.\[\]]+")
+_GONE = ("(absent)", "none")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SiteInForce:
+    """What ran from a time on.
+
+    Attributes
+    ----------
+    from_s : of the column ``time_s``. ``text`` : of the site file.
+    said : what to know of that text; empty where it is the one that ran.
+    """
+
+    from_s: float
+    text: str
+    said: str = ""
+
+
+def file_of(site_hash: str) -> str:
+    """Return the name of the file that holds a later site file of a run; empty of no hash."""
+    short = site_hash[:HASH_DIGITS]
+    return f"site-{short}.yaml" if _HASH.fullmatch(short) else ""
+
+
+def sites_in_force(
+    folder: Path, began: str, began_hash: str, rows: Sequence[tuple[float, Mapping[str, str]]]
+) -> tuple[SiteInForce, ...]:
+    """Return every site file that ran in a run, in order; the first one from its beginning on.
+
+    Parameters
+    ----------
+    began, began_hash : text of the run's ``site.yaml``, and its hash by ``run.yaml``.
+    rows : time and row of every event.
+    """
+    running = SiteInForce(from_s=float("-inf"), text=began)
+    known = {began_hash[:HASH_DIGITS]: running}
+    site, found, edits = began_hash[:HASH_DIGITS], [running], list[tuple[str, str]]()
+    for time_s, row in rows:
+        name, text = row.get("name"), row.get("text", "")
+        if name == EDIT and (edit := _EDIT.fullmatch(text)):
+            edits.append((edit["path"], edit["new"]))
+        elif name == DIFFERS:
+            edits.clear()
+        elif name == APPLIED and time_s >= found[-1].from_s and (one := _APPLIED.fullmatch(text)):
+            if not site and not edits:  # run.yaml has no hash: what is noted first began it
+                known[one["site"]] = running
+            elif one["site"] != site:
+                running = _later(folder, one["site"], time_s, known, running, edits)
+                found.append(running)
+                known[one["site"]] = running
+            site = one["site"]
+            edits.clear()
+    return tuple(found)
+
+
+def in_force_within(
+    sites: Sequence[SiteInForce], from_s: float, to_s: float
+) -> tuple[SiteInForce, ...]:
+    """Return what ran at ``from_s``, and what followed before ``to_s``."""
+    later = [one for one in sites[1:] if from_s < one.from_s < to_s]
+    at_start = [one for one in sites if one.from_s <= from_s][-1:] or list(sites[:1])
+    return (*at_start, *later)
+
+
+def _later(
+    folder: Path,
+    site: str,
+    time_s: float,
+    known: Mapping[str, SiteInForce],
+    before: SiteInForce,
+    edits: Sequence[tuple[str, str]],
+) -> SiteInForce:
+    """Return what ran from ``time_s`` on: a file, what ran earlier, or what was noted of it."""
+    if text := text_of(folder / file_of(site), LARGEST_SITE):
+        return SiteInForce(from_s=time_s, text=text)
+    if site in known:
+        return SiteInForce(from_s=time_s, text=known[site].text, said=known[site].said)
+    since = f"from {time_s:.1f} s on another site file ran ({site}), which the run does not hold"
+    edited = _edited(before.text, edits) if edits else ""
+    if edited:
+        said = "; ".join(filter(None, (before.said, f"{since}: its values are those noted there")))
+        return SiteInForce(from_s=time_s, text=edited, said=said)
+    return SiteInForce(
+        from_s=time_s, text=before.text, said=f"{since}: values are those of the one before"
+    )
+
+
+def _edited(text: str, edits: Sequence[tuple[str, str]]) -> str:
+    """Return a site file with other values; empty where it cannot take them."""
+    try:
+        data = yaml_values(text)
+        for path, new in edits:
+            _put(data, list(_keys(path)), new)
+        _drop_empty(data)
+    except (ValueError, KeyError, IndexError, TypeError):
+        return ""
+    return yaml.safe_dump(data, sort_keys=False, allow_unicode=True)
+
+
+def _keys(path: str) -> Iterator[str | int]:
+    """Yield ``actuators``, ``unwind``, ``blocks``, 0 of ``actuators.unwind.blocks[0]``."""
+    for key in _KEY.finditer(path):
+        is_index = path[key.start() - 1 : key.start()] == "["
+        yield int(key[0]) if is_index else key[0]
+
+
+def _put(data: Any, keys: Sequence[str | int], new: str) -> None:
+    """Put one value at its place, sections that it needs with it; take it away where it is gone.
+
+    Raises
+    ------
+    KeyError, IndexError, TypeError
+        There is no such place.
+    """
+    for key, following in itertools.pairwise(keys):
+        empty: Any = [] if isinstance(following, int) else {}
+        if isinstance(data, list) and key == len(data):
+            data.append(empty)
+        elif isinstance(data, dict) and data.get(key) is None:
+            data[key] = empty
+        data = data[key]
+    if new not in _GONE:
+        data[keys[-1]] = _value(new)
+    elif isinstance(data, dict):
+        data.pop(keys[-1], None)
+
+
+def _value(shown: str) -> Any:
+    """Return a value as a site file has it, from how an event shows it."""
+    value = yaml_values(shown)
+    is_plain = isinstance(value, bool) and shown not in ("true", "false")  # the word "off"
+    return shown if is_plain or isinstance(value, dict) else value
+
+
+def _drop_empty(data: Any) -> None:
+    """Take away rolls and blocks of which every value is gone."""
+    rolls = data.get("rolls") or {}
+    for name in [name for name, roll in rolls.items() if roll == {}]:
+        del rolls[name]
+    for actuator in (data.get("actuators") or {}).values():
+        if isinstance(actuator.get("blocks"), list):
+            actuator["blocks"] = [block for block in actuator["blocks"] if block != {}]
