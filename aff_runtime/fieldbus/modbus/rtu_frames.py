@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from aff_runtime.fieldbus.modbus.tcp_wire import LATE, SPOILT, UNHEARD
+from aff_runtime.fieldbus.modbus.tcp_wire import DOUBTED, LATE, SPOILT, UNHEARD
 
 MOST_BYTES: Final = 256
 _SILENT_TICKS: Final = 2  # a reply that is late by less than a cycle is waited for
@@ -49,7 +49,7 @@ class RtuFraming:
     def __init__(self) -> None:
         self._head = b""
         self._buffer = b""
-        self._asked = 0
+        self._unit = self._asked = 0
         self._late = 0  # function of the request given up, whose reply may still come
         self._overtaken = False  # that reply came, the one to the request in flight did not
         self._silent_ticks = 0
@@ -71,13 +71,18 @@ class RtuFraming:
             self._late = self._asked
         self._buffer = b""
         self._head = frame[:4]
-        self._asked = frame[7]
+        self._unit, self._asked = frame[6], frame[7]
+        if self._late == self._asked:  # who only reads has nothing to tell its replies by
+            self._late = 0
         self._silent_ticks = 0
         self._overtaken = False
         return rtu_of(frame)
 
     def deliver(self, more: bytes, into: memoryview) -> int:
-        """Take bytes; return the length of a whole reply as MBAP, 0 none yet, SPOILT or LATE."""
+        """Take bytes; return the length of a whole reply as MBAP, 0 none yet, or what came.
+
+        SPOILT, DOUBTED, or LATE.
+        """
         if not self._head:
             self._buffer = b""  # nobody asked
             return 0
@@ -119,12 +124,31 @@ class RtuFraming:
             return 0
         self._silent_ticks += 1
         if self._overtaken:
-            return self._spoilt()
+            return self._end(may_come=True)
         return UNHEARD if self._silent_ticks >= _SILENT_TICKS and not self._late else 0
 
     def _spoilt(self) -> int:
-        """End the request; of two, the reply to the younger may still come."""
-        doubted = self._asked if self._late or self._overtaken else 0
+        """Judge what came and is no reply: whose it was, and what may still come.
+
+        A reply names its function, and the device. What names neither is noise, after which the
+        reply to the request may still come; of two requests nothing more is known then, and they
+        are waited for. Otherwise the request ends; of two, the reply to the younger may still
+        come, unless it was its own.
+        """
+        unit, function = self._buffer[0], self._buffer[1] & 0x7F
+        named = function == self._asked or 0 < function == self._late
+        is_noise = unit != self._unit and not named
+        if is_noise and self._late:
+            self._buffer = b""
+            return 0
+        is_last = function == self._asked or not (self._late or self._overtaken)
+        return self._end(may_come=is_noise or not is_last)
+
+    def _end(self, *, may_come: bool) -> int:
+        """End the request; its reply may still come, or will not."""
+        asked = self._asked
         self.clear()
-        self._late = doubted
-        return SPOILT
+        if not may_come:
+            return SPOILT
+        self._late = asked
+        return DOUBTED

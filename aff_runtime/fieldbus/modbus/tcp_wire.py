@@ -16,6 +16,9 @@ from aff_runtime.base.errors import WireError
 CLOSED: Final = -1
 SPOILT: Final = -2
 """What came in answer to the request is no reply, and no other will come: it may be asked anew."""
+DOUBTED: Final = -5
+"""What came is no reply, and may be noise before the reply to the request: until another function
+was answered no reply of its function is to be believed."""
 UNHEARD: Final = -3
 """No reply for so long that it may be lost, and a late one would be told from the reply to another
 function: that one may be asked."""
@@ -70,7 +73,7 @@ class Wire(Protocol):
     def receive(self, into: memoryview, wait_ns: int) -> int:
         """Wait at most ``wait_ns`` and read once; bytes read, 0 for none yet, or what ended.
 
-        CLOSED, SPOILT, UNHEARD, or LATE.
+        CLOSED, SPOILT, DOUBTED, UNHEARD, or LATE.
         """
         ...
 

@@ -18,7 +18,15 @@ from aff_runtime.fieldbus.modbus.frames import (
     frame_length,
     transaction_id,
 )
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, LATE, SPOILT, UNHEARD, Connecting, Wire
+from aff_runtime.fieldbus.modbus.tcp_wire import (
+    CLOSED,
+    DOUBTED,
+    LATE,
+    SPOILT,
+    UNHEARD,
+    Connecting,
+    Wire,
+)
 
 _LAST_TID: Final = 0xFFFF
 _STALE_WINDOW: Final = 8
@@ -59,8 +67,8 @@ class ModbusTransport:
       connection, never in the tick that asked; an exception reply does neither, nor does our
       own lateness. A dropped connection is reset, so no old command is delivered later.
     - A reply that came SPOILT ends its request: the next tick asks anew. A request that is
-      UNHEARD (serial frames) is given up for a question whose reply has another function: a read
-      after a write, or the next write after a read.
+      UNHEARD or DOUBTED (serial frames) is given up for a question whose reply has another
+      function: a read after a write, or the next write after a read.
     - On a wire that may lose frames (``Wire.lossy``) an unanswered request counts as lost when its
       tick is over: the next tick asks anew, under the next id. There a reply that nobody asked
       for is thrown away instead of ending the connection. The time of silence counts from the
@@ -126,6 +134,7 @@ class ModbusTransport:
         self._sent = 0  # requests on this connection, counted up to the stale window
         self._outstanding = False
         self._spoilt = False  # the reply to what is outstanding came, and is none
+        self._doubted = False  # and may have been noise: the reply may still come
         self._read_only = False  # in this tick: the reply to a write may still come
         self._sent_at_ns = self._act_at_ns
         self._buffer = bytearray(_BUFFER_BYTES)
@@ -217,7 +226,7 @@ class ModbusTransport:
         self._good = 0
         self._sent = 0
         self._filled = 0
-        self._outstanding = self._spoilt = False
+        self._outstanding = self._spoilt = self._doubted = False
 
     def _drop(self) -> None:
         now_ns = self._clock.now_ns()
@@ -232,6 +241,8 @@ class ModbusTransport:
         outcome = self._clear_late_replies(deadline_ns)
         if outcome is not Outcome.OK:
             return outcome
+        if self._doubted:
+            self._read_only = self._asked != READ
         if self._function is WireFunction.FC3 or not self._may_write or self._read_only:
             tid = self._next_tid()
             return self._round_trip(self._frames.read_request(tid), READ, deadline_ns)
@@ -264,8 +275,8 @@ class ModbusTransport:
             count = self._wire.receive(self._view[self._filled :], max(0, until_ns - now_ns))
             if count == CLOSED:
                 return Outcome.NOT_CONNECTED
-            if count == SPOILT:
-                self._spoilt = True
+            if count in (SPOILT, DOUBTED):
+                self._spoilt, self._doubted = True, count == DOUBTED
                 return Outcome.OK
             if count == UNHEARD:
                 return self._give_up()
@@ -299,7 +310,7 @@ class ModbusTransport:
             return Outcome.NOT_CONNECTED
         if not self._outstanding:
             self._sent_at_ns = self._clock.now_ns()
-        self._outstanding, self._spoilt = True, False
+        self._outstanding, self._spoilt, self._doubted = True, False, False
         self._asked = function
         self._sent = min(self._sent + 1, _STALE_WINDOW)
         while True:
@@ -309,8 +320,8 @@ class ModbusTransport:
             count = self._wire.receive(self._view[self._filled :], wait_ns)
             if count == CLOSED:
                 return Outcome.NOT_CONNECTED
-            if count == SPOILT:
-                self._spoilt = True
+            if count in (SPOILT, DOUBTED):
+                self._spoilt, self._doubted = True, count == DOUBTED
                 return Outcome.TIMEOUT
             if count in (0, LATE):
                 continue

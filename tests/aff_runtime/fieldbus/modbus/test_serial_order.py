@@ -28,7 +28,12 @@ from tests.aff_runtime.fieldbus.modbus_rig import (
 )
 from tests.doubles.virtual_clock import VirtualClock
 
-HABITS = st.sampled_from(("good", "slow", "lost", "not heard", "flipped", "noise"))
+NOISE = {  # before a late reply
+    "noise": bytes(1),
+    "noise of 3": b"\x00\x00\x55",
+    "noise of 6": b"\xff\x02\xfe\x00\x10\xff",
+}
+HABITS = st.sampled_from(("good", "slow", "lost", "not heard", "flipped", *NOISE))
 SILENCE_NS = 50 * MS
 
 
@@ -66,7 +71,8 @@ class Line:
         if habit.endswith("flipped"):
             reply[delay_ns % len(reply)] ^= 1 << delay_ns % 8
         self._busy_until_ns = now_ns + wait_ns
-        turning: Arrivals = [(MS // 8, bytes(1))] if habit == "noise" else []
+        noise = NOISE.get(habit, b"")
+        turning: Arrivals = [(MS // 8, noise)] if noise else []
         return [] if habit == "lost" else [*turning, (wait_ns, bytes(reply))]
 
     def tick(self) -> Outcome:
@@ -150,6 +156,39 @@ def test_noise_before_a_late_reply_does_not_end_its_request() -> None:
     since = len(line.socket.requests)
     expected = [Outcome.TIMEOUT, Outcome.TIMEOUT, Outcome.OK]
     assert (line.outcomes(3), line.asked(since)) == (expected, [23, 23])
+
+
+@pytest.mark.parametrize("noise", ["noise of 3", "noise of 6"])
+@pytest.mark.parametrize(
+    ("function", "asked"),
+    [(WireFunction.FC23, [23, 3, 23]), (WireFunction.FC3_FC16, [16, 3, 16, 3])],
+)
+def test_noise_as_long_as_a_reply_is_followed_by_a_question_of_another_function(
+    function: WireFunction, asked: list[int], noise: str
+) -> None:
+    line = Line(function)
+    line.habits = [(noise, MS // 2)]  # the reply comes at 5.5 ms
+    since = len(line.socket.requests)
+    expected = [Outcome.TIMEOUT, Outcome.OK, Outcome.OK]
+    assert (line.outcomes(3), line.asked(since)) == (expected, asked)
+
+
+@pytest.mark.parametrize("place", range(8))
+@pytest.mark.parametrize(
+    ("function", "before", "spoilt", "n_bytes"),
+    [
+        (WireFunction.FC3_FC16, [("good", MS // 2)], 1, 8),  # the read lost, the write spoilt
+        (WireFunction.FC23, [], 2, 5 + 2 * READ_COUNT),
+    ],
+)
+def test_a_lost_reply_and_spoilt_ones_after_it_cost_their_ticks_and_no_connection(
+    function: WireFunction, before: list[tuple[str, int]], spoilt: int, n_bytes: int, place: int
+) -> None:
+    line = Line(function)
+    flipped = ("flipped", 1000 * n_bytes + place)  # a byte of the reply
+    line.habits = [*before, ("lost", MS), *[flipped] * spoilt]
+    expected = [*[Outcome.TIMEOUT] * (2 + spoilt), Outcome.OK, Outcome.OK]
+    assert (line.outcomes(4 + spoilt), line.socket.aborted) == (expected, [])
 
 
 def test_a_late_reply_that_is_spoilt_leaves_the_one_to_the_second_question() -> None:
