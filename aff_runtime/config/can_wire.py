@@ -115,6 +115,23 @@ def can_map_of(site: Site, texts: dict[str, str]) -> CanMap:
     return can_map(load_dbc(texts[can.dbc], can.dbc), signal_names(site))
 
 
+def counter_ranges_rad(site: Site, texts: dict[str, str]) -> dict[str, float]:
+    """Return after how much the counter of an angle starts over, rad, by channel.
+
+    Empty on Modbus, where the site file's own types say it.
+
+    Raises
+    ------
+    ConfigError
+        As `can_map_of`.
+    """
+    if site.gateway.can is None:
+        return {}
+    channels = can_map_of(site, texts).channels
+    ranges = {c.name: c.modulus * abs(c.field.factor * c.scale) for c in channels}
+    return {name: range_rad for name, range_rad in ranges.items() if range_rad}
+
+
 def network_of(site: Site, texts: dict[str, str]) -> Network:
     """Return frames and configuration of a site on CANopen.
 

@@ -16,6 +16,8 @@ OMEGA_TAU_S = 0.05  # time constant of the speed
 ORIGIN_SLACK_RAD = 1e-3  # a modulus this close to whole turns is whole turns
 PREDICT_MAX_S = 0.5  # without a reading for longer the angle is lost
 GAP_SPEED = 1.2  # speed in such a gap, at most, over that before it and that after it
+STEADY_SPEED = 1.02  # as that, of a line that went from the one speed to the other
+CHANCE = 0.05  # at most, that a counter which began anew is taken for one that went on
 AGREEING_SAMPLES = 4  # encoder readings in a row that make a new reference
 RATIO_RANGE = (0.7, 1.4)  # turn of the encoder over turn by the speed channel that is no objection
 
@@ -162,10 +164,12 @@ class RollPhase:
                 if name not in {"_p", "_angle", "_speed", "_line_speed", "_radius"}:
                     setattr(self, name, getattr(old, name))
             return
-        self.theta_rad = old.theta_rad
+        self.theta_rad, self.origin_losses = old.theta_rad, old.origin_losses
         self.restart()
         self.omega_rad_s = old.omega_rad_s
-        self.quality = Quality.PREDICTED
+        self.quality = min(old.quality, Quality.PREDICTED)
+        if self.quality is Quality.LOST:  # an edit does not bring the origin back
+            self._seeded, self._gap_s = old._seeded, old._gap_s
 
     @property
     def origin_rad(self) -> float:
@@ -306,15 +310,25 @@ class RollPhase:
         """Return whether the readings before and after a long gap tell how far the roll turned.
 
         It may have stood, or gone as before or as now. A counter that began anew (a PLC that was
-        restarted) says something else; one that can have wrapped says nothing.
+        restarted) says something else, but for a chance of that range over the modulus: where it
+        is too large, a short word, the roll must have gone on from the speed before to that now.
+        A counter that can have wrapped says nothing.
         """
-        speeds = (0.0, self.omega_rad_s, model if math.isfinite(model) else 0.0)
-        slack = JUMP_RAD + JITTER_S * max(map(abs, speeds))
-        low = GAP_SPEED * min(speeds) * self._raw_gap_s - slack
-        high = GAP_SPEED * max(speeds) * self._raw_gap_s + slack
+        before, now = self.omega_rad_s, model if math.isfinite(model) else self.omega_rad_s
+        low, high = self._reach(min(0.0, before, now), max(0.0, before, now), GAP_SPEED)
         if 0.0 < self._modulus <= 2.0 * max(-low, high):
             return False
-        return low <= turned <= high
+        widest = CHANCE * (self._modulus or math.inf)
+        if high - low > widest:
+            low, high = self._reach(min(before, now), max(before, now), STEADY_SPEED)
+        return high - low <= widest and low <= turned <= high
+
+    def _reach(self, slow: float, fast: float, share: float) -> tuple[float, float]:
+        """Return how far the roll turned in the gap, at least and at most, rad."""
+        slack = JUMP_RAD + JITTER_S * max(abs(slow), abs(fast))
+        low = (slow * share if slow < 0.0 else slow / share) * self._raw_gap_s
+        high = (fast * share if fast > 0.0 else fast / share) * self._raw_gap_s
+        return low - slack, high + slack
 
     def _go_on(self, angle: float, turned: float, model: float) -> None:
         """Follow the encoder across a long gap, from its last reading."""

@@ -29,7 +29,7 @@ from aff_runtime.app.wiring.wires import gateway_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.base.release import commit
-from aff_runtime.config.can_wire import wire_files
+from aff_runtime.config.can_wire import counter_ranges_rad, wire_files
 from aff_runtime.config.findings import SiteFileError
 from aff_runtime.config.identified_drive import with_identified
 from aff_runtime.config.learned_responses import (
@@ -106,7 +106,8 @@ def parameter_record(
         if look_up and "host" in type(site.gateway.modbus).model_fields:
             _look_up(reading, folder)
     loops = loop_rows(site, responses)
-    controller_of(site, responses, loops)
+    ranges_rad = counter_ranges_rad(site, described)
+    controller_of(site, responses, loops, ranges_rad)
     learned = learned_digests(responses, {})
     wire_digests = {name: file_digest(text) for name, text in described.items()}
     parameters = ParameterRecord(
@@ -118,6 +119,7 @@ def parameter_record(
         permissives=tuple(bit.name or "" for bit in guard_params(site).permissives.all_bits),
         responses=responses,
         loops=loops,
+        counter_ranges_rad=ranges_rad,
         drives=tuple(str(drive) for drive in drives),
         response_files=files,
         shape_files={

@@ -20,7 +20,7 @@ from aff_runtime.app.link.packets import Link, LinkClosedError
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.status import not_armed
 from aff_runtime.app.report.tick_row import TickRow
-from aff_runtime.app.wiring.assemble import Assembly, controller_of
+from aff_runtime.app.wiring.assemble import Assembly, controller_of_record
 from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.base.clock import MonotonicClock
@@ -254,7 +254,7 @@ class ControlOutside:
         parameters = said.record
         site = parameters.site
         present = self._law.controller
-        successor = controller_of(site, parameters.responses, parameters.loops)
+        successor = controller_of_record(parameters)
         law = LawSlot(successor, adopt_from=present)
         loses = set(present.telemetry_names()) - set(law.controller.telemetry_names())
         self._site = site
@@ -291,6 +291,7 @@ class ControlOutside:
             config_hash=self._revision,
             version=self._meta.versions.get("aff-runtime", ""),
             former=self._law.controller.responses,
+            params=self._law.controller.site,
             louder=said.louder,
         )
         law = LawSlot(self._law.controller, probe=self._probe.probe)

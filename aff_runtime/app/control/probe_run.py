@@ -11,12 +11,13 @@ from aff_runtime.app.link import replies
 from aff_runtime.app.link.messages import Probed
 from aff_runtime.app.link.packets import Link
 from aff_runtime.app.report.tick_row import TickRow
-from aff_runtime.app.wiring.site_to_law import probe_params, site_params
+from aff_runtime.app.wiring.site_to_law import probe_params
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.signals import State
 from aff_runtime.config.models import Site
 from aff_runtime.config.probe_bound import TIMES_LOUDER
+from aff_runtime.core.params import SiteParams
 from aff_runtime.core.probe.probe import Probe, ProbeResult, Stage
 from aff_runtime.core.response import Provenance, Response
 
@@ -29,6 +30,7 @@ class ProbeRun:
 
     Parameters
     ----------
+    params : the settings of the law that runs.
     former : the responses in force. ``louder`` : send twice what was sent for them, if it may be.
 
     Raises
@@ -42,6 +44,7 @@ class ProbeRun:
         site: Site,
         actuators: Sequence[str],
         *,
+        params: SiteParams,
         was_armed: bool,
         config_hash: str,
         version: str,
@@ -53,7 +56,7 @@ class ProbeRun:
         self._config_hash = config_hash
         self._version = version
         self._settings = settings
-        self.probe = Probe(site_params(site), settings, former)
+        self.probe = Probe(params, settings, former)
         self.was_armed = was_armed
         self.duration_s = self.probe.expected_s + START_PATIENCE_S
         self._first_tick: int | None = None

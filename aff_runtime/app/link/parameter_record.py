@@ -11,7 +11,7 @@ from pydantic import BaseModel, ConfigDict, SerializerFunctionWrapHandler, model
 from aff_runtime.config.models import Site
 from aff_runtime.config.revision import learned_digests, revision_with
 
-_LEFT_OUT_EMPTY = ("site_text", "shapes")
+_LEFT_OUT_EMPTY = ("site_text", "shapes", "counter_ranges_rad")
 
 
 class ParameterRecord(BaseModel):
@@ -28,6 +28,7 @@ class ParameterRecord(BaseModel):
     site : as checked, with what a probe identified of its drives filled in.
     drives : which drive's numbers are in use, a sentence per actuator.
     loops : taps of the impulse response by actuator, from the check.
+    counter_ranges_rad : after how much the counter of an angle on CAN starts over, by channel.
     response_files, shape_files : where they are kept, by actuator.
     wire_files : texts of the files that describe the wire, by their name in the site file.
     wire_digests : digests of those files.
@@ -47,6 +48,7 @@ class ParameterRecord(BaseModel):
     responses: Mapping[str, str] = {}
     loops: Mapping[str, tuple[float, ...]] = {}
     drives: tuple[str, ...] = ()
+    counter_ranges_rad: Mapping[str, float] = {}
     response_files: Mapping[str, Path] = {}
     shape_files: Mapping[str, Path] = {}
     wire_files: Mapping[str, str] = {}

@@ -17,7 +17,7 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.app.wiring.loops import loop_models
 from aff_runtime.app.wiring.site_to_guard import guard_params
-from aff_runtime.app.wiring.site_to_law import site_params
+from aff_runtime.app.wiring.site_to_law import NO_RANGES, site_params
 from aff_runtime.app.wiring.wires import gateway_of
 from aff_runtime.base.ports import Clock, Gateway
 from aff_runtime.config.models import Site
@@ -54,7 +54,7 @@ def assemble(parameters: ParameterRecord, clock: Clock) -> Assembly:
     site = parameters.site
     gateway = gateway_of(site, parameters.wire_files, clock, parameters.folder)
     guard = Guard(guard_params(site))
-    law = LawSlot(controller_of(site, parameters.responses, parameters.loops))
+    law = LawSlot(controller_of_record(parameters))
     return Assembly(
         parameters=parameters, site=site, clock=clock, gateway=gateway, guard=guard, law=law
     )
@@ -91,8 +91,18 @@ def overruns_in_a_row(site: Site) -> int:
     return max(LEAST_OVERRUNS, math.ceil(site.freshness.hold_after_ms / site.line.cycle_ms))
 
 
+def controller_of_record(parameters: ParameterRecord) -> Controller:
+    """Return the law of a parameter record."""
+    return controller_of(
+        parameters.site, parameters.responses, parameters.loops, parameters.counter_ranges_rad
+    )
+
+
 def controller_of(
-    site: Site, responses: Mapping[str, str], loops: Mapping[str, Sequence[float]]
+    site: Site,
+    responses: Mapping[str, str],
+    loops: Mapping[str, Sequence[float]],
+    counter_ranges_rad: Mapping[str, float] = NO_RANGES,
 ) -> Controller:
     """Return the law of a site with its measured responses and what was made of them.
 
@@ -100,6 +110,8 @@ def controller_of(
     ----------
     responses : text of the measured response by actuator.
     loops : taps of the impulse response by actuator, as `loop_rows` returns them.
+    counter_ranges_rad : as of `site_params`.
     """
     measured = {name: Response.from_json(text) for name, text in responses.items()}
-    return Controller(site_params(site), measured, loop_models(loops))
+    params = site_params(site, counter_ranges_rad)
+    return Controller(params, measured, loop_models(loops))

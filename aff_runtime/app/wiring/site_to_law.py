@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.counted_angle import WORD_COUNTS
@@ -32,15 +33,20 @@ BLOCKS_LOUDER_FROM = 0.3  # of the plain law's: its drive is not declared
 SHAPE_GRID = 20
 DRIVE_GRID = 7  # tones below all orders, which tell the drive's own numbers
 FASTER = 2.0  # than the highest line speed that is believed: no roll turns so
+NO_RANGES: Mapping[str, float] = MappingProxyType({})
 ORDERS_BEYOND = 8  # ripple above the highest order that the site corrects
 
 
-def site_params(site: Site) -> SiteParams:
-    """Return what the law needs of the site; disabled blocks are left out."""
+def site_params(site: Site, counter_ranges_rad: Mapping[str, float] = NO_RANGES) -> SiteParams:
+    """Return what the law needs of the site; disabled blocks are left out.
+
+    ``counter_ranges_rad`` : after how much a counter starts over, by channel, where the files of
+    its wire say it and not the site (CAN).
+    """
     return SiteParams(
         cycle_s=site.cycle_s,
         channels=tuple(site.gateway.read.channels),
-        rolls=tuple(_roll(site, name, roll) for name, roll in site.rolls.items()),
+        rolls=tuple(_roll(site, name, r, counter_ranges_rad) for name, r in site.rolls.items()),
         actuators=tuple(_actuator(site, name, a) for name, a in site.actuators.items()),
         line_speed=site.line.speed,
     )
@@ -127,13 +133,13 @@ def _shape_probe(site: Site, end_Hz: float) -> ProbeParams:
     )
 
 
-def _roll(site: Site, name: str, roll: Roll) -> RollParams:
+def _roll(site: Site, name: str, roll: Roll, ranges_rad: Mapping[str, float]) -> RollParams:
     """Return where the angle of one roll comes from."""
     slowest = min((a.active_above_m_s for a in site.actuators.values()), default=0.0)
     return RollParams(
         name=name,
         angle=roll.angle,
-        angle_modulus_rad=_modulus_rad(site, roll.angle),
+        angle_modulus_rad=_modulus_rad(site, roll.angle, ranges_rad),
         speed=roll.speed,
         speed_is_surface=unit_of_channel(roll.speed or "") != "rad/s",
         line_speed=roll.line_speed or site.line.speed,
@@ -147,12 +153,14 @@ def _roll(site: Site, name: str, roll: Roll) -> RollParams:
     )
 
 
-def _modulus_rad(site: Site, angle: str | None) -> float | None:
+def _modulus_rad(site: Site, angle: str | None, ranges_rad: Mapping[str, float]) -> float | None:
     """Return the range after which an angle's counter starts over, rad."""
     if angle is None or not site.gateway.read.channels[angle].wraps:
         return None
     channel = site.gateway.read.channels[angle]
-    return WORD_COUNTS[channel.type] * abs(channel.scale) if channel.type is not None else None
+    if channel.type is None:
+        return ranges_rad.get(angle)
+    return WORD_COUNTS[channel.type] * abs(channel.scale)
 
 
 def _actuator(site: Site, name: str, actuator: Actuator) -> ActuatorParams:

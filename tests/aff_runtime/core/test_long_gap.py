@@ -10,7 +10,16 @@ import pytest
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.monitor import Trend
 from aff_runtime.core.params import BlockParams
-from aff_runtime.core.phase import Quality, RollPhase, Source
+from aff_runtime.core.phase import (
+    CHANCE,
+    JITTER_S,
+    JUMP_RAD,
+    PREDICT_MAX_S,
+    STEADY_SPEED,
+    Quality,
+    RollPhase,
+    Source,
+)
 from tests.aff_runtime.core.plants import (
     ACTUATOR,
     COUNT_RAD,
@@ -112,6 +121,52 @@ def test_a_counter_that_can_have_wrapped_tells_nothing():
         assert roll.phase.origin_losses == int(lost)
         if not lost:
             assert roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
+
+
+@pytest.mark.parametrize("speed", [True, False])
+@pytest.mark.parametrize(("seconds", "now"), [(1.0, 1.0), (2.0, 1.0), (3.5, 0.8), (2.0, 0.0)])
+def test_a_short_counter_that_began_anew_is_seldom_taken_for_known(seconds, now, speed):
+    params, places = replace(ROLL, angle_modulus_rad=SHORT_WORD_RAD), 60
+    kept = 0
+    for place in range(places):  # of the counter, evenly spread
+        roll = Turning(params, short_word, start=place * SHORT_WORD_RAD / places)
+        roll.run(0.2, 2.0 * OMEGA, speed=speed)
+        roll.gap((seconds, 2.0 * now * OMEGA))
+        zero = roll.theta
+        roll.read = lambda theta, zero=zero: short_word(theta - zero)
+        roll.run(0.2, 2.0 * now * OMEGA, speed=speed)
+        assert roll.phase.quality is Quality.GOOD
+        kept += roll.phase.origin_losses == 0
+    assert kept <= CHANCE * places
+
+
+def test_a_short_counter_tells_a_stop_where_what_it_may_have_gone_is_little_of_its_word():
+    params = replace(ROLL, angle_modulus_rad=SHORT_WORD_RAD)
+    slack_rad = JUMP_RAD + JITTER_S * OMEGA
+    longest_s = (CHANCE * SHORT_WORD_RAD - 2.0 * slack_rad) / (STEADY_SPEED * OMEGA)
+    assert longest_s > PREDICT_MAX_S
+    for seconds, losses in ((longest_s - 0.05, 0), (longest_s + 0.05, 1)):
+        roll = Turning(params, short_word)
+        roll.run(2.0)
+        before = roll.frame_rad
+        roll.gap((seconds, 0.0))
+        roll.run(1.0, 0.0)
+        assert roll.phase.origin_losses == losses
+        assert losses or roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
+
+
+@pytest.mark.parametrize("gap_s", [0.3, 3.0])
+def test_other_settings_bring_no_lost_origin_back(gap_s):
+    roll = Turning(start=1000.0)
+    roll.run(2.0)
+    roll.run(gap_s, fresh=False)
+    edited = RollPhase(replace(ROLL, radius_max_m=0.6), INDEX)
+    edited.follow(roll.phase)
+    roll.phase = edited
+    roll.run(0.1, fresh=False)
+    roll.run(1.0)
+    assert roll.phase.quality is Quality.GOOD
+    assert roll.phase.origin_losses == int(gap_s > PREDICT_MAX_S)
 
 
 def test_a_roll_without_an_encoder_has_another_origin_after_a_gap():

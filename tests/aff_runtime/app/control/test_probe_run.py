@@ -20,6 +20,7 @@ from aff_runtime.app.link.messages import Probed, decode
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES, Link, link_pair
 from aff_runtime.app.link.replies import ProbeResult
 from aff_runtime.app.report.tick_row import TickRow
+from aff_runtime.app.wiring.site_to_law import site_params
 from aff_runtime.base.signals import State
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.probe.probe import Stage
@@ -43,6 +44,7 @@ def run_of(responses: dict[str, Response], *, louder: bool) -> ProbeRun:
     return ProbeRun(
         SITE,
         ["unwind"],
+        params=site_params(SITE),
         was_armed=False,
         config_hash="",
         version="",
