@@ -154,10 +154,13 @@ class ShapeKeeper:
     ) -> None:
         """Take one tick while shapes wait for their trial; cheap when none does.
 
-        ``values`` are the snapshot's channels; ``quiet`` : every output is closed and zero.
+        ``values`` are the snapshot's channels; ``quiet`` : every output is closed and zero. A
+        trial begins anew after an angle was lost: it may go on from another origin, and the
+        filter that ``law.seen`` returns still holds what was predicted meanwhile.
         """
         if not self._trials:
             return
+        lost = any(p.quality is Quality.LOST for p in controller.phases.by_name.values())
         laws = controller.shape_laws()
         for name in list(self._trials):
             law = laws.get(name)
@@ -166,7 +169,7 @@ class ShapeKeeper:
             if any(law.weights().values()):
                 self._drop(name)
                 continue
-            if not (quiet and law.is_open):
+            if lost or not (quiet and law.is_open):
                 self._trials[name].fed_s, self._trials[name].trial = 0.0, None
             elif fresh:
                 self._listen(name, law, controller, values)

@@ -20,17 +20,18 @@ class RollAvailability:
     It fades to 0 without an angle, and after the roll was exchanged.
 
     A predicted angle still counts: a few missing readings change nothing.
-    ``share_changes``: some share is on its way. ``known``: every roll has an angle.
+    ``share_changes``: some share is on its way. ``known``: every roll has an angle. ``leaving``:
+    columns that fade to be forgotten.
     """
 
     __slots__ = (
         "_calm",
         "_index",
-        "_leaving",
         "_phases",
         "_roll_of",
         "fade_s",
         "known",
+        "leaving",
         "share",
         "share_changes",
     )
@@ -42,7 +43,7 @@ class RollAvailability:
         self._phases = [phases[roll] for roll in rolls]
         self._roll_of = np.array(roll_of)
         self._index = np.array([rolls.index(roll) for roll in roll_of])
-        self._leaving = state.array("availability.leaving", False, dtype=np.bool_)
+        self.leaving = state.array("availability.leaving", False, dtype=np.bool_)
         self.share = state.array("availability.share", 1.0)
         self._calm = False
         self.known = False
@@ -51,7 +52,7 @@ class RollAvailability:
 
     def leave(self, roll: str) -> None:
         """Fade the columns of a roll that was exchanged, then have them forgotten."""
-        self._leaving[self._roll_of == roll] = True
+        self.leaving[self._roll_of == roll] = True
         self._calm = False
 
     def adopt(self, old: RollAvailability) -> None:
@@ -68,17 +69,17 @@ class RollAvailability:
         if self.known and self._calm:
             return None
         seen = [phase.quality is not LOST for phase in self._phases]
-        wanted = np.array(seen)[self._index] & ~self._leaving
+        wanted = np.array(seen)[self._index] & ~self.leaving
         self.share_changes = not bool((self.share == wanted).all())
         self._calm = self.known and not self.share_changes
         if self.share_changes:
             change = dt_s / self.fade_s
             np.clip(self.share + np.where(wanted, change, -change), 0.0, 1.0, out=self.share)
-        elif not self._leaving.any():
+        elif not self.leaving.any():
             return None
-        gone = self._leaving & (self.share == 0.0)
+        gone = self.leaving & (self.share == 0.0)
         if not gone.any():
             return None
-        self._leaving[gone] = False
+        self.leaving[gone] = False
         self._calm = False
         return np.asarray(gone, dtype=np.bool_)

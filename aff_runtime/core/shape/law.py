@@ -237,10 +237,14 @@ class ShapeLaw:
         return {key: complex(w) for key, w in zip(self._keys, self.weight, strict=False)}
 
     def profile(self) -> ShapeProfile:
-        """Return what is worth keeping: orders that meet another roll's now are left out."""
+        """Return what is worth keeping.
+
+        Left out are orders that meet another roll's now, and what fades to be forgotten.
+        """
         correction = self.filter.correction
-        kept = [i for i in range(len(self._keys)) if not self.monitor.meets[i]]
-        known = self._imbalance >= 0 and not self.monitor.meets[self._imbalance]
+        left_out = self.monitor.meets | self.availability.leaving
+        kept = [i for i in range(len(self._keys)) if not left_out[i]]
+        known = self._imbalance >= 0 and not left_out[self._imbalance]
         return ShapeProfile(
             weight_m={self._keys[i]: complex(self.weight[i]) for i in kept},
             correction={self._keys[i]: complex(correction[i]) for i in kept},

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import cmath
+import math
 from dataclasses import replace
+
+import pytest
 
 from aff_runtime.app.wiring.shape_file import ShapeFile
 from aff_runtime.core.shape.profile import ShapeProfile
+from aff_runtime.core.shape.trial import TURNS
 from tests.aff_runtime.app.control.test_shape_response import (
+    OMEGA_RAD_S,
     OWN,
     ROLL_M,
     Line,
@@ -15,6 +20,7 @@ from tests.aff_runtime.app.control.test_shape_response import (
     off_deg,
     saved,
 )
+from tests.aff_runtime.app.test_assembled_shape import EUCLID
 
 TURNED_RAD = 0.6
 
@@ -41,6 +47,20 @@ def test_the_shape_of_this_roll_is_started_from():
 def test_an_encoder_whose_origin_moved_is_found_out_before_anything_goes_out():
     turned = {n: w * cmath.exp(1j * n * TURNED_RAD) for n, w in ROLL_M.items()}
     said, line = listened(of_weights(turned).to_json())
+    assert any("turned by" in t for t in said), said
+    assert off_deg(line) < 5.0
+
+
+@pytest.mark.parametrize("into_trial", [0.5, 0.8, 0.9])
+def test_a_trial_begins_anew_where_the_roll_goes_on_from_another_origin(into_trial):
+    memory_s = EUCLID.actuators["unwind"].response_memory_s
+    turns_s = TURNS * math.tau / OMEGA_RAD_S
+    restart_s = memory_s + into_trial * turns_s
+    text = of_weights(ROLL_M).to_json()
+    early, _ = listened(text, seconds=restart_s + 1.0 + turns_s, restart_s=restart_s)
+    assert not any("agreement" in t for t in early), early
+    said, line = listened(text, seconds=restart_s + 1.5 + memory_s + turns_s, restart_s=restart_s)
+    assert line.law.phases.by_name["unwind"].origin_losses == 1
     assert any("turned by" in t for t in said), said
     assert off_deg(line) < 5.0
 

@@ -51,32 +51,50 @@ def saved(response: str) -> ShapeFile:
     )
 
 
-def listened(text: str) -> tuple[list[str], Line]:
-    """Return what a service says of a saved shape while the roll turns that it belongs to."""
+def frame_rad(line: Line) -> float:
+    """Return by how much the law's angle of the roll is ahead of the roll's own."""
+    travel_m = SPEED_M_S * line.tick * CYCLE_S
+    return math.remainder(
+        line.law.phases.by_name["unwind"].theta_rad - travel_m / RADIUS_M, math.tau
+    )
+
+
+def listened(
+    text: str, *, seconds: float = LISTEN_S, restart_s: float = math.inf
+) -> tuple[list[str], Line]:
+    """Return what a service says of a saved shape while the roll turns that it belongs to.
+
+    After ``restart_s`` nothing is read for 1 s, and the counter of the roll begins at zero then.
+    """
     said: list[str] = []
     line = Line()
     record = RECORD.starting_from({"unwind": text})
     keeper = ShapeKeeper(record, tell=lambda _, text: said.append(text), keep=lambda *_: None)
     keeper.follow(record)  # an edit in between: nothing is said twice
     law = line.shape
-    for _ in range(round(LISTEN_S / CYCLE_S)):
-        origin = line.law.phases.by_name["unwind"].origin_rad
+    for tick in range(round(seconds / CYCLE_S)):
+        since_s = tick * CYCLE_S - restart_s
+        fresh = not 0.0 <= since_s < 1.0
+        known = math.isfinite(line.law.phases.by_name["unwind"].origin_rad)
+        origin = frame_rad(line)
         seen = law.seen()
         # the ripple of deviation -W_n through P, one tick on
         ripple_N = sum(
             -(ROLL_M[n] * seen[i] * cmath.exp(1j * n * (OMEGA_RAD_S * CYCLE_S - origin))).real
             for i, (roll, n) in enumerate(law.keys)
-            if roll == "unwind" and n in ROLL_M and math.isfinite(origin)
+            if roll == "unwind" and n in ROLL_M and known
         )
-        tension = {"unwind_tension_N": REFERENCE_N + ripple_N}
-        line.step(SHUT, **tension)
-        keeper.listen(line.law, line.values(**tension), fresh=True, quiet=True)
+        given = {"unwind_tension_N": REFERENCE_N + ripple_N}
+        if since_s >= 1.0:
+            given["unwind_angle_rad"] = OMEGA_RAD_S * (since_s - 1.0)
+        line.step(SHUT, fresh=fresh, **given)
+        keeper.listen(line.law, line.values(**given), fresh=fresh, quiet=True)
     return said, line
 
 
 def off_deg(line: Line) -> float:
     """Return by how much the worst of the roll's orders starts at a wrong angle."""
-    origin = line.law.phases.by_name["unwind"].origin_rad
+    origin = frame_rad(line)
     start = line.shape.weights()
     right = {n: w * cmath.exp(-1j * n * origin) for n, w in ROLL_M.items()}
     return max(abs(math.degrees(cmath.phase(start["unwind", n] / w))) for n, w in right.items())
