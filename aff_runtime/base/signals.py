@@ -93,6 +93,7 @@ class Snapshot:
         ``NO_ECHO`` where the site maps no such word, or unless OK.
     applied : per actuator the correction that the PLC says it adds, SI; NaN for one that it does
         not show, empty where it shows none, or unless OK.
+    command_sent : the exchange carried the command; False for one that only read.
     """
 
     tick: int
@@ -106,6 +107,7 @@ class Snapshot:
     values: tuple[float, ...]
     echo_age: int = NO_ECHO
     applied: tuple[float, ...] = ()
+    command_sent: bool = True
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

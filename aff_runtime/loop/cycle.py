@@ -179,7 +179,7 @@ class Cycle:
         self._snapshot = self._gateway.exchange(
             command, self._tick, self._started_ns + self._settings.io_budget_ns
         )
-        if is_zero and self._snapshot.outcome is Outcome.OK:
+        if is_zero and self._snapshot.outcome is Outcome.OK and self._snapshot.command_sent:
             self._zero_stands = True
             self._zeros_taken += self._is_quiet
             self._quiet_ticks = 0

@@ -101,7 +101,13 @@ def _words(wiring: Wiring) -> Gateway:
             wiring.site.cycle_s, wiring.site.freshness.fault_after_ms * 1e-3
         ),
     )
-    return WordGateway(connection, WordCodec(words), wiring.clock, lambda: connection.trouble)
+    return WordGateway(
+        connection,
+        WordCodec(words),
+        wiring.clock,
+        lambda: connection.trouble,
+        lambda: connection.wrote,
+    )
 
 
 def _on_modbus(key: str, row: Connection) -> Wire:

@@ -34,6 +34,7 @@ class WordGateway:
     codec : gives them meaning.
     clock : monotonic time.
     trouble : says why there is no connection; empty while there is one.
+    wrote : whether the command was in the last exchange, not a question alone.
 
     Attributes
     ----------
@@ -50,7 +51,9 @@ class WordGateway:
         codec: WordCodec,
         clock: Clock,
         trouble: Callable[[], str] = str,
+        wrote: Callable[[], bool] = lambda: True,
     ) -> None:
+        self._wrote = wrote
         self._trouble = trouble
         self._transport = transport
         self._codec = codec
@@ -104,6 +107,7 @@ class WordGateway:
             values=values,
             echo_age=age,
             applied=applied,
+            command_sent=self._wrote(),
         )
 
     def close(self) -> None:

@@ -92,6 +92,10 @@ class ModbusTransport:
     backoff_min_s, backoff_max_s : pause before an attempt, first and longest, s.
     connect_timeout_s : time one attempt may take, s.
 
+    Attributes
+    ----------
+    wrote : the last transaction's request held the write block: its OK is one to the command.
+
     Raises
     ------
     ConfigError
@@ -141,6 +145,7 @@ class ModbusTransport:
         self._view = memoryview(self._buffer)
         self._filled = 0
         self._reply = _NO_WORDS
+        self.wrote = False
         self._asked = READ  # function code of the last request
         self._why = ""
         self.connects = 0
@@ -157,6 +162,7 @@ class ModbusTransport:
 
     def transact(self, write_words: list[int], deadline_ns: int) -> tuple[Outcome, list[int]]:
         """Exchange the blocks before ``deadline_ns``; never blocks longer, never raises."""
+        self.wrote = False
         if self._link is not _Link.UP and not self._advance_connect():
             return Outcome.NOT_CONNECTED, _NO_WORDS
         began_ns = self._clock.now_ns()
@@ -248,6 +254,7 @@ class ModbusTransport:
             return self._round_trip(self._frames.read_request(tid), READ, deadline_ns)
         if not self._frames.fits(words):
             return Outcome.BAD_REPLY
+        self.wrote = True
         if self._function is WireFunction.FC23:
             frame = self._frames.read_write_request(self._next_tid(), words)
             return self._round_trip(frame, READ_WRITE, deadline_ns)

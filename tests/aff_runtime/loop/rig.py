@@ -47,6 +47,7 @@ class Plc:
         self.heartbeat = 0
         self.deadlines: list[int] = []
         self.shift_ns = 0
+        self.only_reads = False
 
     def exchange(self, command: Command, tick: int, deadline_ns: int) -> Snapshot:
         if self.raises is not None:
@@ -66,6 +67,7 @@ class Plc:
             status=ALL_BITS,
             roll_id=1,
             values=(90.0,),
+            command_sent=not self.only_reads,
         )
 
     def close(self) -> None:

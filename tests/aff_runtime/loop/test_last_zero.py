@@ -67,6 +67,29 @@ def test_one_zero_that_was_taken_is_a_zero_though_the_others_are_lost() -> None:
     assert rig.cycle.zero_stands
 
 
+def test_an_exchange_that_only_read_is_no_zero_that_the_plc_took() -> None:
+    rig = Rig().active()
+    rig.plc.only_reads = True
+    ticks = ticks_to_the_end(rig)
+    assert not rig.cycle.zero_stands
+    assert PATIENCE_TICKS <= ticks <= FADE_TICKS + PATIENCE_TICKS + 5
+
+
+def test_zeros_are_counted_from_the_first_that_was_sent_after_a_read() -> None:
+    rig = Rig().active()
+    rig.cycle.request_stop()
+    rig.run(FADE_TICKS - 1)
+    rig.plc.only_reads = True
+    rig.run(10)
+    rig.plc.only_reads = False
+    before = len(rig.plc.commands)
+    for _ in range(20):
+        if not rig.cycle.tick():
+            break
+    assert rig.cycle.zero_stands
+    assert len(rig.plc.commands) - before == 5
+
+
 @pytest.mark.parametrize("outcome", SILENT)
 def test_where_nothing_but_zeros_went_out_the_end_is_not_waited_for(outcome: Outcome) -> None:
     never = Rig()

@@ -130,6 +130,16 @@ def test_a_lost_frame_is_followed_by_a_question_of_another_function(
     assert (line.outcomes(4), line.asked(since)) == (expected, asked)
 
 
+@pytest.mark.parametrize("habit", ["lost", "noise of 3"])
+def test_a_tick_that_asked_anew_without_the_command_says_so(habit: str) -> None:
+    line = Line(WireFunction.FC23)
+    line.habits = [(habit, MS // 2)]
+    since = len(line.socket.requests)
+    told = [line.transport.wrote for _ in range(6) if line.tick() is Outcome.OK]
+    assert told == [function == 23 for function in line.asked(since)[1:]]
+    assert told.count(False) == 1
+
+
 def test_a_reader_waits_for_the_only_reply_that_there_is() -> None:
     line = Line(WireFunction.FC3)
     line.habits = [("slow", 4 * MS)]

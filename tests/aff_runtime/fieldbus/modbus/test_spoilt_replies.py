@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.base.signals import State
+from aff_runtime.base.signals import Outcome, State
 from tests.aff_runtime.fieldbus.modbus_bench import Bench, Spoil
 
 TIMES = {10: 80, 12: 80, 20: 80, 60: 180}  # cycle_ms: fault_after_ms, the default where it may be
@@ -73,3 +73,13 @@ def test_a_frame_that_is_lost_whole_is_asked_for_anew(bench: Bench) -> None:
         assert runtime.guard.state is State.ACTIVE, runtime.outside.reasons
     assert bench.drops == 0
     assert runtime.gateway.troubles == ()
+
+
+def test_at_the_end_only_a_zero_that_reached_the_plc_counts(bench: Bench) -> None:
+    runtime = bench.runtime
+    runtime.cycle.request_stop()
+    while runtime.cycle.tick():  # every write is lost, and the read after it comes through
+        bench.lost = runtime.is_zero and runtime.now("outcome") == Outcome.OK
+        holds_zero = bench.plc.words[3] == bench.plc.words[8] == 0
+        assert holds_zero or not runtime.cycle.zero_stands
+    assert bench.plc.words[3] != 0
