@@ -52,7 +52,7 @@ def card_view(
 def proof_times(site: Site, answer: StatusAnswer) -> ProofTimes | None:
     """Return how long each part of the proof takes at this speed; None while the line stands."""
     speed = abs(answer.live.tick.number(site.line.speed)) if answer.live is not None else 0.0
-    if not speed > 0.0 or not proof.corrected(site):
+    if not speed > proof.SLOWEST_M_S or not proof.corrected(site):
         return None
     off_s = proof.part_s(site, speed)
     return ProofTimes(off_s=off_s, on_s=off_s + proof.settling_s(site, speed))

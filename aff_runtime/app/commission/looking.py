@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import math
 from pathlib import Path
+from typing import NamedTuple
 
 from aff_runtime.app.card.book import NAME as CARD
 from aff_runtime.app.commission.answers import Answer
@@ -28,17 +29,32 @@ MOST_AGE_OF_RUNS_NS = 30_000_000_000
 """A view of recorded runs that is older is made anew, since runs grow by themselves."""
 VIEWS_OF_RUNS = ("refining", "maintenance")
 VIEWS_OF_CARD = ("card", "page")
+VIEWS_OF_SPEED = ("line", "card")
+"""They say what a probe moves at this line speed, and how long a proof takes at it."""
+SAME_SPEED = 0.02
+"""Speeds that are nearer count as one: as near as the four parts of a proof have to be."""
+STILL_M_S = 1e-3  # what a speed counts as at least: below it the line stands
 MOST_KEPT = 32  # views; the oldest goes
 NO_CARD, NO_SITE = "no card is begun", "no site file is there"
 Fingerprint = tuple[object, ...]
+
+
+class _Made(NamedTuple):
+    """A view that is kept: of what, at which line speed, and when it was made."""
+
+    of: Fingerprint
+    speed_m_s: float
+    at_ns: int
+    answer: Answer
 
 
 class Looking:
     """Looks at the service once a second, and at the rest when it is asked for.
 
     A view of the card checks the site file, which takes a second of a processor: it is made at
-    most every two seconds, and only when card, site file or service are others than before. A
-    refused view is tried again: memory or time that it lacked may be there by now.
+    most every two seconds, and only when card, site file or service are others than before, or
+    the line runs at another speed, where the view is of it. A refused view is tried again: memory
+    or time that it lacked may be there by now.
     """
 
     def __init__(self, where: Paths, clock: Clock) -> None:
@@ -46,7 +62,7 @@ class Looking:
         self._clock = clock
         self._service: StatusAnswer | None = None
         self._trouble = ""
-        self._made: dict[str, tuple[Fingerprint, int, Answer]] = {}
+        self._made: dict[str, _Made] = {}
         self._one_at_a_time = asyncio.Lock()
         self._jobs_ended = 0
         self._site: tuple[Fingerprint, str] = ((), "")
@@ -104,18 +120,27 @@ class Looking:
         longest_ns = MOST_AGE_OF_RUNS_NS if asked.do in VIEWS_OF_RUNS else math.inf
         async with self._one_at_a_time:
             fingerprint, now_ns = self._fingerprint(), self._clock.now_ns()
+            speed_m_s = self._speed_m_s() if asked.do in VIEWS_OF_SPEED else math.nan
             kept = self._made.get(key)
             if kept is not None:
-                age_ns = now_ns - kept[1]
-                is_same = kept[0] == fingerprint and not isinstance(kept[2], Refusal)
+                age_ns = now_ns - kept.at_ns
+                is_same = kept.of == fingerprint and not isinstance(kept.answer, Refusal)
+                is_same = is_same and is_one_speed(kept.speed_m_s, speed_m_s)
                 if (is_same and age_ns < longest_ns) or age_ns < LEAST_AGE_NS:
-                    return kept[2]
+                    return kept.answer
             answer = await Worker(asked, self._where).run()
             self._made.pop(key, None)
-            self._made[key] = (fingerprint, self._clock.now_ns(), answer)
+            self._made[key] = _Made(fingerprint, speed_m_s, self._clock.now_ns(), answer)
             while len(self._made) > MOST_KEPT:
                 del self._made[next(iter(self._made))]
             return answer
+
+    def _speed_m_s(self) -> float:
+        """Return the line speed that the service has told last, NaN where it is not known."""
+        now = self._service
+        if now is None or now.live is None or now.facts is None:
+            return math.nan
+        return now.live.tick.number(now.facts.speed)
 
     def _fingerprint(self) -> Fingerprint:
         now = self._service
@@ -126,6 +151,16 @@ class Looking:
             service = (now.site_hash, now.config_hash, f"{roll:.0f}", now.trying, goes_out)
         card, site = _of_file(self._where.card / CARD), _of_file(self._where.site)
         return (card, site, service, self._jobs_ended)
+
+
+def is_one_speed(one_m_s: float, other_m_s: float) -> bool:
+    """Return whether what holds at one line speed holds at another; NaN: it is not known."""
+    known = math.isfinite(one_m_s), math.isfinite(other_m_s)
+    if not all(known):
+        return not any(known)
+    if max(abs(one_m_s), abs(other_m_s)) < STILL_M_S:
+        return True
+    return abs(one_m_s - other_m_s) <= SAME_SPEED * abs(one_m_s)
 
 
 def _of_file(path: Path) -> Fingerprint:

@@ -164,3 +164,20 @@ def test_a_file_that_is_not_good_says_what_is_wrong_and_nothing_else(where):
     found = plain(line(where, Request(do="line"), None))["line"]
     assert found["errors"]
     assert (found["probe"], found["limits"]) == (None, [])
+
+
+def test_a_line_whose_speed_is_noise_stands_and_has_no_times_of_a_proof(where, monkeypatch):
+    found = {}
+    for speed_m_s in (1.0, 9e-4):
+        live = Live(signals={"line_speed_m_s": speed_m_s, "time_s": 0.0})
+        status = replace(AT_2_M_S, live=live)
+        monkeypatch.setattr(line_view, "status_of", lambda socket, now=status: now)
+        found[speed_m_s] = plain(line(where, Request(do="line"), None))["line"]["proof"]
+    site = load_site(where.site)
+    radius_m = max(
+        site.rolls[block.roll].largest_radius_m
+        for actuator in site.actuators.values()
+        for block in actuator.blocks
+    )
+    assert found[1.0]["off_s"] == pytest.approx(22 * math.tau * radius_m)  # 20 turns, and 2 broken
+    assert found[9e-4] is None
