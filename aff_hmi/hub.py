@@ -89,13 +89,11 @@ class Hub:
 
         Who comes gets one at once. While nobody looks the ring is read less often: a poll costs
         as much for one tick as for fifty. Until a tick was seen to arrive it is as if somebody
-        looked: what is not known to be fresh, nobody may press.
+        looked: what is not known to be fresh, nobody may press. The first poll is at once: a page
+        made before it would know of no line, and begin anew under the hands of who logs in.
         """
         due_ns = self._clock.now_ns()
         while True:
-            is_quiet = not self._viewers and self._watch.hears_ticks
-            period_ns = round(1e9 * (QUIET_S if is_quiet else FRAME_S))
-            due_ns = await self._until(max(due_ns + period_ns, self._clock.now_ns()))
             self._watch.poll()
             if self.sources is not None:
                 self.sources.listen(self._watch.news)
@@ -110,6 +108,9 @@ class Hub:
                 )
             )
             alive()
+            is_quiet = not self._viewers and self._watch.hears_ticks
+            period_ns = round(1e9 * (QUIET_S if is_quiet else FRAME_S))
+            due_ns = await self._until(max(due_ns + period_ns, self._clock.now_ns()))
 
     async def _until(self, due_ns: int) -> int:
         """Wait until a frame is due, or somebody has come; return when it was due."""

@@ -118,6 +118,22 @@ def test_a_frame_has_the_time_of_the_gateway(
     played(tmp_path, play)
 
 
+def test_the_first_page_that_is_asked_for_has_the_line_already(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """One that had not would begin anew with the first frame, under the hands of who logs in."""
+
+    async def play(hub, clock, visit) -> None:
+        monkeypatch.setattr(hub._watch, "seen", seen)
+        running = asyncio.create_task(hub.run())
+        await asyncio.sleep(0)  # its clock stands still: what is due later comes never
+        assert [one.actuator for one in hub.layout.outputs] == ["unwind"]
+        running.cancel()
+        await asyncio.gather(running, return_exceptions=True)
+
+    played(tmp_path, play)
+
+
 def test_who_comes_gets_a_frame_at_once_and_a_quiet_screen_polls_less(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -128,12 +144,12 @@ def test_who_comes_gets_a_frame_at_once_and_a_quiet_screen_polls_less(
         monkeypatch.setattr(hub._watch, "poll", lambda: polls.append(0))
         running = asyncio.create_task(hub.run())
         await asyncio.sleep(0.05)
-        assert polls == []  # due in half a second, of a clock that stands still here
+        assert polls == [0]  # the next is due in half a second, of a clock that stands still here
         browser = await visit()
         browser.receipt(0, 1.0)
         await asyncio.sleep(0.1)
         assert [one["echo"] for one in browser.frames] == [1.0]
-        assert len(polls) == 1
+        assert len(polls) == 2
         running.cancel()
         await asyncio.gather(running, return_exceptions=True)
 

@@ -25,6 +25,7 @@ from aff_runtime.base.signals import State
 from aff_runtime.core.monitor import Trend
 from sim_plant.demo.wires import free_port
 from tests.aff_hmi.moments import LINE, facts, row, seen
+from tests.processes import until
 
 PASSWORD = "tension, 90 N"
 FOLLOWER = OutputFacts(
@@ -108,6 +109,7 @@ class Stage:
         self._server = Unhurried(config_of(place, self._hub, "en"), place)
         self._thread = threading.Thread(target=lambda: asyncio.run(self._serve()), daemon=True)
         self._thread.start()
+        until("the screen is heard", lambda: self._server.started)
 
     def _hand(self, folder: Path) -> Hand:
         accounts = folder / "accounts"
@@ -168,6 +170,13 @@ def moment(name: str, **more: Any) -> Observed:
         facts_age_s=age_s,
         events=((18, 0.0, 12.0), (17, 0.0, 95.0), (15, 0.0, 4000.0)),
     )
+
+
+def ready() -> Observed:
+    """Return a line at which nothing stands against arming."""
+    found = moment("READY")
+    assert found.facts is not None
+    return replace(found, facts=replace(found.facts, blocked=""))
 
 
 def _row(state: State) -> dict[str, float]:
