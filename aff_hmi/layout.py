@@ -48,7 +48,8 @@ class Layout:
 
     Attributes
     ----------
-    line : name of the line. ``ident`` : changes when any row does.
+    line : name of the line. ``ident`` : changes when any row does, and a page is another one; a
+        limit is no part of it, for a try of settings changes it while pages are open.
     rolls : (name, label) of those whose radius is measured.
     """
 
@@ -61,7 +62,10 @@ class Layout:
     @cached_property
     def ident(self) -> str:
         """Return a digest of everything that a page shows of it."""
-        return hashlib.sha256(json.dumps(asdict(self)).encode()).hexdigest()[:16]
+        rows = asdict(self)
+        for output in rows["outputs"]:
+            del output["limit"]
+        return hashlib.sha256(json.dumps(rows).encode()).hexdigest()[:16]
 
 
 def layout_of(facts: Facts | None, channels: tuple[str, ...]) -> Layout:

@@ -71,6 +71,7 @@ class View:
     state, word, shape, why, to_do : the guard's state, in words; ``word`` is translated.
     also : all that stands against an armed output besides ``why``.
     heart : heartbeat value of the PLC; what moves on the screen moves by it.
+    limits : of the outputs, by actuator, in the unit of the screen.
     values : numbers by slot. ``notes`` : words beside numbers, by slot.
     doubted : slots of what the guard does not believe now; they are not shown as alive.
     """
@@ -89,6 +90,7 @@ class View:
     also: tuple[Reason, ...] = ()
     heart: int = 0
     config: str = ""
+    limits: dict[str, float] = field(default_factory=dict)
     values: dict[str, float | None] = field(default_factory=dict)
     notes: dict[str, str] = field(default_factory=dict)
     doubted: tuple[str, ...] = ()
@@ -138,6 +140,7 @@ def view_of(
         also=tuple(_also(seen, state, say)),
         heart=int(_finite(row.number("plc_heartbeat"))) if row is not None else 0,
         config=facts.status.config_hash[:8] if facts is not None else "",
+        limits={output.actuator: output.limit for output in layout.outputs},
         values=values,
         notes=notes,
         doubted=doubted,

@@ -6,6 +6,8 @@ its pattern; what is in none stays English, whole, with the advice of a wire.
 
 from __future__ import annotations
 
+import errno
+import os
 import re
 from dataclasses import dataclass
 from functools import cache
@@ -14,6 +16,8 @@ from aff_hmi.words import N_
 from aff_runtime.base.printable import printable
 
 CHECK_CABLE = N_("check cable, switch and PLC")
+CHECK_PORT = N_("is the PLC's server switched on, and is this its port?")
+CHECK_NET = N_("check cable, switch and the gateway's own address")
 CHECK_NODE = N_("check this device: power, wiring, node id and what its display says")
 MEND_RADIUS = N_("mend the scale of this word, or the range of the roll in the site file")
 NUMBERS = {"seconds": r"[0-9.e-]+", "function": r"\d+", "code": r"\d+", "node": r"\d+"}
@@ -112,6 +116,19 @@ OF_NODES = (
     N_("{device} (node {node}): EMCY {emergency}"),
     N_("{device} (node {node}): an error is left, error register {register}"),
 )
+OF_SYSTEM = {
+    errno.ECONNREFUSED: (N_("{where}: connection refused, nobody listens there"), CHECK_PORT),
+    errno.EHOSTUNREACH: (N_("{where}: no route to it"), CHECK_NET),
+    errno.ENETUNREACH: (N_("{where}: its network is not reached"), CHECK_NET),
+    errno.ENETDOWN: (N_("{where}: the gateway's own network is down"), CHECK_NET),
+    errno.EHOSTDOWN: (N_("{where}: the device is off, or not there"), CHECK_CABLE),
+    errno.ETIMEDOUT: (N_("{where}: no answer in time"), CHECK_CABLE),
+    errno.ECONNRESET: (N_("{where}: the other side ended the connection"), CHECK_PORT),
+    errno.ECONNABORTED: (N_("{where}: the connection was broken off"), CHECK_CABLE),
+    errno.EPIPE: (N_("{where}: the other side is gone"), CHECK_CABLE),
+    errno.EADDRNOTAVAIL: (N_("{where}: the gateway has no address for it"), CHECK_NET),
+    errno.EACCES: (N_("{where}: the gateway's firewall forbids it"), CHECK_NET),
+}  # errors of a socket as POSIX names them; the service says them in the system's own words
 TROUBLES = (
     Trouble(text=N_("no reply within {seconds} s")),
     Trouble(text=N_("no connection within {seconds} s")),
@@ -153,6 +170,19 @@ TROUBLES = (
         for one in RADII
     ),
     *(Trouble(text=one, to_do=CHECK_NODE) for one in OF_NODES),
+    *(
+        Trouble(heard=f"{{where}}: {os.strerror(number)}", text=text, to_do=to_do)
+        for number, (text, to_do) in OF_SYSTEM.items()
+    ),
+    Trouble(
+        heard="{where} cannot be resolved ({rest}); write its IP address or check DNS",
+        text=N_("{where} cannot be resolved"),
+        to_do=N_("write its IP address, or check DNS"),
+    ),
+    Trouble(
+        text=N_("the serial line {device} does not open: {rest}"),
+        to_do=N_("is the adapter plugged in, and may the service use it?"),
+    ),
 )
 OTHER = Trouble(text="{said}")
 

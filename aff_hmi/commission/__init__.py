@@ -1,3 +1,3 @@
 """Commissioning and its card on the screen: the commissioner looked at, and asked."""
 
-__all__ = ["link", "looks", "presses", "routes", "run_routes", "settings_routes"]
+__all__ = ["link", "looks", "presses", "routes", "run_routes", "sentences", "settings_routes"]

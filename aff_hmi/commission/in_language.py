@@ -5,12 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from aff_hmi.commission.choices import called, with_buttons
-from aff_hmi.commission.sentences import sentence
+from aff_hmi.commission.sentences import parts, sentence
 from aff_hmi.commission.shown import (
     JobInShort,
     ShownDriveRow,
     ShownJob,
     ShownLast,
+    ShownLine,
     ShownQuestion,
     ShownState,
     ShownStep,
@@ -29,6 +30,7 @@ from aff_runtime.app.commission.views import (
     LineView,
     NoService,
     QuestionView,
+    SaidLine,
     ServiceView,
     StepView,
 )
@@ -140,6 +142,8 @@ def line_in(line: LineView, say: Say) -> LineView:
     """Return what is known of a line in the reader's language."""
     return replace(
         line,
+        orders=tuple(sentence(text, say) for text in line.orders),
+        limits=tuple(sentence(text, say) for text in line.limits),
         responses=tuple(
             replace(one, drive=tuple(_drive_row(row, say) for row in one.drive))
             for one in line.responses
@@ -171,7 +175,7 @@ def state_in(state: State, say: Say, *, sees_all: bool, is_open: bool) -> ShownS
         protocol=state.protocol,
         by=state.by,
         site=state.site if sees_all else SiteInShort(there=state.site.there),
-        service=state.service,
+        service=_service(state.service, say),
         card=state.card,
         job=_job(state.job, say, sees_all=sees_all) if state.job is not None else None,
         last=_last(state.last, say, sees_all=sees_all) if state.last is not None else None,
@@ -182,6 +186,14 @@ def state_in(state: State, say: Say, *, sees_all: bool, is_open: bool) -> ShownS
         is_open=is_open,
         may=sees_all,
         left_s=_left_s(state.service),
+    )
+
+
+def _service(service: NoService | ServiceView, say: Say) -> NoService | ServiceView:
+    if not service.answers:
+        return replace(service, trouble=sentence(service.trouble, say))
+    return replace(
+        service, probed=parts(service.probed, say), trying=sentence(service.trying, say)
     )
 
 
@@ -199,11 +211,16 @@ def _job(job: JobView, say: Say, *, sees_all: bool) -> ShownJob | JobInShort:
     return ShownJob(
         do=job.do,
         step=job.step,
-        said=tuple(replace(one, text=sentence(one.text, say)) for one in job.said),
+        said=tuple(_line(one, say) for one in job.said),
         ask=_question(job.ask, say) if job.ask is not None else None,
         name=name,
         seconds=job.seconds,
     )
+
+
+def _line(one: SaidLine, say: Say) -> ShownLine:
+    said = sentence(one.text, say)
+    return ShownLine(kind=one.kind, text=said, lang="en" if said == one.text else "")
 
 
 def _question(asked: QuestionView, say: Say) -> ShownQuestion:

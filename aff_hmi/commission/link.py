@@ -13,7 +13,9 @@ from aff_runtime.app.commission.answers import Answer, Done, Good, Opened
 from aff_runtime.app.commission.client import ask
 from aff_runtime.app.commission.messages import Refusal, Request, Why
 
-PATIENCE_S = 90.0
+PATIENCE_S = 90.0  # for what a job works out
+STATE_PATIENCE_S = 3.0
+"""For what a commissioner tells from memory; a page waits a second longer (``PATIENCE_MS``)."""
 Shown = TypeVar("Shown", bound=Good)
 
 
@@ -70,4 +72,5 @@ class Commission:
         return session in self._keys and by == session.account.name
 
     async def _ask(self, asked: Request) -> Answer:
-        return await ask(self._socket, asked, PATIENCE_S)
+        patience_s = STATE_PATIENCE_S if asked.do == "state" else PATIENCE_S
+        return await ask(self._socket, asked, patience_s)

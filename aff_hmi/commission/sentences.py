@@ -11,12 +11,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from functools import cache
+from functools import cache, lru_cache
 
 from aff_hmi.commission.bus_sentences import BUS
 from aff_hmi.commission.card_lacks import LACKS
 from aff_hmi.commission.card_sentences import CARD
 from aff_hmi.commission.choices import all_named
+from aff_hmi.commission.line_sentences import LINE
 from aff_hmi.commission.run_sentences import RUNS
 from aff_hmi.commission.setup_sentences import SETUP
 from aff_hmi.commission.verdict_sentences import PATTERNS as VERDICTS
@@ -90,14 +91,18 @@ PATTERNS = (
     *CARD,
     *LACKS,
     *VERDICTS,
+    *LINE,
 )
 _PLACE = re.compile(r"\\\{(\w+)\\\}")
 _NESTED = ("what", "why")
 _CHOICES = "choices"
 _LISTS = (*_NESTED, _CHOICES, "bits", "rest", "reason", "site", "text", "thing", "words")
 LIST_MARKS = ("; ", ", ")
+_KINDS = {"word": r"\d+", "file": r"/\S+?"}
 _END = re.compile(r"(?<=\.) ")
 LONGEST, DEEPEST = 700, 6
+MOST_KEPT = 2048
+"""Sentences that are found at once again: a page says the same ones in every frame."""
 
 
 @cache
@@ -109,9 +114,9 @@ def _compiled() -> tuple[tuple[re.Pattern[str], str], ...]:
 
 
 def _any(place: re.Match[str]) -> str:
-    """Return what stands in a place: a word's number; no list, unless it is for one."""
-    if place[1] == "word":
-        return r"(?P<word>\d+)"
+    """Return what stands in a place: of some its kind; no list, unless it is for one."""
+    if place[1] in _KINDS:
+        return f"(?P<{place[1]}>{_KINDS[place[1]]})"
     return f"(?P<{place[1]}>.+?)" if place[1] in _LISTS else f"(?P<{place[1]}>(?:(?!, |; ).)+?)"
 
 
@@ -119,23 +124,30 @@ def sentence(text: str, say: Say, depth: int = 0) -> str:
     """Return a sentence in the reader's language; English where no pattern is of it."""
     if depth > DEEPEST:
         return text
-    bounded = _bounded(_evenly(text))
+    template, values = _taken_apart(_bounded(_evenly(text)))
+    if not template:
+        return text
+    said = say(template)
+    for name, value in values:
+        said = said.replace(f"{{{name}}}", _shown(name, value, say, depth))
+    return said
+
+
+@lru_cache(maxsize=MOST_KEPT)
+def _taken_apart(text: str) -> tuple[str, tuple[tuple[str, str], ...]]:
+    """Return the pattern of a sentence and what stands in its places; nothing where none is."""
     for pattern, template in _compiled():
-        found = pattern.fullmatch(bounded)
-        if found is None:
-            continue
-        said = say(template)
-        for name, value in found.groupdict().items():
-            said = said.replace(f"{{{name}}}", _shown(name, value, say, depth))
-        return said
-    return text
+        found = pattern.fullmatch(text)
+        if found is not None:
+            return template, tuple(found.groupdict().items())
+    return "", ()
 
 
 def _shown(name: str, value: str, say: Say, depth: int) -> str:
     """Return what stands in a place, in the reader's language where it is a text of ours."""
     if name == _CHOICES:
         return all_named(value, say)
-    return _parts(value, say, depth) if name in _NESTED else value
+    return parts(value, say, depth) if name in _NESTED else value
 
 
 def _evenly(text: str) -> str:
@@ -148,7 +160,7 @@ def _bounded(text: str) -> str:
     return text if len(text) <= LONGEST else f"{text[: LONGEST - 1]}\u2026"
 
 
-def _parts(text: str, say: Say, depth: int = 0) -> str:
+def parts(text: str, say: Say, depth: int = 0) -> str:
     """Return a sentence, or a list of them, in the reader's language."""
     whole = sentence(text, say, depth + 1)
     if whole != text:
@@ -168,7 +180,7 @@ def _list(pieces: list[str], mark: str, say: Say, depth: int) -> Iterator[str]:
             if said != text or len(pieces[:count]) == 1:
                 break
         pieces = pieces[count:]
-        yield _parts(said, say, depth + 1) if said == text else said
+        yield parts(said, say, depth + 1) if said == text else said
 
 
 def sentences(text: str, say: Say) -> str:
@@ -182,4 +194,4 @@ def _one(text: str, say: Say) -> str:
         return text
     said = sentence(text, say)
     body = text.removesuffix(".")
-    return f"{_parts(body, say)}." if said == text != body else said
+    return f"{parts(body, say)}." if said == text != body else said

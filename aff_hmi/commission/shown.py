@@ -53,6 +53,13 @@ class ShownQuestion:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ShownLine(SaidLine):
+    """A line of a job; ``lang`` : ``en`` where it is in no words of ours, else the page's own."""
+
+    lang: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class JobInShort:
     """The job that is under way, for who may not commission: what it is, and no more."""
 
@@ -69,7 +76,7 @@ class ShownJob:
 
     do: str
     step: int
-    said: tuple[SaidLine, ...]
+    said: tuple[ShownLine, ...]
     ask: ShownQuestion | None
     name: str
     seconds: float

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from aff_hmi.commission.sentences import sentence
 from aff_hmi.layout import label_of
 from aff_hmi.notices import place_key, why_it_rests
 from aff_hmi.view import GOES_OUT
@@ -140,7 +141,7 @@ def rolls_part(seen: Observed, say: Say, history: History | None = None) -> Roll
             _roll(row, site, actuator, roll, orders, history, say)
             for (actuator, _), (roll, orders) in of_rolls(row, site).items()
         ),
-        texts=tuple(printable(text, 200) for text in status.shapes[:MOST_TEXTS]),
+        texts=tuple(printable(sentence(text, say), 200) for text in status.shapes[:MOST_TEXTS]),
         roll_number=_known(number, 0),
         roll_since_s=_known(since_s, 1),
     )

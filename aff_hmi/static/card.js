@@ -1,4 +1,5 @@
 // The commissioning card: every step with its figures, what it waits for, and its signature.
+import { keepTyped, sent } from "/static/draft.js";
 import { ask, byId, number, part, put, words } from "/static/see.js";
 import { showTried } from "/static/trying.js";
 import { LONG_MS, act, button, field, lookAfter, post } from "/static/work.js";
@@ -9,10 +10,11 @@ let isBusy = false;
 
 // --- what a step says --------------------------------------------------------------------------
 
-function listed(title, texts) {
+/** A list with its title; `language` where its texts are in another one than the page. */
+function listed(title, texts, language = "") {
   if (!texts.length) return [];
   const list = part("ul");
-  list.lang = "en";
+  if (language) list.lang = language;
   list.append(...texts.map((text) => part("li", "", text)));
   return [part("p", "title", `${title}:`), list];
 }
@@ -30,8 +32,11 @@ function figures(rows) {
     row.append(part("td", "figure", one.span), part("td", "", one.limit), part("td", "mark", mark));
     return row;
   });
-  table.lang = "en";
-  table.append(head, ...body);
+  const told = part("tbody");
+  told.lang = "en"; // as on the card; the heads are the page's own
+  told.append(...body);
+  table.append(part("thead"), told);
+  table.tHead.append(head);
   const box = part("div", "scroll");
   box.tabIndex = 0;
   box.append(table);
@@ -57,9 +62,9 @@ function entry(step) {
     ...listed(words.again, step.why),
     ...listed(words.reason, one.reason ? [one.reason] : []),
     ...figures(one.figures),
-    ...listed(words.missing, one.missing),
-    ...listed(words.proposed, one.proposals),
-    ...listed(words.remarks, one.remarks),
+    ...listed(words.missing, one.missing, "en"),
+    ...listed(words.proposed, one.proposals, "en"),
+    ...listed(words.remarks, one.remarks, "en"),
     ...listed(words.typed, one.typed),
     ...windows(one.windows),
     said,
@@ -79,6 +84,19 @@ function signature(step) {
 
 // --- what can be done with a step --------------------------------------------------------------
 
+/** Keep what is typed into the fields of a form of a step; returns what drops it once it is sent. */
+function keepForm(name, step, fields) {
+  const named = fields.map(({ input }) => [input, `${name} ${step.number} ${input.name}`]);
+  for (const [input, draft] of named) keepTyped(input, draft);
+  return () => named.forEach(([input, draft]) => sent(input, draft));
+}
+
+/** How long the parts of the proof take, at the speed of now. */
+function proofTimes(proof) {
+  const { off_s, on_s } = proof ?? {};
+  return proof ? words.off.replace("{off}", number(off_s, 0)).replace("{on}", number(on_s, 0)) : "";
+}
+
 function measuring(step, proof) {
   const form = part("form", "measure");
   const boxes = step.typed_names.map((name, n) => field(step.typed_labels[n], name, { maxLength: 80 }));
@@ -86,17 +104,17 @@ function measuring(step, proof) {
   const hints = [];
   if (step.seconds) hints.push(words.look.replace("{seconds}", number(step.seconds, 0)));
   if (boxes.length) hints.push(words.display);
-  if (step.number === 12 && proof) {
-    hints.push(words.off.replace("{off}", number(proof.off_s, 0)).replace("{on}", number(proof.on_s, 0)));
-  }
   const fields = part("p", "fields");
   fields.append(...boxes.map((one) => one.box), plc.box);
   const why = field(words.why, "leave", { maxLength: 500 });
+  const sentIt = keepForm("measure", step, [...boxes, plc]);
+  const left = keepForm("leave", step, [why]);
   const typed = () =>
     boxes.filter((one) => one.input.value.trim()).map((one) => `${one.input.name}=${one.input.value.trim()}`);
-  const send = (leave_out) => {
+  const send = async (leave_out) => {
     const said = { step: step.number, typed: leave_out ? "" : typed().join("\n") };
-    return post("/card/step", { ...said, plc: plc.input.value, leave_out });
+    const answer = await post("/card/step", { ...said, plc: plc.input.value, leave_out });
+    if (answer.ok) leave_out ? left() : sentIt();
   };
   const go = part("button", "", words.measure);
   go.type = "submit";
@@ -107,7 +125,9 @@ function measuring(step, proof) {
   const leave = button(words.leave, () => send(why.input.value || " "));
   const row = part("p", "fields");
   row.append(why.box, leave);
-  form.append(...hints.map((text) => part("p", "note", text)), fields, go, row);
+  form.append(...hints.map((text) => part("p", "note", text)));
+  if (step.number === 12) form.append(part("p", "note times", proofTimes(proof)));
+  form.append(fields, go, row);
   return form;
 }
 
@@ -124,11 +144,13 @@ function signing(step) {
   Object.assign(name, { type: "text", autocomplete: "username", hidden: true });
   name.value = byId("hand")?.dataset.account ?? "";
   form.append(part("p", "note", words.seen), name, row);
+  const sentIt = keepForm("sign", step, [why]);
   form.onsubmit = async (event) => {
     event.preventDefault();
     const said = { step: step.number, measured: step.entry.sha256, reason: why.input.value };
-    await post("/card/sign", { ...said, password: password.input.value });
+    const answer = await post("/card/sign", { ...said, password: password.input.value });
     password.input.value = "";
+    if (answer.ok) sentIt();
     look();
   };
   return form;
@@ -144,10 +166,12 @@ function trying(step) {
   const row = part("p", "fields");
   row.append(why.box, seconds.box, go);
   form.append(row);
-  form.onsubmit = (event) => {
+  const sentIt = keepForm("try", step, [why]);
+  form.onsubmit = async (event) => {
     event.preventDefault();
     const said = { do: "try", step: step.number, measured: step.entry.sha256, reason: why.input.value };
-    post("/card/settings", { ...said, seconds: Number(seconds.input.value) });
+    const answer = await post("/card/settings", { ...said, seconds: Number(seconds.input.value) });
+    if (answer.ok) sentIt();
   };
   return form;
 }
@@ -204,7 +228,7 @@ function show(answer) {
   listing(byId("card-remarks"), card.remarks);
   listing(byId("undone"), card.undone.length ? card.undone : [words.holds]);
   for (const step of card.steps) {
-    const said = JSON.stringify([step, isOpen, step.number === 12 && isOpen ? card.proof?.off_s : 0]);
+    const said = JSON.stringify([step, isOpen]);
     const old = rows.get(step.number);
     if (old?.said === said) continue;
     const made = stepped(step, card.proof, old?.box);
@@ -212,6 +236,7 @@ function show(answer) {
     else byId("steps").append(made);
     rows.set(step.number, { said, box: made });
   }
+  put(document.querySelector(".times"), proofTimes(card.proof)); // in place: a form is half typed
   openLinked();
 }
 
@@ -235,8 +260,10 @@ async function look() {
 lookAfter((state) => {
   const wasBusy = isBusy;
   const wasOpen = isOpen;
-  isBusy = state?.ok === true && state.job !== null;
-  isOpen = state?.ok === true && state.is_open;
+  const isOk = state?.ok === true;
+  isBusy = isOk && state.job !== null;
+  if (isOk) isOpen = state.is_open; // one answer that is missed empties no form
+  for (const one of document.querySelectorAll("#steps form button:not([data-may])")) one.disabled = !isOk;
   if ((wasBusy && !isBusy) || wasOpen !== isOpen) look();
   showTried(state);
 });

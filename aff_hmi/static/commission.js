@@ -1,5 +1,6 @@
 // From the box to ACTIVE: every step with what is known of it, and what is to be done next.
 import { ask, byId, number, part, put, words } from "/static/see.js";
+import { keep, kept, keepTyped, sent } from "/static/draft.js";
 import { short as shortly } from "/static/curves.js";
 import { fill } from "/static/fill.js";
 import { DEAD_MS } from "/static/freshness.js";
@@ -20,16 +21,20 @@ function say(name, text, isBad = false) {
   element.classList.toggle("bad", isBad);
 }
 
-function listing(list, texts, kind = "") {
+/** A list of texts, the first `english` of which are in English, whatever the page is in. */
+function listing(list, texts, kind = "", english = 0) {
   const said = JSON.stringify(texts);
   if (list.dataset.said === said) return;
   list.dataset.said = said;
-  list.replaceChildren(...texts.map((text) => part("li", kind, text)));
+  const items = texts.map((text) => part("li", kind, text));
+  for (const one of items.slice(0, english)) one.lang = "en";
+  list.replaceChildren(...items);
 }
 
 // --- the interview -----------------------------------------------------------------------------
 
 let asked = 0;
+let draft = ""; // name of what is typed as the answer to it
 let labels = new Map(); // of the answers that have a button
 
 function question(one, said) {
@@ -44,7 +49,8 @@ function question(one, said) {
   byId("question").dataset.name = one.name;
   const last = said.at(-1); // of an answer that was not taken: why not
   put(byId("refused"), last?.kind === "complain" ? last.text : "");
-  byId("answer").value = "";
+  draft = `answer ${one.name} ${one.text}`;
+  byId("answer").value = kept(draft);
   put(byId("answer-label"), words.typed);
   labels = new Map(one.choices);
   const called = labels.get(one.default) ?? one.default;
@@ -65,10 +71,15 @@ function question(one, said) {
 
 async function answer(text) {
   const said = { number: asked, text };
+  const answered = draft;
   const found = await post("/commission/answer", said);
-  if (found.ok) put(byId("work-said"), "");
+  if (found.ok) {
+    put(byId("work-said"), "");
+    keep(answered, "");
+  }
   look();
 }
+byId("answer").oninput = () => keep(draft, byId("answer").value);
 
 /** What is typed; the name of a button stands for its answer. */
 function typed(text) {
@@ -80,9 +91,10 @@ byId("question").onsubmit = (event) => {
   event.preventDefault();
   answer(typed(byId("answer").value));
 };
+keepTyped(byId("again"), "again");
 byId("find-words").onclick = async () => {
   await act("words", byId("again").value);
-  byId("again").value = "";
+  sent(byId("again"), "again");
   look();
 };
 
@@ -206,7 +218,8 @@ function showLine() {
   const errors = line?.errors ?? [];
   byId("errors").hidden = errors.length === 0;
   listing(byId("errors"), errors, "complain");
-  listing(byId("facts"), [...(line?.warnings ?? []), ...(line?.limits ?? []), ...(line?.orders ?? [])]);
+  const warnings = line?.warnings ?? [];
+  listing(byId("facts"), [...warnings, ...(line?.limits ?? []), ...(line?.orders ?? [])], "", warnings.length);
   put(byId("warned"), line?.warnings.length ? ` ▲ ${line.warnings.length}` : "");
   listing(byId("bounds"), (line?.probe?.rows ?? []).map((row) => bound(row, line.probe.duration_s)));
   const isFaint = (line?.probe?.rows ?? []).some((row) => row.louder !== null);

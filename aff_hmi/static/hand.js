@@ -1,17 +1,18 @@
 // Bypass in one press, arming by holding. What the service would refuse cannot be pressed, and says
 // why. A press is done when the line shows it, not when the server has answered.
 import { nowS } from "/static/clock.js";
+import { dropAll } from "/static/draft.js";
 
 const HOLD_MS = 1000;
 const CONFIRM_MS = { bypass: 1000, arm: 2000, probe: 4000, "probe-louder": 4000, shadow: 2000, "end-shadow": 2000 };
 const PATIENCE_MS = 4000;
-const armed = ["ARMED", "ACTIVE"];
+const ON = ["ARMED", "ACTIVE"];
 const rests = ["OFF", "READY", "BYPASS", "FAULT"];
 const SHOWS = {
   bypass: ["BYPASS", "FAULT"],
-  arm: armed,
-  probe: armed,
-  "probe-louder": armed,
+  arm: ON,
+  probe: ON,
+  "probe-louder": ON,
   shadow: ["SHADOW"],
   "end-shadow": rests,
 };
@@ -23,6 +24,8 @@ const arm = byId("arm");
 const bypass = byId("bypass");
 // those beside bypass are held; not every page has all of them
 const heldOnes = [arm, ...["probe", "probe-louder", "shadow", "end-shadow", "forget"].map(byId)].filter(Boolean);
+
+const figure = new Intl.NumberFormat(root.lang, { maximumSignificantDigits: 6, useGrouping: false });
 
 let frame = null;
 let hold = null;
@@ -64,6 +67,7 @@ function isStale() {
 
 /** Why something cannot be pressed; of a silent PLC the service itself says why. */
 function against(action) {
+  if (frame === null) return [words.stale];
   const why = frame.own.why[action];
   const isKnown = !isStale() || (root.dataset.broken === "plc" && why.length > 0);
   return isKnown ? why : [words.stale];
@@ -71,8 +75,8 @@ function against(action) {
 
 function show() {
   const own = frame?.own;
-  if (!own) return;
-  if (own.account !== hand.dataset.account) {
+  if (frame !== null && !own) return;
+  if (own && own.account !== hand.dataset.account) {
     location.reload();
     return;
   }
@@ -90,6 +94,10 @@ function show() {
     const why = against(button.dataset.may);
     button.disabled = why.length > 0;
     button.title = why.join("; ");
+  }
+  if (!own) {
+    put(byId("hand-of"), "—"); // bypass stays as it was: it goes out without fresh data, too
+    return;
   }
   bypass.disabled = own.why.bypass.length > 0;
   put(byId("bypass-why"), own.why.bypass.join("; "));
@@ -201,7 +209,16 @@ function begin(button) {
   swallowed = "";
   hold = { button, state: frame.state, timer: setTimeout(finish, HOLD_MS) };
   button.classList.add("holding");
-  if (button === arm) tell(`${words.arms} ${frame.config}`);
+  if (button === arm) tell(`${words.arms}: ${armed()}`);
+}
+
+/** What will be armed: every output with the limit of now, and the configuration. */
+function armed() {
+  const outputs = [...hand.querySelectorAll("[data-armed]")].map(({ dataset }) => {
+    const limit = frame.limits[dataset.armed] ?? Number(dataset.limit);
+    return `${dataset.label} ≤ ${figure.format(limit)} ${dataset.unit}`;
+  });
+  return [...outputs, `${words.configuration} ${frame.config}`].join(", ");
 }
 
 function finish() {
@@ -284,5 +301,6 @@ byId("release")?.addEventListener("click", async () => {
 });
 byId("logout")?.addEventListener("click", async () => {
   await ask("/logout", {});
+  dropAll();
   location.reload();
 });

@@ -2,6 +2,7 @@
 // `roll` of a trend or a life is a body by its name in the site file, a roller or a roll of web.
 import { row } from "/static/curves.js";
 import { drawTrend } from "/static/weeks.js";
+import { keepTyped, sent } from "/static/draft.js";
 import { showLong } from "/static/long.js";
 import { stamp } from "/static/stamp.js";
 import { ask, byId, number, part, put, words } from "/static/see.js";
@@ -195,13 +196,15 @@ lookAfter((state) => {
 });
 
 byId("read").onclick = () => post("/maintenance/read", {});
-byId("exchange").onsubmit = (event) => {
+for (const name of ["exchange-on", "exchange-why"]) keepTyped(byId(name), name);
+byId("exchange").onsubmit = async (event) => {
   event.preventDefault();
   const on = new Date(byId("exchange-on").value).toISOString();
-  post("/maintenance/exchange", {
+  const answer = await post("/maintenance/exchange", {
     roll: byId("exchange-roll").value,
     on,
     reason: byId("exchange-why").value,
   });
+  if (answer.ok) sent(byId("exchange-why"), "exchange-why");
 };
 look();

@@ -13,6 +13,7 @@ const language = root.lang;
 const words = document.getElementById("words").dataset;
 const byId = (name) => document.getElementById(name);
 const line = document.title;
+const hasRows = byId("login") === null; // who types a password sees none, and is not disturbed
 
 let frame = null;
 let arrived_ms = null; // when the newest frame came, though it is not shown any more
@@ -72,10 +73,21 @@ function showFrame() {
   byId("also-part").hidden = frame.also.length === 0;
   fill("also", frame.also, alsoItem, "");
   put(byId("config"), frame.config || words.none);
+  showLimits();
   root.dataset.state = frame.state;
   root.dataset.urgent = String(frame.alarms[0]?.rank ?? "");
   fill("alarms", frame.alarms, alarmItem, words.noAlarm);
   fill("coming", frame.coming, comingItem, words.nothing);
+}
+
+const limitOf = new Intl.NumberFormat(language, { maximumSignificantDigits: 3 });
+
+/** Limits of the outputs: a setting that is tried changes one while the page is open. */
+function showLimits() {
+  for (const limit of document.querySelectorAll(".limit")) {
+    const { of, number: first, numberUnit } = limit.dataset;
+    put(limit, limitOf.format(inUnit(frame?.limits[of] ?? Number(first), numberUnit)));
+  }
 }
 
 function fill(name, entries, make, empty) {
@@ -188,7 +200,7 @@ function connect() {
   own.onmessage = (message) => {
     if (own !== socket) return;
     const fresh = JSON.parse(message.data);
-    if (fresh.boot !== root.dataset.boot || fresh.layout !== root.dataset.layout) {
+    if (fresh.boot !== root.dataset.boot || (fresh.layout !== root.dataset.layout && hasRows)) {
       location.reload();
       return;
     }
@@ -281,17 +293,18 @@ const actions = {
     (first ?? list).focus();
   },
   m: otherSound,
-  "/": () => byId("main").querySelector("select, input")?.focus(),
+  "/": () => [...byId("main").querySelectorAll("select, input")].find((one) => one.checkVisibility())?.focus(),
   "?": () => openBox(byId("help")),
 };
 const PAGE_KEY_MS = 2000;
-let page_key_ms = -Infinity; // when `g` was pressed: the digit after it is a page
+let page_key_ms = -Infinity; // when `g` was pressed: the key after it is a page
 
-/** Go to a page by its place; whether the key was for that. */
+/** Go to a page by its key; whether the key was for that. */
 function isPageKey({ key }) {
   const isSecond = performance.now() - page_key_ms < PAGE_KEY_MS;
   page_key_ms = key === "g" ? performance.now() : -Infinity;
-  const page = isSecond ? document.querySelectorAll("nav.pages a")[(Number(key) + 9) % 10] : undefined;
+  const pages = isSecond ? [...document.querySelectorAll("nav.pages a")] : [];
+  const page = pages.find((one) => one.dataset.key === key);
   page?.click();
   return key === "g" || page !== undefined;
 }
@@ -313,10 +326,7 @@ byId("units").onclick = otherUnits;
 byId("keys").onclick = actions["?"];
 byId("close").onclick = () => byId("help").close();
 if (["light", "dark"].includes(kept("theme"))) root.dataset.theme = kept("theme");
-for (const limit of document.querySelectorAll(".limit")) {
-  const value = inUnit(Number(limit.dataset.number), limit.dataset.numberUnit);
-  put(limit, new Intl.NumberFormat(language, { maximumSignificantDigits: 3 }).format(value));
-}
+showLimits();
 
 blank();
 setInterval(() => performance.now() - looked_ms > UNSEEN_MS && look(), LOOK_MS);

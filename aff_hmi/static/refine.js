@@ -1,5 +1,6 @@
 // Choose windows of recorded runs, see what they lack, refine, read what was found, try it.
 import { row } from "/static/curves.js";
+import { keep, kept, keepTyped } from "/static/draft.js";
 import { showLong } from "/static/long.js";
 import { stamp } from "/static/stamp.js";
 import { showVerdict } from "/static/verdict.js";
@@ -23,25 +24,48 @@ function renewed(box, said, make) {
 
 // --- choosing ----------------------------------------------------------------------------------
 
-function choose(run) {
+function choose(name, [from, to, use] = ["", "", byId("chosen").childElementCount ? "judge" : "fit"]) {
   const box = part("p", "fields chosen");
-  box.dataset.run = run.name;
-  box.append(part("span", "name", run.name));
+  box.dataset.run = name;
+  box.append(part("span", "name", name));
   const more = { maxLength: 14, pattern: "[0-9:.]*" };
-  const use = document.createElement("select");
+  const choice = document.createElement("select");
   for (const [value, text] of [["fit", words.fit], ["judge", words.judge]]) {
     const option = part("option", "", text);
     option.value = value;
-    use.append(option);
+    choice.append(option);
   }
-  use.value = byId("chosen").childElementCount ? "judge" : "fit";
+  choice.value = use;
   const label = part("label", "", words.use);
-  label.append(use);
-  box.append(field(words.from, "from", more).box, field(words.to, "to", more).box, label);
-  box.append(button(words.remove, () => box.remove()));
+  label.append(choice);
+  const ends = [["from", from], ["to", to]].map(([end, value]) => field(words[end], end, { ...more, value }).box);
+  const remove = button(words.remove, () => {
+    box.remove();
+    keepChosen();
+  });
+  box.append(...ends, label, remove);
   byId("chosen").append(box);
-  box.querySelector("input").focus();
+  return box;
 }
+
+/** Choose a run that is listed, and go on with its times. */
+function add(run) {
+  choose(run.name).querySelector("input").focus();
+  keepChosen();
+}
+
+/** What is chosen is kept until somebody removes it: it is asked for more than once. */
+function keepChosen() {
+  const rows = [...byId("chosen").children].map((box) => {
+    const fields = [...box.querySelectorAll("input, select")].map((one) => one.value);
+    return [box.dataset.run, fields];
+  });
+  keep("chosen", rows.length ? JSON.stringify(rows) : "");
+}
+
+byId("chosen").addEventListener("input", keepChosen);
+for (const [name, fields] of JSON.parse(kept("chosen") || "[]")) choose(name, fields);
+keepTyped(byId("without"), "without");
 
 function runs(view) {
   put(byId("runs-count"), `(${view.runs.length})`);
@@ -51,9 +75,9 @@ function runs(view) {
       const span = `${digits(run.from_s, 0)} – ${digits(run.to_s, 0)}`;
       const made = row([run.name, run.start_utc.slice(0, 19), run.line, span]);
       const cell = part("td");
-      const add = button(words.add, () => choose(run));
-      add.setAttribute("aria-label", `${words.add}: ${run.name}`);
-      cell.append(add);
+      const choosing = button(words.add, () => add(run));
+      choosing.setAttribute("aria-label", `${words.add}: ${run.name}`);
+      cell.append(choosing);
       made.append(cell);
       return made;
     }),
@@ -195,8 +219,9 @@ async function look() {
 let wasTried = "";
 lookAfter((state) => {
   const wasOpen = isOpen;
-  isOpen = state?.ok === true && state.is_open;
-  for (const box of document.querySelectorAll("[data-open]")) box.hidden = !isOpen;
+  const isOk = state?.ok === true;
+  if (isOk) isOpen = state.is_open; // one answer that is missed ends nothing, and no form is made anew
+  for (const box of document.querySelectorAll("[data-open]")) box.hidden = !(isOk && isOpen);
   const tried = showTried(state);
   const hasEnded = showLong(state);
   if (hasEnded) look();

@@ -1,4 +1,5 @@
 // Rolls as pictures in mm, with the orders behind them.
+import { renew } from "/static/renew.js";
 import { SHAPE, enlarged, extremes, polar, said, shape } from "/static/polar.js";
 import { at, byId, number, onPart, part, put, words } from "/static/see.js";
 
@@ -131,22 +132,17 @@ function placeOf(hash) {
   }
 }
 
-/** A roll is drawn anew when it says something new; what was opened stays open. */
+/** A roll says anew what is new of it; what was opened, pushed aside or chosen by a key stays so. */
 onPart((page) => {
   const rolls = page?.rolls ?? [];
   const next = rolls.map((roll) => {
     const text = JSON.stringify(roll);
     const old = drawn.get(roll.key);
     if (old?.text === text) return old.box;
-    const box = section(roll);
-    const details = box.querySelector("details");
-    if (details) details.open = old?.box.querySelector("details")?.open ?? false;
-    const wide = old?.box.querySelector(".scroll");
-    const isHeld = old?.box.querySelector(".angle input") === document.activeElement;
+    const fresh = section(roll);
+    if (old) renew(old.box, fresh);
+    const box = old?.box ?? fresh;
     drawn.set(roll.key, { text, box });
-    if (wide) requestAnimationFrame(() => (box.querySelector(".scroll").scrollLeft = wide.scrollLeft));
-    if (old) old.box.replaceWith(box);
-    if (old && isHeld) box.querySelector(".angle input")?.focus();
     return box;
   });
   const list = byId("rolls");

@@ -1,5 +1,6 @@
 // Times of the ticks, rights, who may what: all of it comes in the frames.
 import { row, short } from "/static/curves.js";
+import { renew } from "/static/renew.js";
 import { byId, number, onPart, part, put, send, words } from "/static/see.js";
 
 const NS = "http://www.w3.org/2000/svg";
@@ -98,7 +99,10 @@ function show(page) {
     if (slot.dataset.bad) slot.classList.toggle("bad", (value ?? 0) > 0);
   }
   when("times", page.times, () => {
-    byId("times").replaceChildren(...page.times.map((one) => timeBlock(one, page.edges_us)));
+    const blocks = page.times.map((one) => timeBlock(one, page.edges_us));
+    const olds = [...byId("times").children];
+    if (olds.length !== blocks.length) byId("times").replaceChildren(...blocks);
+    else olds.forEach((old, n) => renew(old, blocks[n]));
   });
   when("rights", page.rights, () => {
     const lines = page.rights.map(rightLine);

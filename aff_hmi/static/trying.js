@@ -1,4 +1,5 @@
 // Settings that are tried: shown to who commissions, kept or taken back with a reason.
+import { keepTyped, sent } from "/static/draft.js";
 import { byId, put } from "/static/see.js";
 import { post } from "/static/work.js";
 
@@ -30,10 +31,12 @@ export function showTried(state) {
   return tried;
 }
 
-byId("trying").onsubmit = (event) => {
+keepTyped(byId("tried-why"), "tried");
+byId("trying").onsubmit = async (event) => {
   event.preventDefault();
   const measured = byId("trying").dataset.sha256; // of what is shown as tried: nothing else is kept or ended
   const said = { do: event.submitter.value, step: 0, measured, seconds: 0 };
-  post("/card/settings", { ...said, reason: byId("tried-why").value });
+  const answer = await post("/card/settings", { ...said, reason: byId("tried-why").value });
+  if (answer.ok) sent(byId("tried-why"), "tried");
 };
 setInterval(count, 500);

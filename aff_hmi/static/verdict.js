@@ -1,4 +1,5 @@
 // One refinement: what was found, the figures before and after, what to do, what can be tried.
+import { keepTyped, sent } from "/static/draft.js";
 import { row, short } from "/static/curves.js";
 import { diff } from "/static/diff.js";
 import { number, part, words } from "/static/see.js";
@@ -67,10 +68,13 @@ function trying(one, proposal) {
   const line = part("p", "fields");
   line.append(why.box, seconds.box, go);
   form.append(part("p", "note", words.hand), line);
-  form.onsubmit = (event) => {
+  const draft = `try ${one.number}`;
+  keepTyped(why.input, draft);
+  form.onsubmit = async (event) => {
     event.preventDefault();
     const said = { number: one.number, measured: proposal.sha256, reason: why.input.value };
-    post("/refine/try", { ...said, seconds: Number(seconds.input.value) });
+    const answer = await post("/refine/try", { ...said, seconds: Number(seconds.input.value) });
+    if (answer.ok) sent(why.input, draft);
   };
   return form;
 }

@@ -36,7 +36,7 @@ export function lookAfter(show) {
   const look = async () => {
     if (isAsking || document.hidden) return;
     isAsking = true;
-    const state = await ask("/data/commissioning", {}, LONG_MS);
+    const state = await ask("/data/commissioning", {}); // from memory: who is silent for long hangs
     isAsking = false;
     standing(state);
     show(state);
@@ -79,7 +79,13 @@ export function lines(list, said) {
   const text = JSON.stringify(said);
   if (list.dataset.text === text) return;
   list.dataset.text = text;
-  list.replaceChildren(...said.map((one) => part("li", one.kind, one.text)));
+  list.replaceChildren(
+    ...said.map((one) => {
+      const line = part("li", one.kind, one.text);
+      if (one.lang) line.lang = one.lang;
+      return line;
+    }),
+  );
   list.scrollTop = list.scrollHeight;
 }
 

@@ -22,7 +22,9 @@ export function byId(name) {
 }
 export const put = (box, text) => { box.textContent = text; };
 """
-WORK = "export const posted = []; export const post = (...all) => posted.push(all);"
+WORK = """export const posted = [];
+export const post = async (...all) => { posted.push(all); return { ok: true }; };"""
+DRAFT = "export const keepTyped = () => {}; export const sent = () => {};"
 MAIN = """
 import { readFileSync } from "node:fs";
 let now = 0;
@@ -54,7 +56,7 @@ ENDED = TRIED | {"left_s": None, "service": {"answers": True, "trying": "", "tri
 @pytest.fixture
 def played(tmp_path: Path) -> Any:
     """Return what plays steps to the script: what each shows, and what was posted."""
-    scripts.put_script(tmp_path, "trying", {"see": SEE, "work": WORK})
+    scripts.put_script(tmp_path, "trying", {"see": SEE, "work": WORK, "draft": DRAFT})
     return lambda *steps: scripts.played(tmp_path, MAIN, steps)
 
 

@@ -331,9 +331,17 @@ def test_events_of_one_kind_in_a_row_are_one_with_their_number() -> None:
 def test_a_page_changes_when_the_site_does_and_not_with_the_numbers() -> None:
     moment = seen()
     other = seen(row(unwind_tension_N=1.0))
-    wider = replace(LINE, outputs=(replace(LINE.outputs[0], limit=0.2),))
+    renamed = replace(LINE, outputs=(replace(LINE.outputs[0], actuator="rewind"),))
     assert layout(moment).ident == layout(other).ident
-    assert layout(seen(facts=facts(facts=wider))).ident != layout(moment).ident
+    assert layout(seen(facts=facts(facts=renamed))).ident != layout(moment).ident
+
+
+def test_a_limit_that_a_try_changes_is_filled_in_and_the_page_stays() -> None:
+    wider = replace(LINE, outputs=(replace(LINE.outputs[0], limit=0.2),))
+    moments = seen(), seen(facts=facts(facts=wider))
+    before, after = (view_of(one, layout(one), SAY) for one in moments)
+    assert after.layout == before.layout
+    assert (before.limits, after.limits) == ({"unwind": 150.0}, {"unwind": 200.0})  # mm/s
 
 
 def test_a_set_point_is_no_tension() -> None:

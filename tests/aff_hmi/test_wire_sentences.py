@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import errno
+import os
 import re
+import socket
 
 import pytest
 
@@ -12,11 +15,21 @@ from aff_hmi.notices import notices_of
 from aff_hmi.see.alarm_part import event_line
 from aff_hmi.see.events import Wanted, select
 from aff_hmi.see.kept import Kept
-from aff_hmi.wire_sentences import CHECK_CABLE, CHECK_NODE, MEND_RADIUS, OTHER, TROUBLES, told
+from aff_hmi.wire_sentences import (
+    CHECK_CABLE,
+    CHECK_NODE,
+    MEND_RADIUS,
+    OF_SYSTEM,
+    OTHER,
+    TROUBLES,
+    told,
+)
 from aff_hmi.words import say_in
+from aff_runtime.base.errors import WireError
 from aff_runtime.core.params import RollParams
 from aff_runtime.core.phase import RollPhase
 from aff_runtime.fieldbus.modbus.frames import exception_text
+from aff_runtime.fieldbus.modbus.tcp_wire import resolved
 from tests.aff_hmi.moments import facts, seen
 from tests.doubles.virtual_clock import VirtualClock
 
@@ -94,7 +107,7 @@ def test_a_node_that_is_missing_is_named_with_what_it_lacks(
 
 
 def test_what_is_in_no_pattern_stays_whole_as_a_wires() -> None:
-    said = "192.168.7.10:502: No route to host"
+    said = "192.168.7.10:502: Protocol error"
     assert shown(said) == ("WIRE", said, say_in("de")(CHECK_CABLE))
     assert told(said).trouble is OTHER
 
@@ -114,3 +127,21 @@ def test_the_events_tell_it_in_the_readers_language_too() -> None:
     kept.close()
     (line,) = [one for one in found if one.name == "RADIUS"]
     assert "liegt über radius_max_m 0,3 m" in line.text
+
+
+@pytest.mark.parametrize("number", OF_SYSTEM, ids=errno.errorcode.__getitem__)
+def test_what_the_system_says_of_a_socket_is_told_in_german_with_the_place(number: int) -> None:
+    sentence = f"192.0.2.7:502: {os.strerror(number)}"
+    name, text, to_do = shown(sentence)
+    assert name == "WIRE"
+    assert text.startswith("192.0.2.7:502: ")
+    assert os.strerror(number) not in text
+    assert to_do == say_in("de")(OF_SYSTEM[number][1])
+
+
+def test_a_name_without_an_address_has_its_own_advice() -> None:
+    with pytest.raises(WireError) as told_it:
+        resolved("plc.invalid.", 502, socket.SOCK_STREAM)
+    name, text, to_do = shown(str(told_it.value))
+    assert (name, text) == ("WIRE", "plc.invalid.:502: zu diesem Namen gibt es keine Adresse")
+    assert to_do == "die IP-Adresse schreiben oder DNS prüfen"

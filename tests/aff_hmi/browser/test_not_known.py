@@ -17,7 +17,7 @@ pytest.importorskip("pyarrow")
 from aff_hmi.watch import News
 from tests.aff_hmi.browser import staged
 from tests.aff_hmi.browser.eyes import Page
-from tests.aff_hmi.browser.staged import FOLLOWER, PASSWORD, Stage, moment
+from tests.aff_hmi.browser.staged import FOLLOWER, PASSWORD, Stage, moment, ready
 from tests.aff_hmi.browser.told import SERVICE, Told
 from tests.aff_hmi.moments import LINE
 
@@ -128,6 +128,31 @@ def test_what_was_dead_stays_crossed_out_in_a_tab_that_comes_back_without_a_link
     page.close()
 
 
+def test_a_tab_that_comes_back_without_a_link_offers_nothing_that_it_does_not_know(
+    chromium, stage: Stage
+) -> None:
+    page = Page(chromium, f"{stage.url}login", locale="en")
+    page.page.fill("#name", "anna")
+    page.page.fill("#password", PASSWORD)
+    page.page.press("#password", "Enter")
+    page.await_selector("#arm")
+    page.await_live()
+    stage.show(ready())
+    page.page.click("#take")
+    page.await_selector('#arm[aria-disabled="false"]')
+    whose = page.text("#hand-of")
+    assert whose.startswith("you have the hand")
+    page.page.route_web_socket("**/live*", lambda socket: None)
+    page.page.evaluate(HIDE, True)
+    page.page.evaluate(HIDE, False)
+    page.await_selector('#arm[aria-disabled="true"]')
+    assert page.text("#arm-why") == "no fresh data"
+    assert page.text("#hand-of") == "—"
+    assert page.page.is_enabled("#bypass")
+    page.page.unroute_all()
+    page.close()
+
+
 def test_an_alert_is_said_once_and_its_age_beside_it(chromium, stage: Stage) -> None:
     page = Page(chromium, stage.url, locale="en")
     page.await_live()
@@ -178,6 +203,8 @@ QUESTION = {
     "choices": [],
     "rows": [],
 }
+HANGS = {"says": "nothing"}
+HUNG_MS = 60_000.0  # far more than a page waits, and less than it waits for a job
 JOB = {"do": "words", "step": -1, "name": "find", "seconds": 1.0, "said": [], "ask": QUESTION}
 STATE = {
     "ok": True,
@@ -195,7 +222,7 @@ STATE = {
 }
 
 
-@pytest.mark.parametrize("silence", ["refused", "nothing"])
+@pytest.mark.parametrize("silence", ["refused", "nothing", "hangs"])
 def test_without_an_answer_of_the_commissioner_nothing_is_stated_and_what_is_typed_stays(
     chromium, stage: Stage, silence: str
 ) -> None:
@@ -207,6 +234,8 @@ def test_without_an_answer_of_the_commissioner_nothing_is_stated_and_what_is_typ
     said: dict[str, Any] = {"now": STATE}
 
     def tell(route: Any) -> None:
+        if said["now"] == HANGS:
+            return  # no answer, and no end: its process was stopped
         if said["now"] is None:
             route.abort()
         else:
@@ -220,8 +249,9 @@ def test_without_an_answer_of_the_commissioner_nothing_is_stated_and_what_is_typ
     assert told["probe"] == "a probe is under way; BYPASS ends it"
     assert told["file"].startswith("/site.yaml, ")
     assert page.run("() => document.documentElement.dataset.probed") == "now"
-    said["now"] = None if silence == "nothing" else {"ok": False, "text": "no answer"}
-    page.await_selector("#work-silent:not([hidden])")
+    refused = {"ok": False, "text": "no answer"}
+    said["now"] = {"nothing": None, "hangs": HANGS, "refused": refused}[silence]
+    page.page.wait_for_selector("#work-silent:not([hidden])", timeout=HUNG_MS)
     for name in told:
         assert page.text(f'[data-says="{name}"]') == "—"
     assert page.text('[data-says="sign"]') == "—"

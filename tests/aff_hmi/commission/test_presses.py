@@ -131,7 +131,7 @@ def test_what_a_person_answers_is_shown_to_who_may_commission_alone(at: Pressed)
     assert (seen["job"]["said"], seen["job"]["ask"], seen["may"]) == ([], None, False)
     assert "path" not in seen["site"]
     seen = at.browser("carl").get("/data/commissioning?lang=de").said
-    assert seen["job"]["said"] == [{"kind": "say", "text": "angehalten"}]
+    assert seen["job"]["said"] == [{"kind": "say", "text": "angehalten", "lang": ""}]
     assert seen["job"]["ask"]["choices"] == [["no", "nein"]]
     assert seen["site"] == SITE
 
