@@ -16,8 +16,9 @@ from benchmarks.fleet.page import page
 from benchmarks.fleet.scored import Scored, in_order
 from sim_plant.cli.output import say
 from sim_plant.fleet.example import drawn, name_of, write_fleet
-from sim_plant.fleet.looks import looks_in
-from sim_plant.fleet.pipeline import TABLE, kept_result, refine_fleet, row_file
+from sim_plant.fleet.looks import fleet_in
+from sim_plant.fleet.pipeline import TABLE, refine_fleet
+from sim_plant.fleet.rows import kept_result, row_file
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "results" / "fleet.md"
@@ -26,7 +27,7 @@ PAGE = ROOT / "docs" / "results" / "fleet.md"
 def scored_lines(folders: Folders, seed: int, count: int) -> list[Scored]:
     """Return every look at the first lines that has a row, beside what it hides."""
     plan, found = folders.plan(""), []
-    looks = looks_in(plan.lines, plan.runs) if plan.lines.exists() else []
+    looks = fleet_in(plan.lines, plan.runs).looks if plan.lines.exists() else []
     for number in range(1, count + 1):
         name = name_of(number)
         own = [kept_result(row_file(plan.out, k.key), say) for k in looks if k.line == name]

@@ -11,7 +11,7 @@ from typing import Any
 
 from benchmarks.rows import read_row, write_row
 from benchmarks.workers import by_hand, kill_when
-from sim_plant.fleet.looks import looks_in
+from sim_plant.fleet.looks import fleet_in
 from sim_plant.fleet.pipeline import TABLE, FleetPlan, refine_fleet
 
 SCALING, LOST = "scaling.json", "lost.json"
@@ -68,7 +68,7 @@ def lost_worker(folders: Folders, few: str, say: Callable[[str], None]) -> None:
     calm = folders.plan(f"{few}/calm", lines=few)
     refine_fleet(calm, say)
     plan = folders.plan(f"{few}/lost-{os.getpid()}", lines=few)
-    looks, rows = len(looks_in(plan.lines, plan.runs)), plan.out / "rows"
+    looks, rows = len(fleet_in(plan.lines, plan.runs).looks), plan.out / "rows"
     with by_hand(folders.root / few / "dask") as (address, workers):
         threading.Thread(
             target=kill_when,

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from datetime import date
 from pathlib import Path
+from typing import get_type_hints
 
 import numpy as np
 
@@ -38,6 +39,7 @@ class Finding:
     sure : ``named``, ``one of several``, ``no known effect`` or empty.
     to_do : what to do at the machine, or what went wrong.
     error_before, error_after : of the worst tension on the record held out, in noise floors.
+    declared : which line file it was told under, the first digits of its hash.
     """
 
     line: str
@@ -58,11 +60,14 @@ class Finding:
     to_do: str = ""
     error_before: float = math.nan
     error_after: float = math.nan
+    declared: str = ""
 
 
 def findings_of(result: LookResult) -> Iterator[Finding]:
     """Yield the findings of one look."""
-    plain = Finding(line=result.line, recorded=result.recorded, verdict=result.answer)
+    plain = Finding(
+        line=result.line, recorded=result.recorded, verdict=result.answer, declared=result.declared
+    )
     verdict = result.verdict
     if verdict is None:
         yield replace(plain, to_do=result.error)
@@ -150,11 +155,14 @@ def with_trends(findings: Sequence[Finding]) -> list[Finding]:
 
 
 def _series(findings: Sequence[Finding]) -> Iterator[list[int]]:
-    """Yield the places in the list of what is one effect, seen again and again."""
-    kinds: dict[tuple[str, str, str, str], list[int]] = {}
+    """Yield the places in the list of what is one effect, seen again and again.
+
+    A size is that of what a line file lacks: under another file it is another quantity.
+    """
+    kinds: dict[tuple[str, ...], list[int]] = {}
     for at, found in enumerate(findings):
         if np.isfinite([found.size, found.size_low, found.size_high]).all():
-            key = (found.line, found.effect, found.place, found.number)
+            key = (found.line, found.declared, found.effect, found.place, found.number)
             kinds.setdefault(key, []).append(at)
     for places in kinds.values():
         places.sort(key=lambda at: findings[at].tone)
@@ -199,9 +207,11 @@ def write_parquet(findings: Sequence[Finding], path: Path) -> None:
         import pyarrow.parquet as pq  # noqa: PLC0415
     except ImportError as error:
         raise PlantError("a Parquet table needs: pip install 'aff-runtime[records]'") from error
-    table = pa.Table.from_pylist([asdict(found) for found in findings])
-    days = pa.array([date.fromisoformat(f.recorded) for f in findings], pa.date32())
-    at = table.column_names.index("recorded")
-    table = table.set_column(at, "recorded", days)
+    kinds = {float: pa.float64(), str: pa.string()}
+    hints = get_type_hints(Finding)
+    columns = {f.name: kinds[hints[f.name]] for f in fields(Finding)}
+    columns["recorded"] = pa.date32()
+    rows = [asdict(f) | {"recorded": date.fromisoformat(f.recorded)} for f in findings]
+    table = pa.Table.from_pylist(rows, schema=pa.schema(columns))
     meaning = {"units": "size, size_low, size_high: SI, named in `unit`; trend: that per 30 days"}
     pq.write_table(table.replace_schema_metadata(meaning), path)

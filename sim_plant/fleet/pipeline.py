@@ -8,13 +8,13 @@ from pathlib import Path
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import PlantError
-from aff_runtime.base.files import replace_text
 from sim_plant.base.worker_pool import LostJobError
 from sim_plant.fleet.cluster import Cluster
 from sim_plant.fleet.findings import Finding, findings_of, with_trends, write_parquet
-from sim_plant.fleet.looks import Look, looks_in
+from sim_plant.fleet.looks import Fleet, fleet_in
 from sim_plant.fleet.page import write_page
 from sim_plant.fleet.refine_look import LookResult, Order, refine_look
+from sim_plant.fleet.rows import Row, keep, of_the_table, rows_in, told
 
 LIMIT_S = 3600.0
 """For one look: it takes one to six minutes of a core."""
@@ -67,25 +67,22 @@ def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
     ClusterError
         When the cluster cannot be used.
     """
-    looks = looks_in(plan.lines, plan.runs)
-    out = plan.out.absolute()
+    out = plan.out.absolute()  # as the others: workers have working folders of their own
+    rows = rows_in(out, say)
+    fleet = fleet_in(plan.lines.absolute(), plan.runs.absolute(), told(rows.values()))
     try:
         (out / "rows").mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise PlantError(f"--out {plan.out}: cannot be written ({error})") from error
-    keys = {look: look.key for look in looks}
-    kept = {look: kept_result(row_file(out, key), say) for look, key in keys.items()}
-    results: dict[Look, LookResult] = {look: row for look, row in kept.items() if row is not None}
-    fresh = [look for look in looks if look not in results]
-    failed = [look for look, row in results.items() if row.verdict is None]
+    looks, keys = fleet.looks, {look: look.key for look in fleet.looks}
+    for look, key in keys.items():
+        if key in rows and not rows[key].result.fitted:
+            rows[key] = keep(out, key, look, rows[key].result)
+    fresh = [look for look in looks if keys[look] not in rows]
+    failed = [k for k in looks if keys[k] in rows and rows[keys[k]].result.verdict is None]
     orders = [Order(look=look, out=out / "reports" / keys[look]) for look in (*fresh, *failed)]
     todo = orders[: plan.most]
-    later = f", {len(orders) - len(todo)} wait" if len(orders) > len(todo) else ""
-    later += f"; {len(failed)} failed before" if failed else ""
-    say(
-        f"{len(looks)} looks at {len({look.line for look in looks})} lines, "
-        f"{len(todo)} to refine{later}"
-    )
+    _say_what_there_is(fleet, len(todo), len(orders), len(failed), say)
     lost, times_s, clock = [], [], MonotonicClock()
     begun_ns = ended_ns = clock.now_ns()
     for order, result in _refined(plan, todo, say):
@@ -93,17 +90,11 @@ def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
             lost.append(str(result))
             say(str(result))
             continue
-        replace_text(row_file(out, keys[order.look]), result.to_json())
-        results[order.look] = result
+        rows[keys[order.look]] = keep(out, keys[order.look], order.look, result)
         times_s.append(result.time_s)
         ended_ns = clock.now_ns()
         say(f"{order}: {result.answer}, {result.time_s:.0f} s")
-    done = [results[look] for look in looks if look in results]
-    findings = with_trends([f for result in done for f in findings_of(result)])
-    write_parquet(findings, out / TABLE)
-    places = {look: f"reports/{keys[look]}/report.html" for look in looks if look in results}
-    reports = {look.line: place for look, place in places.items() if (out / place).is_file()}
-    write_page(findings, [result.answer for result in done], reports, out / PAGE)
+    findings = _written(out, fleet, of_the_table(fleet, keys, rows))
     return FleetOutcome(
         findings=findings,
         lost=lost,
@@ -114,20 +105,33 @@ def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
     )
 
 
-def row_file(out: Path, key: str) -> Path:
-    """Return where the row of a look lies."""
-    return out / "rows" / f"{key}.json"
+def _say_what_there_is(
+    fleet: Fleet, todo: int, orders: int, failed: int, say: Callable[[str], None]
+) -> None:
+    looks = fleet.looks
+    later = f", {orders - todo} wait" if orders > todo else ""
+    later += f"; {failed} failed before" if failed else ""
+    lines = len({look.line for look in looks})
+    say(f"{len(looks)} looks at {lines} lines, {todo} to refine{later}")
+    if not looks:
+        say("no line has two records yet: the table has what was told before")
+    for shut in fleet.closed:
+        say(f"{shut.line}: {shut.error}")
 
 
-def kept_result(path: Path, say: Callable[[str], None]) -> LookResult | None:
-    """Return what a kept row says; None where there is none, or no whole one: that is said."""
-    try:
-        return LookResult.from_json(path.read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return None
-    except (OSError, UnicodeDecodeError, PlantError) as error:
-        say(f"{path}: {error}; it counts as not done")
-        return None
+def _written(out: Path, fleet: Fleet, rows: Sequence[Row]) -> list[Finding]:
+    """Write table and page; return what stands there."""
+    findings = with_trends([f for row in rows for f in findings_of(row.result)])
+    findings += [
+        Finding(line=shut.line, recorded=shut.recorded, verdict="failed", to_do=shut.error)
+        for shut in fleet.closed
+    ]
+    write_parquet(findings, out / TABLE)
+    places = {row.result.line: f"reports/{row.key}/report.html" for row in rows}
+    answers = [*(row.result.answer for row in rows), *("failed" for _ in fleet.closed)]
+    reports = {line: place for line, place in places.items() if (out / place).is_file()}
+    write_page(findings, answers, reports, out / PAGE)
+    return findings
 
 
 def _refined(

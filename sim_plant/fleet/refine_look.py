@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import date
 from pathlib import Path
 
@@ -27,23 +27,37 @@ class Order:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LookResult:
-    """What a look came to: a verdict, or None and why there is none."""
+    """What a look came to: a verdict, or None and why there is none.
+
+    Attributes
+    ----------
+    fitted, held : names of its records; empty in a row of before there were names.
+    declared : which line file it was told under, ``Look.declared``.
+    """
 
     line: str
     recorded: str
     verdict: Verdict | None
     error: str
     time_s: float
+    fitted: str = ""
+    held: str = ""
+    declared: str = ""
 
     @property
     def answer(self) -> str:
         """The verdict in a word."""
         return "failed" if self.verdict is None else self.verdict.answer
 
+    def of(self, look: Look) -> LookResult:
+        """Return it with the names of its look's records and line file."""
+        return replace(self, fitted=look.fitted.name, held=look.held.name, declared=look.declared)
+
     def to_json(self) -> str:
         """Return the row that is kept of it."""
         verdict = None if self.verdict is None else json.loads(self.verdict.to_json())
         row = {"line": self.line, "recorded": self.recorded, "verdict": verdict}
+        row |= {"fitted": self.fitted, "held": self.held, "declared": self.declared}
         return json.dumps(row | {"error": self.error, "time_s": self.time_s}, indent=1) + "\n"
 
     @classmethod
@@ -65,6 +79,7 @@ class LookResult:
                 verdict=None if verdict is None else Verdict.from_json(json.dumps(verdict)),
                 error=str(row["error"]),
                 time_s=float(row["time_s"]),
+                **{name: str(row.get(name, "")) for name in ("fitted", "held", "declared")},
             )
         except (KeyError, TypeError, ValueError, RecursionError) as error:
             raise PlantError(f"no row of a look ({error!r})") from error

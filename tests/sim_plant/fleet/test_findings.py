@@ -121,6 +121,13 @@ def test_another_place_is_another_series():
     assert np.isnan([f.trend for f in with_trends(moved)]).all()
 
 
+def test_a_size_under_another_line_file_is_another_series():
+    grows = grown([1e-4, 2e-4, 3e-4, 4e-4])
+    assert np.isfinite(with_trends([replace(f, declared="one") for f in grows])[-1].trend)
+    two = [replace(f, declared=d) for f, d in zip(grows, "aabb", strict=True)]
+    assert np.isnan([f.trend for f in with_trends(two)]).all()
+
+
 def of(effect, place, **numbers):
     found = replace(traced(), place=EffectAt(effect, place), parameters=numbers)
     (one,) = findings_of(look(effects=(replace(found, interval95={}),)))
@@ -158,3 +165,14 @@ def test_the_parquet_file_reads_back_with_days_and_the_meaning_of_its_columns(tm
     assert table.column("recorded").to_pylist()[0].isoformat() == "2026-11-20"
     assert b"SI" in table.schema.metadata[b"units"]
     assert table.num_rows == 2
+
+
+def test_a_table_without_rows_has_the_same_columns(tmp_path):
+    import pyarrow.parquet as pq
+
+    write_parquet([], tmp_path / "none.parquet")
+    write_parquet([*findings_of(look(effects=(traced(),)))], tmp_path / "one.parquet")
+    none, one = (pq.read_table(tmp_path / f"{name}.parquet") for name in ("none", "one"))
+    assert none.num_rows == 0
+    assert none.schema == one.schema
+    assert str(none.schema.field("recorded").type) == "date32[day]"

@@ -1,18 +1,24 @@
 """Rows once each, what was stopped goes on, and the command's exit codes."""
 
+import hashlib
 import os
+import shutil
 import signal
 import threading
 from dataclasses import replace
+from pathlib import Path
 
+import pyarrow.parquet as pq
 import pytest
 
 from benchmarks.workers import by_hand
+from sim_plant.base.shipped import shipped
 from sim_plant.cli.main import main
 from sim_plant.fleet import pipeline
-from sim_plant.fleet.looks import looks_in
-from sim_plant.fleet.pipeline import TABLE, FleetPlan, kept_result, refine_fleet, row_file
+from sim_plant.fleet.looks import fleet_in
+from sim_plant.fleet.pipeline import TABLE, FleetPlan, refine_fleet
 from sim_plant.fleet.refine_look import LookResult
+from sim_plant.fleet.rows import kept_result, row_file
 from sim_plant.refine.report.verdict import Verdict
 from tests.sim_plant.fleet import jobs
 
@@ -34,7 +40,7 @@ def plan(tmp_path):
         (tmp_path / "lines" / f"{name}.yaml").write_text("rollers: 3\n", encoding="utf-8")
     places = {name: tmp_path / name for name in ("lines", "runs", "out")}
     found = FleetPlan(**places, workers=1)
-    first = looks_in(found.lines, found.runs)[0]
+    first = fleet_in(found.lines, found.runs).looks[0]
     row = LookResult(line="film1", recorded="2026-11-20", verdict=NOTHING, error="", time_s=60.0)
     path = row_file(found.out, first.key)
     path.parent.mkdir(parents=True)
@@ -101,6 +107,132 @@ def test_what_failed_is_done_again_and_a_page_links_what_is_there(plan, monkeypa
     assert "2 lines, 2 looks" in page
     refine_fleet(plan, said.append)
     assert said[-1] == "2 looks at 2 lines, 0 to refine"
+
+
+def test_a_fleet_without_two_records_of_a_line_has_an_empty_table_and_says_so(plan, capsys):
+    for folder in plan.runs.iterdir():
+        (folder / "2026-11-20_b.csv").unlink()
+    shutil.rmtree(plan.out)
+    arguments = [str(plan.lines), "--runs", str(plan.runs), "--out", str(plan.out)]
+    assert main(["fleet", *arguments]) == 0
+    said = capsys.readouterr().out
+    assert "no line has two records yet" in said
+    assert f"0 rows in {plan.out / TABLE}" in said
+    assert pq.read_table(plan.out / TABLE).num_rows == 0
+    assert "0 lines, 0 looks" in (plan.out / pipeline.PAGE).read_text(encoding="utf-8")
+
+
+@pytest.fixture
+def nights(plan, monkeypatch):
+    """Return a function of a night's work: what was given out, and the findings.
+
+    A line called film2 fails; what a look finds depends on its records alone.
+    """
+
+    def night():
+        given = []
+
+        def refined(_, todo, __):
+            for order in todo:
+                given.append(order)
+                verdict = None if order.look.line == "film2" else NOTHING
+                yield order, replace(jobs.failed(order), verdict=verdict)
+
+        monkeypatch.setattr(pipeline, "_refined", refined)
+        findings = refine_fleet(plan, lambda _: None).findings
+        return [f"{o.look.fitted.name} {o.look.held.name}" for o in given], findings
+
+    return night
+
+
+def days_of(findings, line):
+    return [f.recorded for f in findings if f.line == line and f.verdict != "failed"]
+
+
+def test_a_record_taken_away_or_put_before_changes_no_look_that_was_told(plan, nights):
+    folder = plan.runs / "film1"
+    for day in (21, 22):
+        for part in "ab":
+            (folder / f"2026-11-{day}_{part}.csv").write_text("time_s\n0\n", encoding="utf-8")
+    given, findings = nights()
+    told = ["2026-11-20", "2026-11-21", "2026-11-22"]
+    assert len(given) == 3  # one was told before, by a row without names; film2 fails
+    assert days_of(findings, "film1") == told
+    assert pq.read_table(plan.out / TABLE).num_rows == 4
+    (folder / "2026-11-20_a.csv").unlink()
+    (folder / "2026-11-19_a.csv").write_text("time_s\n0\n", encoding="utf-8")
+    given, findings = nights()
+    assert given == ["2026-11-20_a.csv 2026-11-20_b.csv"]  # that of film2, which failed
+    assert days_of(findings, "film1") == told
+    (folder / "2026-11-23_a.csv").write_text("time_s\n0\n", encoding="utf-8")
+    given, findings = nights()
+    assert given[0] == "2026-11-19_a.csv 2026-11-23_a.csv"
+    assert days_of(findings, "film1") == ["2026-11-19", *told]
+    shutil.rmtree(folder)  # records are kept for a month, say
+    assert days_of(nights()[1], "film1") == ["2026-11-19", *told]
+    (plan.lines / "film1.yaml").unlink()
+    assert {f.line for f in nights()[1]} == {"film2"}
+
+
+def test_a_changed_line_file_replaces_what_can_be_looked_at_again(plan, nights):
+    nights()
+    (plan.lines / "film1.yaml").write_text("rollers: 4\n", encoding="utf-8")
+    given, findings = nights()
+    assert len(given) == 2
+    assert days_of(findings, "film1") == ["2026-11-20"]
+    (plan.runs / "film1" / "2026-11-20_a.csv").unlink()
+    (plan.lines / "film1.yaml").write_text("rollers: 5\n", encoding="utf-8")
+    _, findings = nights()
+    assert days_of(findings, "film1") == ["2026-11-20"]
+    four = hashlib.sha256(b"rollers: 4\n").hexdigest()[:16]  # the last that it was told under
+    assert [f.declared for f in findings if f.line == "film1"] == [four]
+
+
+def test_what_is_left_of_a_look_that_failed_is_paired_anew(plan, nights):
+    nights()
+    folder = plan.runs / "film2"
+    (folder / "2026-11-20_a.csv").unlink()
+    (folder / "2026-11-20_c.csv").write_text("time_s\n0\n", encoding="utf-8")
+    given, findings = nights()
+    assert given == ["2026-11-20_b.csv 2026-11-20_c.csv"]
+    assert [f.verdict for f in findings if f.line == "film2"] == ["failed"]
+
+
+def test_folders_named_from_here_reach_workers_that_are_elsewhere(plan, monkeypatch):
+    given = []
+
+    def refined(_, todo, __):
+        given.extend(todo)
+        return iter(())
+
+    monkeypatch.setattr(pipeline, "_refined", refined)
+    monkeypatch.chdir(plan.out.parent)
+    here = {name: Path(name) for name in ("lines", "runs", "out")}
+    refine_fleet(replace(plan, **here), print)
+    (order,) = given
+    paths = (order.look.file, order.look.fitted, order.look.held, order.out)
+    monkeypatch.chdir("/")
+    assert all(path.exists() for path in paths[:3])
+    assert all(path.is_absolute() for path in paths)
+
+
+@pytest.mark.campaign  # a process of refine; quick: what is a look, in test_looks
+def test_what_cannot_be_read_is_a_failed_row_with_its_name_and_the_night_goes_on(plan):
+    broken = plan.runs / "film2" / "2026-11-20_a.csv"
+    broken.unlink()
+    broken.symlink_to(plan.runs / "unmounted.csv")
+    shutil.copy(shipped("lines/euclid.yaml"), plan.lines / "film2.yaml")
+    (plan.lines / "film3.yaml").write_text("rollers: 3\n", encoding="utf-8")
+    (plan.runs / "film3").symlink_to(plan.runs / "unmounted")
+    said = []
+    outcome = refine_fleet(plan, said.append)
+    by_line = {f.line: f for f in outcome.findings}
+    assert by_line["film1"].verdict == "nothing"
+    assert by_line["film2"].verdict == by_line["film3"].verdict == "failed"
+    assert "2026-11-20_a.csv" in by_line["film2"].to_do
+    assert "film3: cannot be read" in by_line["film3"].to_do
+    page = (plan.out / pipeline.PAGE).read_text(encoding="utf-8")
+    assert "1 nothing, 2 failed" in page or "2 failed, 1 nothing" in page
 
 
 @pytest.mark.campaign  # quick: a killed process of a job, in test_cluster
