@@ -50,6 +50,8 @@ class Fault(StrEnum):
 _DEFAULT_DURATION_S = {Fault.RESET: 0.0, Fault.DROP: 0.0, Fault.RESTART: 1.0, Fault.SPLICE: 2.0}
 TAKES_CHANNEL = frozenset({Fault.NAN, Fault.ABSURD, Fault.STUCK})
 """Faults of a measured channel; without an argument of all tensions."""
+_SEVERAL = TAKES_CHANNEL | {Fault.PERMISSIVE}
+"""Faults of which several stand together: one per channel, one per status bit."""
 _NUMBER = r"\d+(?:\.\d*)?|\.\d+"
 _SPEC = re.compile(
     r"(?P<name>[a-z]+)(=(?P<argument>[\w.]+))?"
@@ -65,6 +67,11 @@ class FaultSpec:
     argument: str
     start_s: float
     duration_s: float
+
+    @property
+    def name(self) -> str:
+        """Return name and argument, as a user spells them."""
+        return f"{self.fault.value}={self.argument}" if self.argument else self.fault.value
 
     @property
     def end_s(self) -> float:
@@ -135,60 +142,103 @@ def _checked_argument(text: str, fault: Fault, argument: str) -> str:
 
 
 class FaultBoard:
-    """Knows which faults are active now; at most one of each kind."""
+    """Knows which faults are active now.
+
+    Faults of a channel or a status bit stand beside others of their kind; the same fault again
+    begins anew. Of the rest one of a kind can be: another argument meanwhile is refused.
+
+    Raises
+    ------
+    PlantError
+        Two of the faults cannot be in force at once.
+    """
 
     def __init__(self, specs: tuple[FaultSpec, ...] = ()) -> None:
         self._now_s = 0.0
-        self._pending = list(specs)
-        self._active: dict[Fault, FaultSpec] = {}
+        self._pending: list[FaultSpec] = []
+        self._active: dict[tuple[Fault, str], FaultSpec] = {}
+        self._kinds: dict[Fault, FaultSpec] = {}
+        for spec in specs:
+            self.inject(spec)
 
     def inject(self, spec: FaultSpec) -> FaultSpec:
-        """Add a fault whose start counts from now; return it with its start in plant time."""
+        """Add a fault whose start counts from now; return it with its start in plant time.
+
+        Raises
+        ------
+        PlantError
+            One of its kind with another argument is in force meanwhile.
+        """
         placed = replace(spec, start_s=self._now_s + spec.start_s)
+        for other in (*self._active.values(), *self._pending):
+            if _in_the_way(placed, other):
+                until = (
+                    "until it is cleared" if math.isinf(other.end_s) else f"to {other.end_s:g} s"
+                )
+                raise PlantError(
+                    f"fault {placed.name!r}: {other.name!r} is in force meanwhile (from "
+                    f"{other.start_s:g} s of plant time {until}) and would end silently; clear "
+                    f"{other.fault.value!r} first"
+                )
         self._pending.append(placed)
         return placed
 
     def clear(self, fault: Fault | None = None) -> None:
-        """End one fault, or all, at the next step; forget those still to come."""
+        """End all of one kind, or all, at the next step; forget those still to come."""
         gone = set(Fault) if fault is None else {fault}
         self._pending = [spec for spec in self._pending if spec.fault not in gone]
-        for kind in gone & self._active.keys():
-            self._active[kind] = replace(self._active[kind], duration_s=0.0)
+        for key, spec in self._active.items():
+            if spec.fault in gone:
+                self._active[key] = replace(spec, duration_s=0.0)
 
     def active(self, fault: Fault) -> bool:
-        """Return whether ``fault`` is active now."""
-        return fault in self._active
+        """Return whether ``fault`` is active now, with whatever argument."""
+        return fault in self._kinds
 
     def any_of(self, faults: frozenset[Fault]) -> bool:
         """Return whether at least one of ``faults`` is active now."""
-        return not faults.isdisjoint(self._active)
+        return not faults.isdisjoint(self._kinds)
 
     def argument(self, fault: Fault) -> str:
-        """Return the argument of an active fault, else an empty text."""
-        spec = self._active.get(fault)
+        """Return the argument of an active fault of which one can be, else an empty text."""
+        spec = self._kinds.get(fault)
         return spec.argument if spec else ""
 
+    def arguments(self, fault: Fault) -> list[str]:
+        """Return the arguments of all active faults of a kind, in the order of their begin."""
+        return [spec.argument for spec in self._active.values() if spec.fault is fault]
+
     def names(self) -> list[str]:
-        """Return the names of the active faults."""
-        return [fault.value for fault in self._active]
+        """Return the active faults, as a user spells them."""
+        return [spec.name for spec in self._active.values()]
 
     def advance(self, now_s: float) -> list[FaultEdge]:
         """Move to ``now_s``; return what ended, then what began by its start.
 
-        A fault that another of its kind replaces ends before that one begins.
+        A fault that begins anew ends before.
         """
         self._now_s = now_s
-        over = [spec for spec in self._active.values() if spec.end_s <= now_s]
-        edges = [self._end(spec.fault) for spec in over]
+        over = [key for key, spec in self._active.items() if spec.end_s <= now_s]
+        edges = [self._end(key) for key in over]
         begun = [spec for spec in self._pending if spec.start_s <= now_s]
         if begun:
             self._pending = [spec for spec in self._pending if spec.start_s > now_s]
         for spec in sorted(begun, key=lambda spec: spec.start_s):
-            if spec.fault in self._active:
-                edges.append(self._end(spec.fault))
-            self._active[spec.fault] = spec
+            key = (spec.fault, spec.argument)
+            if key in self._active:
+                edges.append(self._end(key))
+            self._active[key] = spec
             edges.append(FaultEdge(spec=spec, began=True))
+        if edges:
+            self._kinds = {spec.fault: spec for spec in self._active.values()}
         return edges
 
-    def _end(self, fault: Fault) -> FaultEdge:
-        return FaultEdge(spec=self._active.pop(fault), began=False)
+    def _end(self, key: tuple[Fault, str]) -> FaultEdge:
+        return FaultEdge(spec=self._active.pop(key), began=False)
+
+
+def _in_the_way(one: FaultSpec, other: FaultSpec) -> bool:
+    """Return whether two faults of a kind of which one can be ask for the same time."""
+    alike = one.fault is other.fault and one.fault not in _SEVERAL
+    meet = one.start_s < other.end_s and other.start_s < one.end_s
+    return alike and one.argument != other.argument and meet

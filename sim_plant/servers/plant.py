@@ -70,7 +70,7 @@ class Plant:
         self.observers: list[Callable[[Plant], None]] = []
         self.edge_observers: list[Callable[[FaultEdge], None]] = []
         self._inputs: dict[str, float] = {}
-        self._stuck: dict[str, float] = {}
+        self._stuck: dict[str, Mapping[str, float]] = {}
         self.wire_faults: WireFaults | None = None
         self.plc_scans = 0
         self._old: list[Shown] = []
@@ -280,25 +280,27 @@ class Plant:
         elif edge.spec.fault is Fault.PERMISSIVE:
             bit = Status[edge.spec.argument]
             if edge.began:
-                self._dropped = self.plc.status & bit
+                self._dropped |= self.plc.status & bit
                 self.plc.set_status(bit, False)
             else:
-                self.plc.set_status(self._dropped, True)
+                self.plc.set_status(self._dropped & bit, True)
+                self._dropped &= ~bit
         elif edge.spec.fault is Fault.STUCK and edge.began:
-            self._stuck = dict(self.measured)
+            self._stuck[edge.spec.argument] = self.measured
 
     def _distort(self, measured: dict[str, float]) -> None:
         for fault in (Fault.STUCK, Fault.ABSURD, Fault.NAN):
             if not self.faults.active(fault):
                 continue
-            for name in self._struck(fault):
-                if fault is Fault.STUCK:
-                    measured[name] = self._stuck.get(name, measured[name])
-                else:
-                    measured[name] = math.nan if fault is Fault.NAN else _ABSURD_SI
+            for argument in self.faults.arguments(fault):
+                for name in self._struck(argument):
+                    if fault is Fault.STUCK:
+                        measured[name] = self._stuck[argument].get(name, measured[name])
+                    else:
+                        measured[name] = math.nan if fault is Fault.NAN else _ABSURD_SI
 
-    def _struck(self, fault: Fault) -> list[str]:
-        channel = self.faults.argument(fault)
+    def _struck(self, channel: str) -> list[str]:
+        """Return a channel of the map, without a name all tensions."""
         names = [item.name for item in self.plc.map.channels]
         if channel:
             return [name for name in names if name == channel]

@@ -190,7 +190,7 @@ def test_after_clear_the_status_word_is_what_it_was_before_two_faults_of_one_sam
     for bit in ("WEB_INTACT", "ESTOP_OK"):
         answered(socket_, f"fault permissive={bit}")
     plant.step()
-    assert plant.plc.status == before & ~Status.ESTOP_OK
+    assert plant.plc.status == before & ~Status.ESTOP_OK & ~Status.WEB_INTACT
     answered(socket_, "clear")
     plant.step()
     assert plant.plc.status == before
