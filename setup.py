@@ -1,4 +1,4 @@
-"""What pyproject.toml cannot say: files of `config` as data of the wheel, the binaries.
+"""What pyproject.toml cannot say: files of `config` and `deploy/plc` in the wheel, the binaries.
 
 The law's binary and the plant's are built where a compiler is; the install goes on without them,
 and numpy and numba do the same. ``AFF_RUNTIME_BUILD`` decides otherwise: ``numpy`` (a wheel for
@@ -16,11 +16,15 @@ from setuptools import Extension, setup
 from setuptools.command.build_py import build_py
 
 CONFIG = Path(__file__).parent / "config"
+PLC = Path(__file__).parent / "deploy" / "plc"
 SHIPPED = ("*.yaml", "lines/*.yaml", "plc/*.yaml", "*.dbc", "*.eds")
 
 
 class BuildWithConfig(build_py):
-    """Puts the shipped files into `sim_plant/config` of what is built; editable needs none."""
+    """Puts the shipped files into what is built, `sim_plant/config` and `sim_plant/plc_code`.
+
+    An editable install needs none.
+    """
 
     def run(self) -> None:
         """Build the packages, then put the files in."""
@@ -29,9 +33,14 @@ class BuildWithConfig(build_py):
             return
         for pattern in SHIPPED:
             for source in sorted(CONFIG.glob(pattern)):
-                target = Path(self.build_lib, "sim_plant", "config", source.relative_to(CONFIG))
-                target.parent.mkdir(parents=True, exist_ok=True)
-                shutil.copyfile(source, target)
+                self._put(source, Path("config", source.relative_to(CONFIG)))
+        for source in sorted(PLC.iterdir()):
+            self._put(source, Path("plc_code", source.name))
+
+    def _put(self, source: Path, place: Path) -> None:
+        target = Path(self.build_lib, "sim_plant", place)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(source, target)
 
 
 INTEL = {

@@ -14,3 +14,9 @@ def shipped(name: str) -> Path:
     """
     installed = _PACKAGE / "config"
     return (installed if installed.is_dir() else _PACKAGE.parent / "config") / name
+
+
+def shipped_plc(name: str) -> Path:
+    """Return the path of a file of `deploy/plc`: ``AFF_GATEWAY.st``, ``aff_plc.h``."""
+    installed = _PACKAGE / "plc_code"
+    return (installed if installed.is_dir() else _PACKAGE.parent / "deploy" / "plc") / name

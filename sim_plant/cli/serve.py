@@ -54,6 +54,13 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         help="the PLC's words (default config/plc/gateway_block.yaml)",
     )
     parser.add_argument(
+        "--plc-code",
+        type=Path,
+        metavar="LIB.so",
+        help="a library of your own in the place of the simulated PLC's program: aff_plc.h, "
+        "docs/tester/recipes.md#plc-code-of-your-own",
+    )
+    parser.add_argument(
         "--speed-m-s",
         type=speed_m_s,
         metavar="SPEED",
@@ -144,6 +151,7 @@ def read_options(arguments: argparse.Namespace) -> ServeOptions:
         can_interface=arguments.can_interface,
         can_channel=arguments.channel,
         can_map=arguments.can_map or DEFAULT_MAP.with_name(f"can_{arguments.can}.yaml"),
+        plc_code=arguments.plc_code,
         faults=tuple(parse_fault(text) for text in arguments.fault),
         allow_fc23=not arguments.no_fc23,
         record=arguments.record,

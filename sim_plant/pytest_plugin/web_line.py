@@ -40,6 +40,7 @@ class LineSetup:
     seed : of every random number.
     speed_m_s : line speed; the declaration's by default.
     plc : the PLC's words; the shipped gateway block by default.
+    plc_code : a library in the place of the PLC's program (``aff_plc.h``).
     words : further words for ``sim-plant serve``.
     """
 
@@ -50,6 +51,7 @@ class LineSetup:
     seed: int = 0
     speed_m_s: float | None = None
     plc: Path | None = None
+    plc_code: Path | None = None
     words: Sequence[str] = ()
 
     def __post_init__(self) -> None:
@@ -78,6 +80,8 @@ class LineSetup:
             words += ["--speed-m-s", str(self.speed_m_s)]
         if self.plc is not None:
             words += ["--plc", os.path.abspath(self.plc)]
+        if self.plc_code is not None:
+            words += ["--plc-code", os.path.abspath(self.plc_code)]
         return [*words, *self.words]
 
 

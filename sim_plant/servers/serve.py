@@ -22,6 +22,7 @@ from sim_plant.servers.modbus_server import ModbusServer
 from sim_plant.servers.modbus_udp import ModbusUdpServer
 from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import Plc
+from sim_plant.servers.plc_code import CodePlc
 from sim_plant.servers.plc_map import PlcMap
 from sim_plant.servers.realtime import (
     RealTimeStepper,
@@ -45,6 +46,7 @@ class ServeOptions:
     can : ``dbc`` for a CAN bus instead of Modbus; empty for Modbus.
     can_interface, can_channel : ``frame_socket``, ``slcan_pty`` and a path, or python-can's.
     can_map : the PLC's signals on that bus.
+    plc_code : the user's library in the place of the simulated PLC's program.
     faults : faults scheduled in plant time.
     allow_fc23 : False imitates a device without function 23.
     record, control : paths of the record and of the control socket, if wanted.
@@ -60,6 +62,7 @@ class ServeOptions:
     can_interface: str = "frame_socket"
     can_channel: str = ""
     can_map: Path = Path()
+    plc_code: Path | None = None
     faults: tuple[FaultSpec, ...] = ()
     allow_fc23: bool = True
     record: Path | None = None
@@ -134,12 +137,14 @@ class PlantService:
     Raises
     ------
     PlantError
-        A fault of the options would change nothing on this wire.
+        A fault of the options would change nothing on this wire, or the PLC's code is none.
     """
 
     def __init__(self, line: SteppedLine, plc_map: PlcMap, options: ServeOptions) -> None:
         self._options = options
-        self.plant = Plant(line, Plc(plc_map), FaultBoard(options.faults))
+        code = options.plc_code
+        plc = Plc(plc_map) if code is None else CodePlc(plc_map, code)
+        self.plant = Plant(line, plc, FaultBoard(options.faults))
         self.server = _wire(self.plant, options)
         for spec in options.faults:
             self.server.wire_faults.check(spec, plc_map)
