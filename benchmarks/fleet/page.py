@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import statistics
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -153,13 +154,21 @@ def _lost(kept: Mapping[str, Any] | None) -> str:
 
 
 def _cost(scored: Sequence[Scored]) -> str:
-    times = sorted(s.result.time_s for s in scored)
+    clock = [s.result.time_s for s in scored]
+    counted = [s.result.cpu_s for s in scored]
+    by_clock = any(map(math.isnan, counted))  # rows of before it was counted
+    times = sorted(clock if by_clock else counted)
     mean_s, all_h = statistics.fmean(times), sum(times) / 3600.0
     hours = MANY * mean_s / 3600.0
+    how = (
+        "worker in all (by the clock, beside what else the machine did)"
+        if by_clock
+        else f"core in all; by the clock {statistics.median(clock):.0f} s in the median, beside "
+        "what else the machine did"
+    )
     return (
         f"## What it takes\n\nA look took {statistics.median(times):.0f} s in the median, "
         f"{times[0]:.0f} to {times[-1]:.0f} s, {mean_s:.0f} s in the mean, {all_h:.2g} h of a "
-        "worker in all (by the clock, beside what else the machine did). On paper "
-        f"{MANY} lines with a look each are {hours:.0f} h of a core: "
+        f"{how}. On paper {MANY} lines with a look each are {hours:.0f} h of a core: "
         f"{hours / NIGHT_H:.1f} cores for a night of {NIGHT_H:.0f} h."
     )

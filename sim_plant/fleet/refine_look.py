@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import os
 import time
 from dataclasses import dataclass, replace
 from datetime import date
@@ -33,6 +35,7 @@ class LookResult:
     ----------
     fitted, held : names of its records; empty in a row of before there were names.
     declared : which line file it was told under, ``Look.declared``.
+    time_s, cpu_s : by the clock; of a core, NaN in a row of before it was counted.
     """
 
     line: str
@@ -43,6 +46,7 @@ class LookResult:
     fitted: str = ""
     held: str = ""
     declared: str = ""
+    cpu_s: float = math.nan
 
     @property
     def answer(self) -> str:
@@ -58,7 +62,9 @@ class LookResult:
         verdict = None if self.verdict is None else json.loads(self.verdict.to_json())
         row = {"line": self.line, "recorded": self.recorded, "verdict": verdict}
         row |= {"fitted": self.fitted, "held": self.held, "declared": self.declared}
-        return json.dumps(row | {"error": self.error, "time_s": self.time_s}, indent=1) + "\n"
+        row |= {"error": self.error, "time_s": self.time_s}
+        row |= {} if math.isnan(self.cpu_s) else {"cpu_s": self.cpu_s}
+        return json.dumps(row, indent=1) + "\n"
 
     @classmethod
     def from_json(cls, text: str) -> LookResult:
@@ -79,6 +85,7 @@ class LookResult:
                 verdict=None if verdict is None else Verdict.from_json(json.dumps(verdict)),
                 error=str(row["error"]),
                 time_s=float(row["time_s"]),
+                cpu_s=float(row.get("cpu_s", math.nan)),
                 **{name: str(row.get(name, "")) for name in ("fitted", "held", "declared")},
             )
         except (KeyError, TypeError, ValueError, RecursionError) as error:
@@ -88,12 +95,14 @@ class LookResult:
 def refine_look(order: Order) -> LookResult:
     """Refine one look."""
     look = order.look
-    begun = time.monotonic()  # noqa: TID251
+    begun, before = time.monotonic(), os.times()  # noqa: TID251
     text, error = refined(look.file, look.fitted, look.held, order.out)
+    after = os.times()
     return LookResult(
         line=look.line,
         recorded=look.recorded,
         verdict=Verdict.from_json(text) if text else None,
         error=error,
         time_s=time.monotonic() - begun,  # noqa: TID251
+        cpu_s=sum(after[:4]) - sum(before[:4]),  # the child that refines is among its children
     )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -48,6 +49,17 @@ def alike(said: EffectAt, *others: EffectAt) -> dict[str, object]:
 
 def look(verdict: Verdict | None, day: str = "2026-09-28") -> LookResult:
     return LookResult(line="line0001", recorded=day, verdict=verdict, error="", time_s=36.0)
+
+
+def test_a_look_costs_what_it_took_of_a_core_where_that_was_counted():
+    counted = [replace(look(told()), cpu_s=cpu_s) for cpu_s in (9.0, 18.0, 27.0)]
+    text = page([Scored(result=r, hidden=None) for r in counted], 200, None, None, None)
+    assert "took 18 s in the median, 9 to 27 s" in text
+    assert "by the clock 36 s in the median" in text
+    assert "25 h of a core: 2.5 cores" in text  # 5000 looks of 18 s
+    without = [*counted, look(told())]
+    text = page([Scored(result=r, hidden=None) for r in without], 200, None, None, None)
+    assert "50 h of a core: 5.0 cores" in text  # 36 s each by the clock
 
 
 @pytest.mark.parametrize(

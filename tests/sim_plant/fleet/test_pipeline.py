@@ -1,6 +1,8 @@
 """Rows once each, what was stopped goes on, and the command's exit codes."""
 
 import hashlib
+import json
+import math
 import os
 import shutil
 import signal
@@ -279,6 +281,26 @@ def test_a_number_that_makes_no_sense_is_refused(more, says, tmp_path, capsys):
     folder = str(tmp_path)
     assert main(["fleet", folder, "--runs", folder, "--out", folder, *more]) == 2
     assert says in capsys.readouterr().err
+
+
+def test_a_row_says_again_what_it_was_written_from():
+    row = LookResult(
+        line="film1",
+        recorded="2026-11-20",
+        verdict=NOTHING,
+        error="",
+        time_s=60.0,
+        cpu_s=20.0,
+        fitted="a",
+        held="b",
+        declared="0f",
+    )
+    assert LookResult.from_json(row.to_json()) == row
+    of_before = {"line": "a", "recorded": "2026-11-20", "verdict": None, "error": "", "time_s": 1}
+    old = LookResult.from_json(json.dumps(of_before))
+    assert (old.fitted, old.held, old.declared) == ("", "", "")
+    assert math.isnan(old.cpu_s)
+    assert "cpu_s" not in json.loads(old.to_json())
 
 
 NO_DAY = '{"line": "a", "recorded": "2000-12-34", "verdict": null, "error": "", "time_s": 1}'
