@@ -24,7 +24,7 @@ from sim_plant.fleet.cluster import Cluster
 __all__ = ["Cluster", "LostJobError", "WorkerPool", "add_workers", "by_hand", "kill_when"]
 
 PATIENCE_S = 120.0
-"""For a scheduler to be there: a busy machine takes a while."""
+"""For a scheduler and workers to be there: a busy machine takes a while."""
 
 
 def add_workers(parser: argparse.ArgumentParser) -> None:
@@ -53,11 +53,13 @@ def by_hand(folder: Path) -> Iterator[tuple[str, list[subprocess.Popen[bytes]]]]
     scheduler += ["--idle-timeout", f"{PATIENCE_S:g}s"]
     worker = ["distributed.cli.dask_worker", "--nthreads", "1", "--no-nanny"]
     worker += ["--death-timeout", f"{PATIENCE_S:g}"]
+    logs = [folder / f"worker{k}.log" for k in (1, 2)]
     begun = [_begun([*scheduler, *rest], folder / "scheduler.log")]
     try:
         _until(lambda: address.exists() and address.stat().st_size > 0, "a scheduler")
-        workers = [_begun([*worker, *rest], folder / f"worker{k}.log") for k in (1, 2)]
+        workers = [_begun([*worker, *rest], log) for log in logs]
         begun += workers
+        _until(lambda: all(map(_registered, logs)), "two workers")
         yield _told(address), workers
     finally:
         for process in reversed(begun):
@@ -79,6 +81,11 @@ def _begun(command: Sequence[str], log: Path) -> subprocess.Popen[bytes]:
     with log.open("wb") as said:
         begun = [*module_command(command[0]), *command[1:]]
         return subprocess.Popen(begun, stdout=said, stderr=said)
+
+
+def _registered(log: Path) -> bool:
+    """Return whether a worker is known to its scheduler, as its log says."""
+    return b"Registered to" in log.read_bytes()
 
 
 def _told(file: Path) -> str:
