@@ -44,6 +44,7 @@ def page(
     parts = [HEAD]
     if scored:
         parts += [_what_was_told(scored, drawn), _healthy(scored), _growing(scored)]
+        parts.append(_wrong(scored))
     if table is not None:
         parts.append(_asked_of(table))
     parts += [_scaling(scaling), _lost(lost)]
@@ -107,6 +108,24 @@ def _growing(scored: Sequence[Scored]) -> str:
     return (
         f"Of {len(series)} lines with a growing effect and more than one look, {grow} are told "
         f"to grow and {shrink} to shrink."
+    )
+
+
+def _wrong(scored: Sequence[Scored]) -> str:
+    """Return what was told of looks where only something that is not there is named."""
+    found = []
+    for s in scored:
+        if s.hidden is not None and s.fate == "another":
+            told = "; ".join(f"{f.effect} at {f.place}, {f.sure}" for f in s.findings)
+            left = max(f.error_after for f in s.findings)
+            hidden = f"{s.hidden.effect} at {s.hidden.location}"
+            found.append([s.result.line, hidden, s.result.answer, told, f"{left:.1f}"])
+    if not found:
+        return ""
+    titles = ["line", "hidden", "verdict", "told", "error left, noise floors"]
+    return (
+        "Told as another. *Error left*: of the worst tension on the record held out, with what "
+        f"is told; 1.0 is what noise alone leaves.\n\n{rows_of(titles, found)}"
     )
 
 

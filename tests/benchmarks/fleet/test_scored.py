@@ -14,7 +14,13 @@ from sim_plant.fleet.findings import write_parquet
 from sim_plant.fleet.refine_look import LookResult
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.refine.model.effect_at import EffectAt
-from sim_plant.refine.report.verdict import Ambiguity, EffectFinding, UnknownFinding, Verdict
+from sim_plant.refine.report.verdict import (
+    Ambiguity,
+    ChannelError,
+    EffectFinding,
+    UnknownFinding,
+    Verdict,
+)
 
 TRUE, OTHER = EffectAt("eccentric_roller", "R6"), EffectAt("eccentric_roller", "R7")
 HIDDEN = EffectEntry(
@@ -49,6 +55,16 @@ def alike(said: EffectAt, *others: EffectAt) -> dict[str, object]:
 
 def look(verdict: Verdict | None, day: str = "2026-09-28") -> LookResult:
     return LookResult(line="line0001", recorded=day, verdict=verdict, error="", time_s=36.0)
+
+
+def test_what_is_told_in_the_place_of_another_stands_there_with_the_error_it_leaves():
+    left = {"r3_tension_N": ChannelError(before=9.0, after=5.5, noise_floor=0.25)}
+    wrong = Scored(result=look(replace(told(OTHER), residual_rms=left)), hidden=HIDDEN)
+    text = page([wrong], 200, None, None, None)
+    row = "| line0001 | eccentric_roller at R6 | traced | eccentric_roller at R7, named | 22.0 |"
+    assert row in text
+    right = Scored(result=look(told(TRUE)), hidden=HIDDEN)
+    assert "Told as another" not in page([right], 200, None, None, None)
 
 
 def test_a_look_costs_what_it_took_of_a_core_where_that_was_counted():

@@ -62,9 +62,11 @@ def found(line: str, **more: object) -> Finding:
 @pytest.fixture
 def table(tmp_path: Path) -> Path:
     """Return a table of four lines on two days."""
+    sure = {"sure": "named"}
+    left = {"sure": "named", "error_after": 2.5}
     rows = [
-        found("film1", effect="slip", place="R3", size=2e-3, trend=4e-4, error_before=3.0),
-        found("film2", effect="eccentric_roller", place="R6", size=1e-4, error_before=9.0),
+        found("film1", effect="slip", place="R3", size=2e-3, trend=4e-4, error_before=3.0, **sure),
+        found("film2", effect="eccentric_roller", place="R6", size=1e-4, error_before=9.0, **left),
         found("film2", effect="slip", place="R3", size=3e-3, error_before=9.0),
         found("film3", verdict="nothing", error_before=1.0),
         found("film4", verdict="failed", recorded="2026-11-21", to_do="film4.yaml: no roller R9"),
@@ -79,13 +81,14 @@ def table(tmp_path: Path) -> Path:
         (0, [("film2", "eccentric_roller"), ("film2", "slip"), ("film1", "slip")]),
         (1, [("slip", 2, 2.5e-3), ("eccentric_roller", 1, 1e-4)]),
         (2, [("film1", "slip", "R3", 4e-4)]),
-        (3, [("film4", "film4.yaml: no roller R9")]),
+        (3, [("film2", "eccentric_roller", "R6", 9.0, 2.5)]),
+        (4, [("film4", "film4.yaml: no roller R9")]),
     ],
 )
 def test_duckdb_answers_the_queries_of_the_page(
     number: int, rows: list[tuple[object, ...]], table: Path
 ) -> None:
-    assert len(QUERIES) == 4
+    assert len(QUERIES) == 5
     asked = QUERIES[number].replace("DIR/", f"{table}/")
     answers = duckdb.sql(asked).fetchall()
     assert [row[: len(rows[0])] for row in answers] == rows
