@@ -1,0 +1,86 @@
+"""Every unbroken piece of a window as a record: what each holds is what its window alone holds."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from aff_runtime.base.signals import Status
+from sim_plant.cli.refine import pieces_in
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.model.run_caveats import rolls_of
+from sim_plant.refine.records.read import read_record
+from sim_plant.refine.records.run_windows import unbroken_windows
+from tests.aff_runtime.app.card.measure.recorded import recorded, steady
+from tests.aff_runtime.app.fake_plc import READY_STATUS
+
+SPLICES_S = ((25.0, 28.0), (40.0, 43.0))
+"""Pieces of 25 s, 12 s (no record), and 37 s."""
+END_S = 80.0
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    columns = steady(END_S)
+    time_s, rng = columns["time_s"], np.random.default_rng(1)
+    columns["status"][:] = READY_STATUS
+    columns["unwind_tension_N"] += rng.standard_normal(time_s.size)
+    for from_s, to_s in SPLICES_S:
+        inside = (time_s >= from_s) & (time_s < to_s)
+        columns["status"][inside] = READY_STATUS | int(Status.SPLICE_ACTIVE)
+        columns["roll_id"][time_s >= to_s] += 1.0
+    return recorded(tmp_path_factory.mktemp("pieces"), columns, segment_s=60.0)
+
+
+def spans(paths):
+    found = [read_record(path).run for path in paths]
+    return [(one.from_s, one.to_s) for one in found]
+
+
+def test_every_piece_that_is_long_enough_is_a_window_in_its_order(run):
+    found = spans(unbroken_windows(run))
+    assert found == [pytest.approx((0.0, 25.0), abs=0.03), pytest.approx((43.0, 80.0), abs=0.03)]
+
+
+def test_the_longest_piece_is_the_record_that_it_was(run):
+    whole, pieces = read_record(run), [read_record(path) for path in unbroken_windows(run)]
+    longest = max(pieces, key=lambda one: one.duration_s)
+    same = {n: v for n, v in longest.columns.items() if not n.startswith("correction_")}
+    assert longest.samples == pytest.approx(whole.samples, abs=3)  # what acted at its edge
+    for name, values in same.items():
+        assert values[-1000:] - values[-1] == pytest.approx(
+            whole.columns[name][-1000:] - whole.columns[name][-1]
+        )
+
+
+def test_a_window_without_a_break_is_itself(run):
+    window = f"{run}@1..24"
+    found = [read_record(path).sha256 for path in unbroken_windows(window)]
+    assert found == [read_record(window).sha256]
+
+
+def test_a_window_without_a_record_is_left_to_be_refused(run):
+    window = f"{run}@26..39"
+    assert unbroken_windows(window) == [window]
+
+
+def test_of_too_many_pieces_the_longest_are_taken(run, monkeypatch):
+    records = replace(CRITERIA.records, most_pieces=1)
+    monkeypatch.setattr(
+        "sim_plant.refine.records.run_windows.CRITERIA", replace(CRITERIA, records=records)
+    )
+    assert spans(unbroken_windows(run)) == [pytest.approx((43.0, 80.0), abs=0.03)]
+
+
+def test_the_command_says_which_records_it_takes(run, tmp_path, capsys):
+    file = tmp_path / "other.csv"
+    assert pieces_in([file, run]) == [file, *unbroken_windows(run)]
+    assert "2 records" in capsys.readouterr().out
+
+
+def test_records_of_several_rolls_are_named(run):
+    records = [read_record(path) for path in unbroken_windows(run)]
+    assert [one.run.roll_id for one in records] == [4.0, 6.0]
+    assert len(rolls_of(records)) == 1
+    assert "2 rolls of web" in rolls_of(records)[0]
+    assert rolls_of(records[:1]) == []
