@@ -48,7 +48,8 @@ class Frequency:
     ----------
     at : (parameters) -> frequency before sampling, Hz.
     parameter : the one that says it.
-    near_Hz : it is found within ``width`` of one of these; empty: anywhere.
+    near_Hz : it is found within ``width`` of one of these where it was not folded, else only as
+        near as a grid is; empty: anywhere.
     width : relative.
     """
 

@@ -63,7 +63,8 @@ class JudgeCriteria:
     mains_share: float = criterion(
         0.004,
         "of the frequency",
-        "how far from the fitted one the mains are sought in a record held out",
+        "how far from the fitted one the mains are sought in a record held out, and from their "
+        "name where a spectral line may be their alias",
         "a grid's steady state stays within 0.2 Hz of 50 Hz [ENTSO-E]",
     )
     standing_power: float = criterion(

@@ -59,18 +59,25 @@ def origins_Hz(
     Of several the lowest: all fold to the same line with the same sizes, so no record tells them
     apart, and higher harmonics of mains are weaker. A line of fewer than ``alias_cycles`` per
     record is passed over: what goes with speed or tension has lines there too, and mains wander
-    more.
+    more. One that was not folded is told as mains within the ``width`` of the signature: nothing
+    of a line swings at 50 Hz. A folded one may lie where dancers, loops and fans swing, so it has
+    to be where a grid can be, as near as the record tells a frequency.
+    Equation: |f / f_mains - 1| < w of f seen as it is, else <= s + 1 / (f_mains T), s the share of
+    ``mains_share``, T the length of the record  [ENTSO-E; own].
     """
     highest = h.effect.accepts[shows.parameter].high
     origins: list[float] = []
     for axes, record in zip(record_axes, spectra, strict=True):
         rate = 1.0 / axes.sample_time_s
-        slowest = SPECTRA.alias_cycles / float(axes.time_s[-1] - axes.time_s[0])
+        length_s = float(axes.time_s[-1] - axes.time_s[0])
+        slowest = SPECTRA.alias_cycles / length_s
         seen = next(s.peak_from(slowest)[0] for s in record if s.axis == "time")
         folded = [
             k * rate + sign * seen for k in range(int(highest / rate) + 2) for sign in (1, -1)
         ]
-        near = [f for f in folded if 0.0 < f <= highest and _near(f, shows)]
+        near = [
+            f for f in folded if 0.0 < f <= highest and _may_be_mains(f, seen, shows, length_s)
+        ]
         origins += sorted(near)[:1]
     return sorted(dict.fromkeys(round(f, 4) for f in origins))
 
@@ -194,9 +201,12 @@ def resonances_Hz(h: Hypothesis, shows: Orders, record_axes: Sequence[RecordAxes
     return [math.exp(step * k) for k in sorted(steps)]
 
 
-def _near(frequency_Hz: float, shows: Frequency) -> bool:
-    """Return whether a frequency is near one that the effect names."""
-    return any(abs(frequency_Hz / at - 1.0) < shows.width for at in shows.near_Hz)
+def _may_be_mains(frequency_Hz: float, seen_Hz: float, shows: Frequency, length_s: float) -> bool:
+    """Return whether a line seen at ``seen_Hz`` may be of this frequency, see ``origins_Hz``."""
+    if frequency_Hz == seen_Hz:
+        return any(abs(frequency_Hz / at - 1.0) < shows.width for at in shows.near_Hz)
+    spread, resolved_Hz = CRITERIA.judge.mains_share, 1.0 / length_s
+    return any(abs(frequency_Hz - at) <= spread * at + resolved_Hz for at in shows.near_Hz)
 
 
 def _named(h: Hypothesis) -> Frequency | None:

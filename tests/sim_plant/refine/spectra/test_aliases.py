@@ -63,10 +63,24 @@ def test_a_slow_change_is_no_alias_of_the_mains_and_hides_none():
     )
 
 
-@pytest.mark.parametrize("swing_Hz", [1.5, 3.889, 7.0, 12.0, 33.0])
+@pytest.mark.parametrize("swing_Hz", [0.45, 0.7, 1.0, 1.5, 3.889, 7.0, 12.0, 19.4, 33.0, 39.6])
 def test_what_swings_slowly_is_no_alias_of_the_mains(swing_Hz):
-    """Mains are within 1 %; at 100 Hz, 400 Hz less 1 % would fold to 4 Hz, twice 50 to 1 Hz."""
+    """At 100 Hz, 400 Hz less 1 % would fold to 4 Hz, 100 less 0.7 % to 0.7 Hz: no grid is there.
+
+    Nor are 119.4 Hz, which folds to 19.4, and 60.4, which folds to 39.6.
+    """
     assert hum_origins(swing_Hz * 5999 * LINE.sample_time_s) == []
+
+
+@pytest.mark.parametrize(("mains_Hz", "harmonic"), [(50.2, 2), (49.8, 2), (60.2, 2), (59.8, 1)])
+def test_mains_at_the_ends_of_what_a_grid_does_are_named_where_they_fold(mains_Hz, harmonic):
+    """0.2 Hz of 50 Hz, and as much of 60; 120.4 Hz is seen at 20.4, 59.8 Hz at 40.2 Hz."""
+    true_Hz = harmonic * mains_Hz
+    seen_Hz = abs(true_Hz - round(true_Hz * LINE.sample_time_s) / LINE.sample_time_s)
+    bin_Hz = 1.0 / (5999 * LINE.sample_time_s)
+    (found_Hz,) = hum_origins(seen_Hz / bin_Hz)
+    # 100.4 and 99.6 Hz are one line
+    assert min(abs(found_Hz - f) for f in (true_Hz, 200.0 - true_Hz)) < bin_Hz
 
 
 @pytest.mark.parametrize(("frequency_Hz", "seen_Hz"), [(49.7, 49.7), (99.7, 0.3)])
