@@ -19,7 +19,9 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.search.candidate import Progress, bic_penalty, sure_fall
 from sim_plant.refine.search.completeness import left_at_own_line, sure_excess
+from sim_plant.refine.search.degenerate_pair import of_other_kind
 from sim_plant.refine.search.selection import ACCEPTANCE, AcceptedEffect, Selection, alike_margin
+from sim_plant.refine.spectra.coordinates import RecordAxes
 
 EXCHANGE = CRITERIA.search.exchange
 
@@ -36,10 +38,8 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
     for k in range(len(accepted)):
         was = fit
         margin = alike_margin(selection.nominal.cost - fit.cost)
-        tried = [
-            (place, _moved(objective, fit, k, place))
-            for place in _elsewhere(objective, fit.hypotheses[k], accepted[k])
-        ]
+        places = _elsewhere(objective, selection.record_axes, fit.hypotheses[k], accepted[k])
+        tried = [(there.key, _moved(objective, fit, k, there)) for there in places]
         tried = [(place, other) for place, other in tried if np.isfinite(other.cost)]
         here = fit.hypotheses[k].key
         for place, other in tried:
@@ -55,7 +55,8 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
         undecided = selection.fit.cost < fit.cost + margin or leaves_more(objective, fit)
         if there != here and here not in alike and undecided:
             alike.append(here)
-        others = [p for p in accepted[k].ambiguous if p.effect != there.effect]
+        judged = {place for place, _ in tried}
+        others = [p for p in accepted[k].ambiguous if p.effect != there.effect and p not in judged]
         chosen = replace(
             accepted[k],
             hypothesis=fit.hypotheses[k],
@@ -188,8 +189,14 @@ def pruned(objective: Objective, selection: Selection, progress: Progress) -> Se
     return selection
 
 
-def _elsewhere(objective: Objective, h: Hypothesis, accepted: AcceptedEffect) -> list[EffectAt]:
-    """Return other places of the same effect worth a try: near by, close, or named with it."""
+def _elsewhere(
+    objective: Objective, axes: Sequence[RecordAxes], h: Hypothesis, accepted: AcceptedEffect
+) -> list[Hypothesis]:
+    """Return what is worth a try in place of an effect: near by, close, or named with it.
+
+    The same effect at other places. And what else rolls at its wavenumber: that line is told by
+    the radius of a roller, not by what is wrong with it.
+    """
     line = objective.pool.twins[0].declaration
     names = [roller.name for roller in line.rollers]
     near: list[EffectAt] = []
@@ -202,7 +209,17 @@ def _elsewhere(objective: Objective, h: Hypothesis, accepted: AcceptedEffect) ->
         ]
     close = [p for p, _ in accepted.rejected if p.effect == h.effect.name][: EXCHANGE.close]
     alike = [p for p in accepted.ambiguous if p.effect == h.effect.name]
-    return [p for p in dict.fromkeys([*close, *alike, *near]) if p != h.key]
+    places = [p for p in dict.fromkeys([*close, *alike, *near]) if p != h.key]
+    there = [
+        replace(hypothesis(h.effect, p.location, h.fixed, h.names, line), record=h.record)
+        for p in places
+    ]
+    if not axes:
+        return there
+    other = [p for p, _ in accepted.rejected if p.effect != h.effect.name]
+    named = [p for p in accepted.ambiguous if p.effect != h.effect.name]
+    others = of_other_kind(axes[0], h, dict.fromkeys([*named, *other]))
+    return [*there, *others[: EXCHANGE.close]]
 
 
 def _within_reach(line: Declaration, at: int, *, whole_zone: bool) -> tuple[int, int]:
@@ -220,14 +237,18 @@ def _within_reach(line: Declaration, at: int, *, whole_zone: bool) -> tuple[int,
     return min(first, before + 1), max(end, behind)
 
 
-def _moved(objective: Objective, fit: Fit, k: int, place: EffectAt) -> Fit:
-    """Return the fit with effect ``k`` elsewhere; of infinite cost where it has other numbers."""
+def _moved(objective: Objective, fit: Fit, k: int, there: Hypothesis) -> Fit:
+    """Return the fit with ``there`` in place of effect ``k``.
+
+    Of infinite cost where the same effect has other numbers there. Another effect begins absent:
+    what rolls at one wavenumber is linear in its two numbers.
+    """
     h = fit.hypotheses[k]
-    line = objective.pool.twins[0].declaration
-    there = replace(hypothesis(h.effect, place.location, h.fixed, h.names, line), record=h.record)
-    if set(there.names) != set(h.names):
-        return replace(fit, cost=float("inf"))
     values = dict(zip(h.names, fit.values[k], strict=True))
+    if there.effect is not h.effect:
+        values = dict(zip(there.names, there.absent, strict=True))
+    elif set(there.names) != set(h.names):
+        return replace(fit, cost=float("inf"))
     moved = fit.with_effect_at(k, there, [values[name] for name in there.names])
     return gauss_newton_fit(
         objective, moved.hypotheses, moved.values, fit.shifts, rounds=EXCHANGE.rounds

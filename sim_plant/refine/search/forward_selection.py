@@ -1,6 +1,7 @@
 """Forward selection: a residual is traced to effects, one after another, against free terms.
 
-One round is screen -> fit -> score -> accept (`best_of`); every step is a function of values.
+One round is screen -> fit -> score -> accept (`one_more.best_of`); every step is a function of
+values.
 """
 
 from __future__ import annotations
@@ -13,16 +14,8 @@ from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, nominal_fit
 from sim_plant.refine.fit.objective import Objective, conditioned_on
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.search.added_effect import rolling_only
-from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress, sure_fall
-from sim_plant.refine.search.completeness import (
-    explains_own_spectral_lines,
-    leaves_much,
-    remaining_spectra,
-    sure_excess,
-)
-from sim_plant.refine.search.degenerate_pair import better_pair
-from sim_plant.refine.search.effect_fit import fit_candidates, profile_reinitialised
+from sim_plant.refine.search.candidate import Progress
+from sim_plant.refine.search.completeness import remaining_spectra, sure_excess
 from sim_plant.refine.search.events import event_candidates, placed_anew
 from sim_plant.refine.search.exchange import exchanged, joined, pruned, with_rivals_at_own_line
 from sim_plant.refine.search.free_terms import (
@@ -31,30 +24,24 @@ from sim_plant.refine.search.free_terms import (
     free_term_basis,
 )
 from sim_plant.refine.search.number_ranges import with_number_ranges
-from sim_plant.refine.search.outside_prior import (
-    chi2_by_records,
-    ending_conflict,
-    fit_conflicts,
-    total_shifts,
-)
+from sim_plant.refine.search.one_more import best_of, explains_own_lines, looked_from
+from sim_plant.refine.search.outside_prior import fit_conflicts, total_shifts
 from sim_plant.refine.search.profile_detail import joint_refit
-from sim_plant.refine.search.screening import by_periodic_chi2, screen, shortlist, without_failed
+from sim_plant.refine.search.screening import by_periodic_chi2
 from sim_plant.refine.search.selection import (
     Extension,
     Selection,
-    accept,
-    also_explained_by,
     at_noise_floor,
-    confirmed_scores,
     imitates,
     least_beside,
     preferred,
     standing,
 )
-from sim_plant.refine.search.set_apart import JudgedApart, own_spectral_lines, set_apart, wander_of
+from sim_plant.refine.search.set_apart import own_spectral_lines, set_apart, wander_of
+from sim_plant.refine.search.two_at_one_line import two_at_one_line
 from sim_plant.refine.search.unexplained import Unknown, what_is_left
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders, with_radii, with_resonances
-from sim_plant.refine.spectra.coordinates import axes_of, is_periodic, rolls_along
+from sim_plant.refine.spectra.coordinates import axes_of, is_periodic
 
 ACCEPTANCE = CRITERIA.search.acceptance
 
@@ -257,14 +244,14 @@ def next_extensions(
             weigh = objective if apart is None else apart.objective
             needed = ACCEPTANCE.later_score if selection.accepted else ACCEPTANCE.score
             least = least_beside(selection if apart is None else apart.selection, needed)
-            looked_from = _looked_from(selection.fit, apart)
-            events = event_candidates(weigh, looked_from, without, progress, least)
+            base = looked_from(selection.fit, apart)
+            events = event_candidates(weigh, base, without, progress, least)
             extension = best_of(objective, selection, group, progress, conflicts, events, apart)
         else:
             extension = best_of(objective, selection, group, progress, apart=apart)
         if extension is None:
             continue
-        if _explains_own_spectral_lines(objective, selection, extension.fit, apart):
+        if explains_own_lines(objective, selection, extension.fit, apart):
             complete.append(extension)
             explained = cost - extension.fit.cost
             if group is plain and explained > ACCEPTANCE.decisive_share * left:
@@ -276,121 +263,4 @@ def next_extensions(
     first, alone = preferred(complete, partial)
     if first is None or alone:
         return () if first is None else (first,)
-    second = _second_of_pair(objective, selection, first, others, periodic, progress)
-    return () if second is None else (first, second)
-
-
-def _second_of_pair(
-    objective: Objective,
-    selection: Selection,
-    half: Extension,
-    others: Sequence[Hypothesis],
-    periodic: Sequence[Hypothesis],
-    progress: Progress,
-) -> Extension | None:
-    """Return the effect that, given ``half``, leaves nothing of its spectral line.
-
-    One that is not periodic, or the same at another place (hum on two cells is one spectral line
-    in time), or another at the same place: a motor's ripple stands on the orders of its roll.
-    What rolls on a body has a radius of its own: two of one radius at two places would be a
-    coincidence, and their sum imitates any roller that nobody declared.
-    """
-    name, body = half.hypothesis.effect.name, half.hypothesis.location
-    progress(f"trying a second effect beside {name}")
-    after = remaining_spectra(objective, half.fit, selection.record_axes)
-    with_half = replace(selection, fit=half.fit, after=after)
-    alike = [h for h in periodic if h.effect.name == name and not rolls_along(h)]
-    beside = [h for h in periodic if h.effect.name != name and h.location == body]
-    for group in (others, alike, beside):
-        second = best_of(objective, with_half, group, progress, beside_half=group is beside)
-        if second is None:
-            continue
-        fit = profile_reinitialised(objective, second.fit)
-        if _explains_own_spectral_lines(objective, selection, fit):
-            if group is not others and leaves_much(objective, selection.fit, fit):
-                progress("  two of them leave too much: not accepted")
-                continue
-            return replace(second, fit=fit)
-    return None
-
-
-def best_of(
-    objective: Objective,
-    selection: Selection,
-    group: Sequence[Hypothesis],
-    progress: Progress,
-    rivals: Sequence[FittedCandidate] = (),
-    events: Sequence[Candidate] = (),
-    apart: JudgedApart | None = None,
-    *,
-    beside_half: bool = False,
-) -> Extension | None:
-    """Return the effect of a group that is accepted in addition to those found, or None.
-
-    ``rivals`` are fits made already that compete with the group, ``events`` further first looks.
-    With ``apart`` the group is looked at and judged apart from what those found leave by nature.
-    ``beside_half``: those found are half of a pair, see `shortlist`.
-    """
-    base = selection.fit
-    weigh, judged = (objective, selection) if apart is None else (apart.objective, apart.selection)
-    periodic = not group or is_periodic(group[0])
-    lasting = base if periodic else _looked_from(base, apart)
-    candidates = [*screen(weigh, lasting, group, progress), *events]
-    candidates.sort(key=lambda c: -c.score)
-    tried = shortlist(candidates, beside_half=beside_half)
-    fitted = [*rivals, *fit_candidates(objective, base, tried, progress)]
-    candidates = without_failed(candidates, tried, fitted)
-    if apart is not None:
-        fitted = [apart.re_evaluated_candidate(c) for c in fitted]
-    if selection.accepted:
-        fitted = [replace(c, chi2_by_records=chi2_by_records(weigh, c.fit)) for c in fitted]
-        fitted = ending_conflict(weigh, base, fitted)
-    scored = confirmed_scores(
-        judged, fitted, lambda fit: chi2_without_last(objective, fit, apart), progress
-    )
-    extension = accept(judged, scored, candidates, progress)
-    if extension is None or extension.accepted.score >= ACCEPTANCE.beyond_doubt:
-        return extension
-    pair = better_pair(objective, base, selection.record_axes[0], extension.hypothesis, candidates)
-    if pair:
-        progress(f"  as well told by {' and '.join(map(str, pair))} together")
-    return also_explained_by(extension, pair)
-
-
-def _looked_from(fit: Fit, apart: JudgedApart | None) -> Fit:
-    """Return the fit from which effects that are not periodic get their first look.
-
-    Declared numbers may have moved to imitate the effect, so all but effective radii are back as
-    declared. Not with ``apart``: a strong spectral line answers to declared numbers by more than
-    to a weak effect, so no linear step finds back.
-    """
-    return fit if apart is not None else replace(fit, shifts=rolling_only(fit.shifts))
-
-
-def chi2_without_last(objective: Objective, fit: Fit, apart: JudgedApart | None = None) -> float:
-    """Return how much the cost rises without the last effect, all else fitted anew from here.
-
-    With ``apart`` that is the cost apart from what those found leave by nature. Both are at the
-    declared drive tick. A fit that was made again finds a better place for the declared numbers
-    too, and a quick tick moves the speed at which a quantised loop rests: those shares are not
-    the effect's.
-    """
-    there = gauss_newton_fit(
-        objective, fit.hypotheses, fit.values, fit.shifts, rounds=2, quick=False
-    )
-    without = gauss_newton_fit(
-        objective, fit.hypotheses[:-1], there.values[:-1], there.shifts, rounds=2, quick=False
-    )
-    if apart is not None:
-        without, there = (apart.re_evaluated_fit(f, quick=False) for f in (without, there))
-    return sure_fall(objective if apart is None else apart.objective, without, there)
-
-
-def _explains_own_spectral_lines(
-    objective: Objective, selection: Selection, fit: Fit, apart: JudgedApart | None = None
-) -> bool:
-    if apart is not None:
-        return apart.explains_own_spectral_lines(fit)
-    return explains_own_spectral_lines(
-        objective, selection.fit, selection.after, selection.record_axes, fit
-    )
+    return two_at_one_line(objective, selection, first, others, periodic, progress)

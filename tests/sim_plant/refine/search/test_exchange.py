@@ -10,6 +10,7 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.twin import Case
 from sim_plant.refine.search.exchange import exchanged, joined, scored_at, with_rivals_at_own_line
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from tests.sim_plant.refine.search import rollers
 from tests.sim_plant.refine.small import (
     STEP_S,
     axes_at,
@@ -250,3 +251,25 @@ def test_an_error_at_its_own_line_is_as_large_as_a_neighbour_may_be_behind(error
     for found in (alone, beside):
         assert found.hypothesis.location == "R2"
         assert [place.location for place in found.ambiguous] == alike
+
+
+@pytest.mark.parametrize(("true", "first"), [("unbalanced", "eccentric"), ("eccentric",) * 2])
+def test_what_is_wrong_with_a_roller_is_told_anew_beside_the_others(true, first):
+    """The other kind was behind while another effect was missing; both are at one wavenumber."""
+    kinds = {name: rollers.of_kind(f"{name}_roller", "R4") for name in ("unbalanced", "eccentric")}
+    objective, selection = rollers.nothing_found([rollers.put(kinds[true], 2.0, 1.0)])
+    other = next(h for name, h in kinds.items() if name != first)
+    accepted = AcceptedEffect(
+        hypothesis=kinds[first],
+        score=7000.0,
+        runner_up=other.key,
+        margin=1.0,
+        rejected=((other.key, 6999.0),),
+    )
+    fit = gauss_newton_fit(objective, (kinds[first],), (kinds[first].start,), {})
+    found = exchanged(objective, replace(selection, fit=fit, accepted=(accepted,)), lambda _: None)
+    assert found.accepted[0].hypothesis.key == kinds[true].key
+    assert other.key not in found.accepted[0].ambiguous
+    assert found.fit.values[0] == pytest.approx(
+        [v for _, v in rollers.put(kinds[true], 2.0, 1.0).parameters], rel=0.05
+    )

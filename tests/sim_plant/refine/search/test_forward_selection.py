@@ -30,10 +30,9 @@ def round_where_a_periodic_effect_leaves(cost, monkeypatch):
         "set_apart": lambda *rest, **more: None,
         "least_beside": lambda *rest: 0.0,
         "event_candidates": lambda *rest: [],
-        "rolling_only": lambda shifts: shifts,
-        "replace": lambda fit, **changes: fit,
+        "looked_from": lambda fit, apart: fit,
         "best_of": best_of,
-        "explains_own_spectral_lines": lambda *rest: True,
+        "explains_own_lines": lambda *rest: True,
         "preferred": lambda complete, partial: (complete[0], True),
         "fit_conflicts": lambda *rest: fitted.append(rest) or [],
     }

@@ -12,8 +12,8 @@ from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.fit.objective import conditioned_on
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.completeness import remaining_spectra
-from sim_plant.refine.search.forward_selection import best_of
 from sim_plant.refine.search.free_terms import free_term_basis
+from sim_plant.refine.search.one_more import best_of
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from sim_plant.refine.search.set_apart import own_spectral_lines, set_apart
 from sim_plant.refine.spectra.coordinates import orders_of
