@@ -129,9 +129,14 @@ class Demand:
     Attributes
     ----------
     fastest_ramp_m_s2 : of the line speed reference; 0: it never ramps.
+    slowest_m_s, fastest_m_s : of the line speed reference.
+    highest_Hz : that every record shows, half its sample rate.
     """
 
     fastest_ramp_m_s2: float
+    slowest_m_s: float
+    fastest_m_s: float
+    highest_Hz: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -1,4 +1,4 @@
-"""What records ask of the line: how fast its speed reference ramps."""
+"""What records ask of the line: speeds and ramps of its reference, and up to where they show."""
 
 from __future__ import annotations
 
@@ -16,8 +16,14 @@ MODEL = CRITERIA.model
 
 def demand_of(twins: Sequence[Twin]) -> Demand:
     """Return what the references of these records ask."""
-    fastest = [fastest_ramp(t.speed_m_s, t.declaration.sample_time_s) for t in twins]
-    return Demand(fastest_ramp_m_s2=max(fastest))
+    steps_s = [t.declaration.sample_time_s for t in twins]
+    ramps = [fastest_ramp(t.speed_m_s, step_s) for t, step_s in zip(twins, steps_s, strict=True)]
+    return Demand(
+        fastest_ramp_m_s2=max(ramps),
+        slowest_m_s=min(float(np.min(t.speed_m_s)) for t in twins),
+        fastest_m_s=max(float(np.max(t.speed_m_s)) for t in twins),
+        highest_Hz=0.5 / max(steps_s),
+    )
 
 
 def fastest_ramp(speed_m_s: Array, step_s: float) -> float:

@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from sim_plant.refine.model.demand import fastest_ramp
+from sim_plant.refine.model.demand import demand_of, fastest_ramp
+from tests.sim_plant.refine.small import formula_twin
 
 STEP_S = 0.01
 TIME_S = np.arange(0.0, 60.0, STEP_S)
@@ -27,3 +28,12 @@ def test_rounding_of_its_word_takes_nothing_from_a_ramp() -> None:
 @pytest.mark.parametrize("speed", [np.full(TIME_S.size, 1.3), 1.0 + 0.5 * (TIME_S > 20.0)])
 def test_a_steady_speed_and_a_step_are_no_ramp(speed: np.ndarray) -> None:
     assert fastest_ramp(speed, STEP_S) == 0.0
+
+
+def test_two_records_ask_for_the_speeds_of_both() -> None:
+    """Each runs at a speed of its own, at 10 ms: half of 100 Hz is shown."""
+    twins = [formula_twin(None, (), 2000, speed_m_s=speed) for speed in (0.6, 1.4)]
+    asked = demand_of(twins)
+    assert (asked.slowest_m_s, asked.fastest_m_s) == (0.6, 1.4)
+    assert asked.highest_Hz == pytest.approx(50.0)
+    assert asked.fastest_ramp_m_s2 == 0.0

@@ -2,6 +2,7 @@ import itertools
 import math
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from sim_plant.base.effects import Demand
@@ -44,20 +45,62 @@ def test_a_form_is_tried_only_where_it_can_be():
     assert {place for place, limits in forms if limits == "reference"} == drives
 
 
+def demand(**asked: float) -> Demand:
+    """Return the demand of records at 1 m/s and 10 ms but for what is ``asked``."""
+    plain = {"slowest_m_s": 1.0, "fastest_m_s": 1.0, "highest_Hz": 50.0}
+    return Demand(**({"fastest_ramp_m_s2": 0.0} | plain | asked))
+
+
+def starts_of(effect: str, place: str, number: str, **asked: float) -> list[float]:
+    """Return where a search of an effect at a place begins, by one of its numbers, rising."""
+    found = library(LINE, demand=demand(**asked))
+    rows = [h for h in found if (h.effect.name, h.location) == (effect, place)]
+    return sorted(float(h.at_start[number]) for h in rows)
+
+
+@pytest.mark.parametrize("ends_m_s", [(0.5, 1.5), (2.0, 8.0), (0.0, 12.0)])
+def test_slip_begins_at_shares_of_the_speeds_that_records_have(ends_m_s):
+    """By a formula of its own: sampled, what slips above any threshold looks like a start's."""
+    low, high = ends_m_s
+    begun = starts_of("slip", "pull_roll", "threshold_m_s", slowest_m_s=low, fastest_m_s=high)
+    assert begun[0] == 0.0  # from standstill on: in proportion to speed
+    assert all(low <= start < high for start in begun[1:])
+    speed = np.linspace(low, high, 2000)
+    for share in np.geomspace(0.1, 1.0, 40):
+        true = np.maximum(0.0, speed - high + share * (high - low))
+        tried = np.array([np.maximum(0.0, speed - start) for start in begun])
+        alike = tried @ true / np.linalg.norm(tried, axis=1) / np.linalg.norm(true)
+        assert alike.max() > 0.96
+
+
+def test_at_one_speed_slip_has_one_start():
+    begun = starts_of("slip", "pull_roll", "threshold_m_s", slowest_m_s=2.0, fastest_m_s=2.0)
+    assert begun == [0.0]
+
+
+@pytest.mark.parametrize("sample_time_s", [0.05, 0.01, 0.002])
+def test_a_cell_begins_to_ring_within_two_half_widths_of_every_frequency_shown(sample_time_s):
+    """A damping of 0.05: 10 % to either side, up to half the sample rate, 200 Hz at the most."""
+    begun = starts_of("load_cell_resonance", "R3", "frequency_Hz", highest_Hz=0.5 / sample_time_s)
+    for true_Hz in np.geomspace(1.5, min(0.5 / sample_time_s, 200.0) / 1.2, 200):
+        assert min(abs(start / true_Hz - 1.0) for start in begun) < 0.1001
+    assert len(begun) == len(set(begun)) <= np.log(200.0 / 1.5) / np.log(1.2) + 1
+
+
 def just_below_a_ramp(rate_m_s2: float) -> list:
     """Return what is tried of the pull roll only because records ramp at this rate."""
-    found = library(LINE, demand=Demand(fastest_ramp_m_s2=rate_m_s2))
+    found = library(LINE, demand=demand(fastest_ramp_m_s2=rate_m_s2))
     return [h for h in found if h.acts_below and h.location == "pull_roll"]
 
 
 def test_a_limit_of_the_reference_is_looked_for_just_below_the_fastest_ramp():
     """What is drawn at the pull roll ramps faster by the draw; a higher limit leaves no trace."""
     limits = just_below_a_ramp(0.2)
-    demand = 0.2 * (1.0 + LINE.control.pull_roll_draw)
-    starts = sorted(1.0 - h.start[0] / demand for h in limits)
+    asked = 0.2 * (1.0 + LINE.control.pull_roll_draw)
+    starts = sorted(1.0 - h.start[0] / asked for h in limits)
     assert starts[0] < 0.0005
     assert all(b / a < 3.5 for a, b in itertools.pairwise(starts))
-    assert {h.idle for h in limits} == {h.highest for h in limits} == {(demand,)}
+    assert {h.idle for h in limits} == {h.highest for h in limits} == {(asked,)}
     assert not just_below_a_ramp(0.0)
 
 
