@@ -43,8 +43,10 @@ def better_pair(
     others = others[: DEGENERACY.most_places]
     if not alone or len(others) < 2:
         return ()
-    (score, pair), *_ = pairs_by_score(objective, fit, others)
-    return tuple(others[k].key for k in pair) if score > alone[0].score else ()
+    ranked = pairs_by_score(objective, fit, others)
+    if not ranked or ranked[0][0] <= alone[0].score:
+        return ()
+    return tuple(others[k].key for k in ranked[0][1])
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -73,9 +75,9 @@ def best_pair(objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesis]) 
     if len(tried) < 2:
         return None
     ranked = pairs_by_score(objective, fit, tried)
-    (score, (one, other)), *_ = ranked
-    if score <= 0.0:
+    if not ranked or ranked[0][0] <= 0.0:
         return None
+    score, (one, other) = ranked[0]
     behind = [
         tuple(
             (tried[k].key, score - less)
@@ -128,9 +130,13 @@ def pairs_by_score(
     """Return the score of every two of ``hypotheses`` and their indices, best first.
 
     By one linear step from ``fit``, the price of their numbers taken off; of each two the one
-    that explains more alone is first.
+    that explains more alone is first. What the line does not run with is left out.
     """
     columns = sensitivities(objective, fit, hypotheses)
+    runs = [k for k, c in enumerate(columns) if np.isfinite(c).all()]
+    if len(runs) < 2:
+        return []
+    columns = [columns[k] for k in runs]
     residual = objective.residual(objective.pool.one(fit.case), fit.shifts)
     inner = objective.projector.inner(residual, np.concatenate(columns, axis=1))
     ends = np.cumsum([0, *(c.shape[1] for c in columns)])
@@ -140,5 +146,6 @@ def pairs_by_score(
     for i, k in itertools.combinations(range(len(columns)), 2):
         use = own[i] + own[k]
         score = inner.of(use).fit().chi2_reduction - bic_penalty(objective, len(use))
-        rows.append((score, (i, k) if alone[i] >= alone[k] else (k, i)))
+        first, second = (i, k) if alone[i] >= alone[k] else (k, i)
+        rows.append((score, (runs[first], runs[second])))
     return sorted(rows, reverse=True)

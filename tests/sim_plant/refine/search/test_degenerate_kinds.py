@@ -1,11 +1,19 @@
 """A line in travel is told by the radius of its roller, not by what is wrong with that."""
 
+import math
+
+import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.search.degenerate_pair import best_pair, of_other_kind, same_wavenumbers
+from sim_plant.refine.search.degenerate_pair import (
+    best_pair,
+    of_other_kind,
+    pairs_by_score,
+    same_wavenumbers,
+)
 from sim_plant.refine.spectra.coordinates import wavenumbers_1_m
 from tests.sim_plant.refine.search.rollers import (
     KINDS,
@@ -16,6 +24,7 @@ from tests.sim_plant.refine.search.rollers import (
     nothing_found,
     of_kind,
     put,
+    seen,
 )
 from tests.sim_plant.refine.small import axes_at
 
@@ -79,3 +88,19 @@ def test_the_best_two_are_told_with_what_else_may_be_in_the_place_of_each():
         assert less[0] > 0.0
     assert by_key[CHOSEN.key][0][0].location in ("R1", "R2")
     assert best_pair(objective, selection.fit, KINDS[:1]) is None
+
+
+@pytest.mark.parametrize("failing", [{"R2"}, {"R1", "R2", "R4"}])
+def test_two_are_found_among_those_that_the_line_runs_with(failing):
+    def breaks_down(case):
+        tensions = seen(case)
+        return tensions * np.nan if any(e.location in failing for e in case.effects) else tensions
+
+    hidden = (put(of_kind("eccentric_roller", "R6"), 3.0, 1.0),)
+    objective, selection = nothing_found(hidden, breaks_down)
+    ranked = pairs_by_score(objective, selection.fit, KINDS)
+    left = [h for h in KINDS if h.location not in failing]
+    assert len(ranked) == math.comb(len(left), 2)
+    assert all(KINDS[k] in left for _, pair in ranked for k in pair)
+    assert KINDS[ranked[0][1][0]].key == of_kind("eccentric_roller", "R6").key
+    assert best_pair(objective, selection.fit, left[:1]) is None
