@@ -228,8 +228,9 @@ class DegeneracyCriteria:
     outside_prior_sd: float = criterion(
         4.0,
         "prior standard deviations",
-        "a declared number further off is tried as the effect that changes it",
-        NOT_RECORDED,
+        "a declared number further off is tried as the effect that changes it; found first, its "
+        "square is the least score of one whose interval is outside its tolerance (ADR 0054)",
+        "not recorded; theory: chance takes one number so far in 1 of 16 000",
     )
     most_outside: int = criterion(
         3, "declared numbers", "are tried as effects, the furthest first", NOT_RECORDED

@@ -75,6 +75,8 @@ class FittedCandidate:
         change by the records alone, without the prior of its tolerance; 0 of any other effect.
     ends_conflict : the effect is a change of declared numbers, and with it declared numbers are
         together within their tolerances, which they are not without it.
+    beyond_tolerance : the effect is one declared number, and no end of its interval is within the
+        tolerance of that.
     """
 
     fit: Fit
@@ -83,6 +85,7 @@ class FittedCandidate:
     ceiling: float = math.inf
     chi2_by_records: float = 0.0
     ends_conflict: bool = False
+    beyond_tolerance: bool = False
 
     @property
     def hypothesis(self) -> Hypothesis:

@@ -13,7 +13,7 @@ from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progre
 from sim_plant.refine.search.completeness import explains_own_spectral_lines
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.effect_fit import fit_candidates
-from sim_plant.refine.search.outside_prior import chi2_by_records, ending_conflict
+from sim_plant.refine.search.outside_prior import by_records, ending_conflict
 from sim_plant.refine.search.screening import screen, shortlist, without_failed
 from sim_plant.refine.search.selection import (
     ACCEPTANCE,
@@ -55,8 +55,8 @@ def best_of(
     candidates = without_failed(candidates, tried, fitted)
     if apart is not None:
         fitted = [apart.re_evaluated_candidate(c) for c in fitted]
+    fitted = [by_records(weigh, c) for c in fitted]
     if selection.accepted:
-        fitted = [replace(c, chi2_by_records=chi2_by_records(weigh, c.fit)) for c in fitted]
         fitted = ending_conflict(weigh, base, fitted)
     scored = confirmed_scores(
         judged, fitted, lambda fit: chi2_without_last(objective, fit, apart), progress

@@ -6,6 +6,7 @@ that changes it: the fit has to start at the shift that the nuisance already has
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
@@ -14,6 +15,7 @@ import numpy as np
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, is_tolerance
 from sim_plant.refine.fit.objective import Objective
+from sim_plant.refine.fit.spread import SPREAD, model_errors
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.parameter_effects import as_effects, declared_change
@@ -119,6 +121,35 @@ def chi2_by_records(objective: Objective, fit: Fit) -> float:
     bare = replace(fit.case, effects=fit.case.effects[:-1])
     response = objective.column(objective.pool.one(fit.case), objective.pool.one(bare), 1.0)
     return objective.projector.cost_with_fixed(response, own)
+
+
+def beyond_tolerance(objective: Objective, fit: Fit) -> bool:
+    """Return whether the last effect is one declared number whose interval is outside tolerance.
+
+    Each end of it: the tolerance of the number itself counts in the interval, and so does that
+    the model is not exact (``model_errors``).
+    Equation: (|x| - k s) |c| > tolerance, x the change, s its standard deviation, k of 95 %, c the
+    change of the declared number per unit; where the effect changes several, of each  [own].
+    """
+    h, values = fit.hypotheses[-1], fit.values[-1]
+    shift = declared_change(objective.pool.twins[0].declaration, h, values)
+    if len(values) != 1 or not shift or not fit.covariance.size:
+        return False
+    change = abs(values[0] - h.absent[0])
+    sd = math.hypot(math.sqrt(max(float(fit.covariance[-1, -1]), 0.0)), model_errors(fit)[-1])
+    sure = max(0.0, change - SPREAD * sd) / max(change, 1e-300)
+    known = {n.name: n.tolerance for n in objective.nuisances}
+    return all(sure * abs(x) > known.get(number, 0.0) for number, x in shift.items())
+
+
+def by_records(objective: Objective, candidate: FittedCandidate) -> FittedCandidate:
+    """Return the candidate with what the records say of it where it is a declared number."""
+    fit = candidate.fit
+    return replace(
+        candidate,
+        chi2_by_records=chi2_by_records(objective, fit),
+        beyond_tolerance=beyond_tolerance(objective, fit),
+    )
 
 
 def ending_conflict(

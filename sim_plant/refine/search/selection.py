@@ -97,31 +97,37 @@ def alike_margin(explained: float) -> float:
     return max(ACCEPTANCE.margin, 4.0 * error**2 * explained)
 
 
-def least_score(
-    selection: Selection,
-    h: Hypothesis,
-    chi2_by_records: float = 0.0,
-    *,
-    ends_conflict: bool = False,
-) -> float:
-    """Return the score that ``h`` needs beside the effects found, given what those leave.
+def least_score(selection: Selection, candidate: FittedCandidate) -> float:
+    """Return the score that a candidate needs beside the effects found, given what those leave.
 
-    A declared number gains as an effect no more than its tolerance cost, z squared, which may be
-    less than a later effect needs. It needs no more than a first one where the records alone show
-    its change by enough (``chi2_by_records``, see `FittedCandidate`): the model error of other
-    effects moves it only as far as the records leave it free. Or where it ``ends_conflict``:
-    several like numbers stood in for it (a drag at one of six idlers), each within some
-    tolerances, together beyond. Neither on a roll with a profile: its mean radius is the profile's
-    own.
+    A declared number gains as an effect no more than its tolerance cost, z squared, however
+    plainly the records show it: neither ``score`` nor ``later_score`` is a ruler for it.
+
+    - As a first effect it needs the square of ``outside_prior_sd``, where it `is_outside`.
+    - As a later one it needs no more than a first effect does, where the records alone show its
+      change by enough (``chi2_by_records``): the model error of other effects moves it only as far
+      as the records leave it free. Or where it ``ends_conflict``: several like numbers stood in
+      for it (a drag at one of six idlers), each within some tolerances, together beyond. Neither
+      on a roll with a profile: its mean radius is the profile's own.
     """
-    found = [a.hypothesis for a in selection.accepted]
+    h, found = candidate.hypothesis, [a.hypothesis for a in selection.accepted]
     shaped = {f.location for f in found if f.effect.profiles is not None}
-    beyond = (
-        chi2_by_records > ACCEPTANCE.later_score or ends_conflict
-    ) and h.location not in shaped
-    later = found and not beyond
-    aperiodic = ACCEPTANCE.later_score if later else ACCEPTANCE.score
+    shown = candidate.chi2_by_records > ACCEPTANCE.later_score or candidate.ends_conflict
+    aperiodic = ACCEPTANCE.score
+    if found and (not shown or h.location in shaped):
+        aperiodic = ACCEPTANCE.later_score
+    elif not found and is_outside(candidate):
+        aperiodic = CRITERIA.search.degeneracy.outside_prior_sd**2
     return least_beside(selection, ACCEPTANCE.periodic_score if orders_of(h, 1.0) else aperiodic)
+
+
+def is_outside(candidate: FittedCandidate) -> bool:
+    """Return whether a candidate is a declared number that is surely not within its tolerance.
+
+    Its whole interval is not, and the records alone show its change by more than what models have
+    wrong ever came to (``later_score``).
+    """
+    return candidate.beyond_tolerance and candidate.chi2_by_records > ACCEPTANCE.later_score
 
 
 def least_beside(selection: Selection, least: float) -> float:
@@ -175,8 +181,7 @@ def confirmed_scores(
     looked_at: list[FittedCandidate] = []
     best, passed = 0.0, False
     for c in ranked:
-        h = c.hypothesis
-        least = least_score(selection, h, c.chi2_by_records, ends_conflict=c.ends_conflict)
+        least = least_score(selection, c)
         enough = passed and len(looked_at) >= ACCEPTANCE.most_looks
         if enough or c.score < max(least, best - ACCEPTANCE.margin):
             break
@@ -184,7 +189,7 @@ def confirmed_scores(
         if c.score < ACCEPTANCE.beyond_doubt:
             seen = c.at_most(rise_without(c.fit) - c.penalty)
             if seen.score < least:
-                progress(f"  {h.key}: not missed when all else is fitted again")
+                progress(f"  {c.hypothesis.key}: not missed when all else is fitted again")
         passed = passed or seen.score >= least
         looked_at.append(seen)
         best = max(best, seen.score)
@@ -206,15 +211,14 @@ def accept(
         return None
     best = scored[0]
     h = best.hypothesis
-    if best.score < least_score(
-        selection, h, best.chi2_by_records, ends_conflict=best.ends_conflict
-    ):
+    if best.score < least_score(selection, best):
         return None
     others = _others(scored, candidates)
     runner_up, second_score = others[0] if others else (None, 0.0)
     if (
         runner_up
         and best.score < ACCEPTANCE.weak
+        and not is_outside(best)
         and best.score - second_score < ACCEPTANCE.margin
         and not is_periodic(h)
     ):

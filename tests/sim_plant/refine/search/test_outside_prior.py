@@ -6,15 +6,27 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
+from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.candidate import fitted_candidate
+from sim_plant.refine.search.completeness import remaining_spectra
+from sim_plant.refine.search.forward_selection import best_of
 from sim_plant.refine.search.outside_prior import (
+    beyond_tolerance,
     chi2_by_records,
     ending_conflict,
     starts_outside_prior,
 )
-from tests.sim_plant.refine.small import fit_of, formula_twin, line_with, objective_of, white
+from sim_plant.refine.search.selection import Selection
+from tests.sim_plant.refine.small import (
+    axes_at,
+    fit_of,
+    formula_twin,
+    line_with,
+    objective_of,
+    quiet,
+    white,
+)
 
 IDLERS = [f"R{k}" for k in range(1, 9)]
 FRICTION_N_M, RADIUS_M = 0.017219, 0.0381
@@ -69,6 +81,37 @@ def test_a_number_that_a_fit_has_moved_starts_as_its_effect_with_all_else_as_fit
     as_effect = gauss_newton_fit(objective, (h,), (first,), kept, rounds=0)
     assert np.allclose(objective.pool.one(as_effect.case)[0], objective.pool.one(fit.case)[0])
     assert as_effect.cost < fit.cost - 1000.0  # the price of a tolerance of 0.1 %, 100 times over
+
+
+@pytest.mark.parametrize(("change", "outside"), [(0.03, False), (0.037, False), (0.043, True)])
+def test_a_number_is_beyond_its_tolerance_where_its_whole_interval_is(change, outside):
+    """2 % of tolerance are one standard deviation of 1 %: 95 % reach to 1.96 % on either side."""
+    line = line_with({"*": 0.0, "web.EA_N": 0.02})
+    twin = formula_twin(response, ["unwind_tension_N"], SAMPLES, line=line)
+    objective = objective_of(twin, NEWTON * change * WAVE[None, :] + white((1, SAMPLES)))
+    fit = gauss_newton_fit(objective, (MODULUS,), (MODULUS.start,), {})
+    assert fit.values[0][0] - 1.0 == pytest.approx(change, abs=0.002)
+    assert beyond_tolerance(objective, fit) is outside
+    assert not beyond_tolerance(objective, fit_of(RIPPLE))
+
+
+@pytest.mark.parametrize(("factor", "told"), [(1.08, True), (0.94, True), (1.03, False)])
+def test_a_modulus_beyond_its_tolerance_is_told_though_it_gains_no_120(factor, told):
+    """Of 8 % it gains the square of 8 standard deviations, 64, less the price of a number."""
+    line = line_with({"*": 0.0, "web.EA_N": 0.02})
+    twin = formula_twin(response, ["unwind_tension_N"], SAMPLES, line=line)
+    change_N = NEWTON * (factor - 1.0) * WAVE[None, :]
+    objective = objective_of(twin, change_N + white((1, SAMPLES)))
+    nominal = nominal_fit(objective)
+    axes = (axes_at(np.ones(JUDGED)),)
+    left = remaining_spectra(objective, nominal, axes)
+    nothing = Selection(nominal=nominal, fit=nominal, record_axes=axes, before=left, after=left)
+    found = best_of(objective, nothing, [MODULUS], quiet)
+    assert (found is not None) is told
+    if found is not None:
+        assert found.fit.values[0][0] == pytest.approx(factor, abs=0.002)
+        z = (factor - 1.0) / 0.01
+        assert found.accepted.score == pytest.approx(z**2 - np.log(JUDGED / 4.0), abs=2.0)
 
 
 def braked(case):

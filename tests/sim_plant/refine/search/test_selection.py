@@ -43,7 +43,7 @@ def selection(cost=COST, nominal=None, **more):
     )
 
 
-def rival(h, worth, chi2_by_records=0.0, ends_conflict=False):
+def rival(h, worth, chi2_by_records=0.0, ends_conflict=False, beyond_tolerance=False):
     """Return a fit whose score is this, and what the record alone says of it."""
     fit = fit_of(h, cost=COST - worth - PENALTY)
     return FittedCandidate(
@@ -52,6 +52,7 @@ def rival(h, worth, chi2_by_records=0.0, ends_conflict=False):
         penalty=PENALTY,
         chi2_by_records=chi2_by_records,
         ends_conflict=ends_conflict,
+        beyond_tolerance=beyond_tolerance,
     )
 
 
@@ -104,6 +105,34 @@ def test_what_a_strong_free_term_leaves_is_no_effect():
     beside = selection(chi2_of_free_terms=5e5)  # a flat spot no effect explains; 0.1 % is 500
     assert claimed([rival(DRAG, 500.0)], {DRAG.key: 450.0}, beside) is None
     assert claimed([rival(DRAG, 550.0)], {DRAG.key: 550.0}, beside) is not None
+
+
+@pytest.mark.parametrize(
+    ("worth", "chi2_by_records", "beyond", "taken"),
+    [
+        (54.0, 1500.0, True, True),  # 8 standard deviations of its tolerance, less the price
+        (15.0, 1500.0, True, False),  # less than four
+        (54.0, 350.0, True, False),  # as much as models have wrong
+        (54.0, 1500.0, False, False),  # its interval reaches into its tolerance
+        (130.0, 0.0, False, True),
+    ],
+)
+def test_a_first_effect_that_is_a_declared_number_beyond_its_tolerance_needs_no_120(
+    worth, chi2_by_records, beyond, taken
+):
+    modulus = rival(MODULUS, worth, chi2_by_records, beyond_tolerance=beyond)
+    assert (claimed([modulus], {MODULUS.key: worth}) is not None) is taken
+
+
+def test_two_declared_numbers_of_which_one_is_beyond_its_tolerance_are_both_named():
+    """Below 150 others alike make no claim: here the records show that it is one of these."""
+    radius = hypothesis(BY_NAME["radius_error"], "unwind")
+    rivals = [
+        rival(h, worth, 900.0, beyond_tolerance=True)
+        for h, worth in ((radius, 90.0), (MODULUS, 84.0))
+    ]
+    found = claimed(rivals, {radius.key: 90.0, MODULUS.key: 84.0}).accepted
+    assert (found.hypothesis.key, found.ambiguous) == (radius.key, (MODULUS.key,))
 
 
 def found_first(name, place):
@@ -283,7 +312,7 @@ def test_beside_an_outline_that_no_profile_has_a_later_effect_needs_a_share_of_i
     found = selection(accepted=(there,))
     later = hypothesis(BY_NAME["viscoelastic_web"], "web", line=LINE)
     plain = CRITERIA.search.acceptance.later_score
-    assert least_score(found, later) == pytest.approx(max(plain, least))
+    assert least_score(found, rival(later, 0.0)) == pytest.approx(max(plain, least))
 
 
 def test_several_imitations_hide_no_effect_behind_them():
