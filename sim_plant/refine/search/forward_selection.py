@@ -33,6 +33,7 @@ from sim_plant.refine.search.selection import (
     Selection,
     at_noise_floor,
     imitates,
+    later_score,
     least_beside,
     preferred,
     standing,
@@ -242,8 +243,8 @@ def next_extensions(
             conflicts = fit_conflicts(objective, selection.fit, names, progress)
             apart = set_apart(objective, selection, at_spectral_lines=True, wander=wander)
             weigh = objective if apart is None else apart.objective
-            needed = ACCEPTANCE.later_score if selection.accepted else ACCEPTANCE.score
-            least = least_beside(selection if apart is None else apart.selection, needed)
+            judged = selection if apart is None else apart.selection
+            least = least_beside(judged, later_score(judged))
             base = looked_from(selection.fit, apart)
             events = event_candidates(weigh, base, without, progress, least)
             extension = best_of(objective, selection, group, progress, conflicts, events, apart)

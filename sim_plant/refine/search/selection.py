@@ -115,10 +115,28 @@ def least_score(selection: Selection, candidate: FittedCandidate) -> float:
     shown = candidate.chi2_by_records > ACCEPTANCE.later_score or candidate.ends_conflict
     aperiodic = ACCEPTANCE.score
     if found and (not shown or h.location in shaped):
-        aperiodic = ACCEPTANCE.later_score
+        aperiodic = later_score(selection)
     elif not found and is_outside(candidate):
         aperiodic = CRITERIA.search.degeneracy.outside_prior_sd**2
     return least_beside(selection, ACCEPTANCE.periodic_score if orders_of(h, 1.0) else aperiodic)
+
+
+def later_score(selection: Selection) -> float:
+    """Return the score that an effect without a spectral line needs beside those found.
+
+    What a model has wrong can be imitated, and a right effect leaves no more than
+    ``remainder_share`` of what it explains. Apart from their model error those found explain less,
+    so what they were accepted for counts, if that is more. A declared number does more than it
+    gains: beside one it is ``later_score`` always.
+    Equation: max(score, min(later_score, remainder_share X)), X what those found explain; of none
+    it is ``score``  [own].
+    """
+    if any(a.hypothesis.effect.declared_as for a in selection.accepted):
+        return ACCEPTANCE.later_score
+    here = selection.nominal.cost - selection.fit.cost
+    explained = max(here, sum(a.score for a in selection.accepted))
+    left = CRITERIA.search.unexplained.remainder_share * explained
+    return max(ACCEPTANCE.score, min(ACCEPTANCE.later_score, left))
 
 
 def is_outside(candidate: FittedCandidate) -> bool:

@@ -28,6 +28,7 @@ def round_where_a_periodic_effect_leaves(cost, monkeypatch):
         "by_periodic_chi2": lambda *rest: ([periodic], [other]),
         "wander_of": lambda *rest: (),
         "set_apart": lambda *rest, **more: None,
+        "later_score": lambda *rest: 0.0,
         "least_beside": lambda *rest: 0.0,
         "event_candidates": lambda *rest: [],
         "looked_from": lambda fit, apart: fit,

@@ -17,6 +17,7 @@ from sim_plant.refine.search.selection import (
     at_noise_floor,
     confirmed_scores,
     imitates,
+    later_score,
     least_score,
     preferred,
     standing,
@@ -139,6 +140,39 @@ def found_first(name, place):
     h = hypothesis(BY_NAME[name], place)
     there = AcceptedEffect(hypothesis=h, score=1e4, runner_up=None, margin=1e4, rejected=())
     return selection(accepted=(there,))
+
+
+@pytest.mark.parametrize(
+    ("explained", "least"),
+    [
+        (905.0, 120.0),  # 4 % of it are 36: no more than noise may show
+        (5000.0, 200.0),
+        (1e4, 400.0),
+        (1e5, 400.0),
+    ],
+)
+def test_beside_a_weak_effect_a_later_one_needs_what_the_model_of_that_can_have_wrong(
+    explained, least
+):
+    shaft = hypothesis(BY_NAME["shaft_compliance_backlash"], "unwind")
+    resonance = hypothesis(BY_NAME["load_cell_resonance"], "R3")
+    there = AcceptedEffect(
+        hypothesis=shaft, score=explained, runner_up=None, margin=explained, rejected=()
+    )
+    found = selection(nominal=COST + explained, accepted=(there,))
+    for worth, taken in ((least - 1.0, False), (least + 1.0, True)):
+        said = claimed([rival(resonance, worth)], {resonance.key: worth}, found)
+        assert (said is not None) is taken
+    apart = replace(found, nominal=replace(found.nominal, cost=COST + 0.1 * explained))
+    assert later_score(apart) == pytest.approx(least)  # its error is none the smaller
+
+
+def test_beside_a_declared_number_which_does_more_than_it_gains_a_later_effect_needs_all():
+    there = AcceptedEffect(
+        hypothesis=MODULUS, score=150.0, runner_up=None, margin=150.0, rejected=()
+    )
+    assert later_score(selection(nominal=COST + 150.0, accepted=(there,))) == pytest.approx(400.0)
+    assert later_score(selection()) == pytest.approx(120.0)
 
 
 @pytest.mark.parametrize(
