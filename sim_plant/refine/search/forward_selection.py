@@ -27,12 +27,12 @@ from sim_plant.refine.search.number_ranges import with_number_ranges
 from sim_plant.refine.search.one_more import best_of, explains_own_lines, looked_from
 from sim_plant.refine.search.outside_prior import fit_conflicts, total_shifts
 from sim_plant.refine.search.profile_detail import joint_refit
+from sim_plant.refine.search.remainder import classified
 from sim_plant.refine.search.screening import by_periodic_chi2
 from sim_plant.refine.search.selection import (
     Extension,
     Selection,
     at_noise_floor,
-    imitates,
     later_score,
     least_beside,
     preferred,
@@ -40,7 +40,7 @@ from sim_plant.refine.search.selection import (
 )
 from sim_plant.refine.search.set_apart import own_spectral_lines, set_apart, wander_of
 from sim_plant.refine.search.two_at_one_line import two_at_one_line
-from sim_plant.refine.search.unexplained import Unknown, what_is_left
+from sim_plant.refine.search.unexplained import Unknown
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders, with_radii, with_resonances
 from sim_plant.refine.spectra.coordinates import axes_of, is_periodic
 
@@ -194,19 +194,6 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
         after=remaining_spectra(objective, rest, selection.record_axes),
     )
     return classified(objective, periodic)
-
-
-def classified(objective: Objective, selection: Selection) -> Selection:
-    """Return the selection with the class of what is left, slow changes of effects apart."""
-    apart = set_apart(objective, selection, at_spectral_lines=False)
-    weigh, seen = (objective, selection) if apart is None else (apart.objective, apart.selection)
-    fit = seen.fit
-    unknown = what_is_left(weigh, selection.nominal, fit, selection.record_axes, seen.after)
-    excess = weigh.excess(fit.cost, fit.residual)
-    nominal_excess = selection.nominal.cost - objective.expected_cost
-    if not unknown and imitates(selection.accepted, excess, nominal_excess):
-        unknown = [Unknown(unknown_class="broadband", chi2_reduction=excess, coordinate={})]
-    return replace(selection, unknown=tuple(unknown))
 
 
 def next_extensions(

@@ -14,10 +14,11 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.completeness import remaining_spectra
 from sim_plant.refine.search.free_terms import free_term_basis
 from sim_plant.refine.search.one_more import best_of
+from sim_plant.refine.search.remainder import classified
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from sim_plant.refine.search.set_apart import own_spectral_lines, set_apart
 from sim_plant.refine.spectra.coordinates import orders_of
-from tests.sim_plant.refine.small import axes_at, formula_twin, objective_of, quiet, white
+from tests.sim_plant.refine.small import STEP_S, axes_at, formula_twin, objective_of, quiet, white
 
 ACCEPTANCE = CRITERIA.search.acceptance
 SAMPLES, JUDGED = 6000, 4500
@@ -50,11 +51,15 @@ def response(case):
 
 
 @cache
-def found_first(drag):
-    """Return the objective of a record with so much drag, and the line that was found in it."""
-    error = np.array([1.0 + WRONG, 1.0 - WRONG])[:, None]
+def found_first(drag, wrong=WRONG, wave=0.0):
+    """Return the objective of a record with so much drag, and the line that was found in it.
+
+    ``wave`` is the size of one of 2.3 Hz, that no effect has.
+    """
+    error = np.array([1.0 + wrong, 1.0 - wrong])[:, None]
     line = STRONG * error * np.cos(TURNS_RAD)
     measured = line + drag * STEPS + white((2, SAMPLES), 3)
+    measured += wave * np.sin(2.0 * np.pi * 2.3 * STEP_S * np.arange(SAMPLES))
     objective = objective_of(formula_twin(response, CHANNELS, SAMPLES), measured)
     nominal = nominal_fit(objective)
     fit = gauss_newton_fit(objective, (ECCENTRIC,), (ECCENTRIC.start,), {})
@@ -99,6 +104,31 @@ def test_what_only_mends_the_line_explains_nothing_apart_from_it():
     assert left > 2.0 * ACCEPTANCE.later_score  # what the model has wrong
     assert claimed(FILTER, 0.0) is None
     assert claimed(DRAG, 0.0) is None
+
+
+@pytest.mark.parametrize(
+    ("wrong", "wave", "kinds"), [(0.12, 0.0, []), (0.0, 1.9, ["broadband"]), (0.0, 0.0, [])]
+)
+def test_what_a_strong_effect_leaves_at_its_own_line_takes_no_partner_back(wrong, wave, kinds):
+    """Either leaves some 2 JUDGED 1.9^2 / 2 = 16 000: 1.4 % of what the line explains.
+
+    That is more than 0.3 of what the drag, 810, explains with it. Elsewhere it may be the cause
+    that the drag imitates.
+    """
+    objective, selection = found_first(DRAG_SIZE, wrong, wave)
+    drag = best_of(
+        objective,
+        selection,
+        [DRAG],
+        quiet,
+        apart=set_apart(objective, selection, at_spectral_lines=True),
+    )
+    accepted = (*selection.accepted, drag.accepted)
+    after = remaining_spectra(objective, drag.fit, selection.record_axes)
+    both = replace(selection, fit=drag.fit, accepted=accepted, after=after)
+    left = objective.excess(both.fit.cost, both.fit.residual)
+    assert (left > 12_000.0) is bool(wrong or wave)
+    assert [u.unknown_class for u in classified(objective, both).unknown] == kinds
 
 
 def test_nothing_is_set_apart_where_it_decides_nothing():

@@ -10,8 +10,8 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.completeness import remaining_spectra
-from sim_plant.refine.search.forward_selection import classified
 from sim_plant.refine.search.one_more import best_of
+from sim_plant.refine.search.remainder import classified
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from sim_plant.refine.search.set_apart import set_apart
 from sim_plant.refine.search.unexplained import what_is_left
