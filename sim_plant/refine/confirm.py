@@ -8,6 +8,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.judge.apart import apart_from
 from sim_plant.refine.judge.holdout import Evaluation, evaluate
 from sim_plant.refine.judge.refutation import (
     as_declared,
@@ -27,6 +28,7 @@ from sim_plant.refine.search.selection import Selection, withdrawn, without_acce
 from sim_plant.refine.search.set_apart import has_large_wander
 from sim_plant.refine.search.unexplained import Unknown, line_or_broadband, rings, strongest_peak
 from sim_plant.refine.search.unknown_event import event_in
+from sim_plant.refine.search.wandering import wander_changes
 
 LINE_CYCLES = CRITERIA.search.unexplained.spectral_line_cycles
 
@@ -168,7 +170,9 @@ def without_weakest_imitation(
     """Return what is claimed without the weakest effect, where it can be an imitation, or None.
 
     It can be one where it takes less away on the record held out than all effects leave there,
-    and that is surely more than noise. A lone effect, or one beside something unknown, is not
+    and that is surely more than noise. Both are apart from slow changes of effects whose size is
+    never quite constant, as in the search (`set_apart`): the weakest was found by what is none of
+    them, and imitates none. A lone effect, or one beside something unknown, is not
     looked at; nor is an event that the record held out does not have: of that it says nothing.
     """
     if selection.unknown or len(selection.accepted) < 2 or not leaves_much(evaluation):
@@ -180,15 +184,49 @@ def without_weakest_imitation(
     ]
     if not shown:
         return None
+    changes = wander_there(judged, selection, evaluation, workers, progress)
+    seen = apart_from(evaluation, changes)
+    if not leaves_much(seen):
+        return None
     at = min(shown, key=lambda k: selection.accepted[k].score)
     fewer = without_accepted(selection, at)
     without = judge(judged, fewer, workers, progress, held_out=True)
-    if not takes_less_than_left(evaluation, without):
+    seen_without = apart_from(without, changes)
+    if not takes_less_than_left(seen, seen_without):
         return None
     key = selection.accepted[at].hypothesis.key
     said = f"not claimed: {key}: takes less away on {judged.record.path.name} than is left there"
-    stays = not takes_little(evaluation, without)
+    stays = not takes_little(seen, seen_without)
     return WithoutImitation(selection=fewer, evaluation=without, said=said, shown=stays)
+
+
+def wander_there(
+    judged: RecordWithTwin,
+    selection: Selection,
+    evaluation: Evaluation,
+    workers: int,
+    progress: Progress,
+) -> list[Array]:
+    """Return what a record shows of slow changes of the effects' sizes (channels, samples) each.
+
+    One per effect that wanders by enough to hide another and pair of intervals; the effects as
+    they are in this record.
+    """
+    large = {a.hypothesis.key for a in selection.accepted if has_large_wander(a)}
+    if not large:
+        return []
+    there = {(e.effect, e.location): dict(e.parameters) for e in evaluation.effects}
+    found = [h for h in selection.fit.hypotheses if (h.key.effect, h.key.location) in there]
+    rows = [(h.names, there[h.key.effect, h.key.location]) for h in found]
+    fit = replace(
+        selection.fit,
+        hypotheses=tuple(replace(h, record=None) for h in found),
+        values=tuple(tuple(float(known[name]) for name in names) for names, known in rows),
+        shifts=dict(selection.corrections),
+    )
+    with SimulationPool([judged.twin], workers, progress) as pool:
+        wandering = [k for k, h in enumerate(found) if h.key in large]
+        return [change[0] for k in wandering for change in wander_changes(pool, fit, k)]
 
 
 def refutation(selection: Selection, evaluation: Evaluation) -> str:

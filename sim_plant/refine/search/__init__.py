@@ -7,4 +7,5 @@ __all__ = [
     "set_apart",
     "unexplained",
     "unknown_event",
+    "wandering",
 ]

@@ -99,7 +99,7 @@ def set_apart(
 def wander_of(objective: Objective, selection: Selection) -> list[Changes]:
     """Return what changes as the sizes of effects wander, one term per pair of intervals."""
     indices = [k for k, accepted in enumerate(selection.accepted) if has_large_wander(accepted)]
-    return [change for k in indices for change in wander_changes(objective, selection.fit, k)]
+    return [change for k in indices for change in wander_changes(objective.pool, selection.fit, k)]
 
 
 def apart_from_spectral_lines(objective: Objective, selection: Selection) -> Objective | None:

@@ -19,20 +19,23 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective, with_wander
 from sim_plant.refine.fit.start_states import Changes
-from sim_plant.refine.model.twin import Added
+from sim_plant.refine.model.simulation_pool import SimulationPool
+from sim_plant.refine.model.twin import Added, Twin
 
 WANDERING = CRITERIA.search.wandering
 
 
-def wander_changes(objective: Objective, fit: Fit, at: int) -> list[Changes]:
+def wander_changes(pool: SimulationPool, fit: Fit, at: int) -> list[Changes]:
     """Return what changes as the size of effect ``at`` wanders about its mean, one term each.
+
+    On every record of the pool.
 
     The size is raised for one interval after another. A term is the answer to one of them less
     that to the one before, so that all terms together leave the mean size alone.
     """
     return [
         tuple(y - before for y, before in zip(later, first, strict=True))
-        for changes in _answers(objective, fit, at)
+        for changes in _answers(pool, fit, at)
         for first, later in pairwise(changes)
     ]
 
@@ -49,22 +52,22 @@ def weighed_with_wander(objective: Objective, fit: Fit) -> Objective:
     changes: list[Changes] = []
     deviations: list[float] = []
     for at in wandering:
-        for answers in _answers(objective, fit, at):
+        for answers in _answers(objective.pool, fit, at):
             changes += answers
             sd = math.sqrt(fit.hypotheses[at].effect.wander) / WANDERING.share
             deviations += [sd] * len(answers)
     return with_wander(objective, changes, deviations) if changes else objective
 
 
-def _answers(objective: Objective, fit: Fit, at: int) -> Iterator[list[Changes]]:
+def _answers(pool: SimulationPool, fit: Fit, at: int) -> Iterator[list[Changes]]:
     """Yield per record that has effect ``at`` what its size, raised in one interval, changes."""
     case = fit.case
-    for record, _ in enumerate(objective.measured):
+    for record, twin in enumerate(pool.twins):
         if fit.hypotheses[at].record not in (None, record):
             continue
-        raised = raised_for_a_while(fit, at, record, _duration_s(objective, record))
+        raised = raised_for_a_while(fit, at, record, _duration_s(twin))
         cases = [replace(case, effects=(*case.effects, one)) for one in raised]
-        base, *runs = objective.pool.run([case, *cases])
+        base, *runs = pool.run([case, *cases])
         yield [tuple(y - b for y, b in zip(run, base, strict=True)) for run in runs]
 
 
@@ -94,6 +97,5 @@ def raised_for_a_while(fit: Fit, at: int, record: int, duration_s: float) -> lis
     ]
 
 
-def _duration_s(objective: Objective, record: int) -> float:
-    twin = objective.pool.twins[record]
+def _duration_s(twin: Twin) -> float:
     return float(twin.speed_m_s.size * twin.declaration.sample_time_s)

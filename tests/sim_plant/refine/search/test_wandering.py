@@ -105,7 +105,7 @@ def test_the_wander_itself_is_no_other_effect():
 
 def test_terms_of_a_wander_are_the_answer_interval_by_interval_and_leave_its_mean():
     objective, selection = found_first(0.0, 0.0)
-    terms = wander_changes(objective, selection.fit, 0)
+    terms = wander_changes(objective.pool, selection.fit, 0)
     interval = round(CRITERIA.search.wandering.interval_s / STEP_S)
     assert len(terms) == SAMPLES // interval - 1
     share = CRITERIA.search.wandering.share * selection.fit.values[0][0] / SLIP.start[0]
