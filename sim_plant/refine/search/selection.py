@@ -193,16 +193,21 @@ def confirmed_scores(
     ``rise_without`` gives by how much the cost rises when the last effect of a fit is removed and
     all else fitted again. Candidates are judged by it in order of score, until one passes and
     ``most_looks`` were judged, so several imitations of one thing hide nothing behind them. All
-    others score no higher than the best judged, so that a margin is between like and like.
+    others score no higher than the best judged, so that a margin is between like and like; but
+    for those that are no claim by their own score, which differ in what they need.
     """
     ranked = rank(fitted)
     looked_at: list[FittedCandidate] = []
+    below: list[FittedCandidate] = []
     best, passed = 0.0, False
     for c in ranked:
         least = least_score(selection, c)
         enough = passed and len(looked_at) >= ACCEPTANCE.most_looks
-        if enough or c.score < max(least, best - ACCEPTANCE.margin):
+        if enough or c.score < best - ACCEPTANCE.margin:
             break
+        if c.score < least:
+            below.append(c)
+            continue
         seen = c
         if c.score < ACCEPTANCE.beyond_doubt:
             seen = c.at_most(rise_without(c.fit) - c.penalty)
@@ -211,8 +216,9 @@ def confirmed_scores(
         passed = passed or seen.score >= least
         looked_at.append(seen)
         best = max(best, seen.score)
-    rest = [c.at_most(best) if looked_at else c for c in ranked[len(looked_at) :]]
-    return sorted([*looked_at, *rest], key=lambda c: -c.score)
+    rest = ranked[len(looked_at) + len(below) :]
+    rest = [c.at_most(best) if looked_at else c for c in rest]
+    return sorted([*looked_at, *below, *rest], key=lambda c: -c.score)
 
 
 def accept(
@@ -223,15 +229,19 @@ def accept(
 ) -> Extension | None:
     """Return the effect that explains most, or None when none may be claimed.
 
-    ``candidates`` are first looks; those that were not fitted compete by their linear score.
+    ``candidates`` are first looks; those that were not fitted compete by their linear score. What
+    is no claim by its own score hides no first effect that `is_outside`, nor is it a rival of it:
+    healthy records reach more by chance than a tolerance costs.
     """
-    if not scored:
+    claims = [c for c in scored if c.score >= least_score(selection, c)]
+    if claims and claims[0] is not scored[0]:
+        claims = [c for c in claims if not selection.accepted and is_outside(c)]
+    if not claims:
         return None
-    best = scored[0]
+    best = claims[0]
     h = best.hypothesis
-    if best.score < least_score(selection, best):
-        return None
-    others = _others(scored, candidates)
+    alone = not selection.accepted and is_outside(best)
+    others = _others(claims, []) if alone else _others(scored, candidates)
     runner_up, second_score = others[0] if others else (None, 0.0)
     if (
         runner_up

@@ -125,6 +125,22 @@ def test_a_first_effect_that_is_a_declared_number_beyond_its_tolerance_needs_no_
     assert (claimed([modulus], {MODULUS.key: worth}) is not None) is taken
 
 
+def test_what_is_no_claim_hides_no_declared_number_beyond_its_tolerance():
+    """Healthy records reach 85 to 115 in one effect or another; 8 standard deviations gain 54."""
+    rivals = [
+        rival(DRAG, 100.0),
+        rival(FAR_DRAG, 56.0),
+        rival(MODULUS, 54.0, 1500.0, beyond_tolerance=True),
+    ]
+    missed = {DRAG.key: 100.0, FAR_DRAG.key: 56.0, MODULUS.key: 54.0}
+    found = claimed(rivals, missed).accepted
+    assert (found.hypothesis.key, found.ambiguous) == (MODULUS.key, ())
+    assert found.runner_up is None
+    claim = [rival(DRAG, 160.0), *rivals[1:]]
+    assert claimed(claim, missed | {DRAG.key: 160.0}).accepted.hypothesis.key == DRAG.key
+    assert claimed(rivals[:2], missed) is None
+
+
 def test_two_declared_numbers_of_which_one_is_beyond_its_tolerance_are_both_named():
     """Below 150 others alike make no claim: here the records show that it is one of these."""
     radius = hypothesis(BY_NAME["radius_error"], "unwind")
