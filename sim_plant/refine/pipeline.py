@@ -26,7 +26,12 @@ from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.aff_block import started_blocks, write_block
 from sim_plant.refine.report.amend import write_amended
-from sim_plant.refine.report.announce import announce, holdout_caveats, shared_angle
+from sim_plant.refine.report.announce import (
+    announce,
+    holdout_caveats,
+    radii_of_profiles,
+    shared_angle,
+)
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
 from sim_plant.refine.report.outcome import Outcome, Plan, RecordOfOnset
@@ -66,6 +71,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         claimed = confirmed(judged, selection, evaluation, plan.workers, progress)
         selection, evaluation = claimed.selection, claimed.evaluation
         caveats += claimed.said
+    caveats += radii_of_profiles(selection, fitted[0].twin.declaration)
     verdict = verdict_of(
         selection,
         evaluation,
