@@ -232,7 +232,7 @@ class DegeneracyCriteria:
         4.0,
         "prior standard deviations",
         "a declared number further off is tried as the effect that changes it; found first, its "
-        "square is the least score of one whose interval is outside its tolerance (ADR 0054)",
+        "square is the least score of one whose interval is outside its tolerance (ADR 0053)",
         "not recorded; theory: chance takes one number so far in 1 of 16 000",
     )
     most_outside: int = criterion(
