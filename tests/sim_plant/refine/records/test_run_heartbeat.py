@@ -39,7 +39,7 @@ def test_a_hole_longer_than_a_round_of_the_heartbeat_is_a_hole_and_no_jump():
     scans = np.delete(np.arange(3000.0), np.arange(1000, 1700))  # 700 scans: 2.7 rounds
     columns = rows(scans, ticks=scans + 1.0) | {"plc_heartbeat": np.mod(scans, 256.0)}
     found = scans_of(columns, (), 256.0)
-    assert [(one.row, one.why) for one in found.breaks] == [(1000, "nothing was read for 3.5 s")]
+    assert [(one.scan, one.why) for one in found.breaks] == [(1000, "nothing was read for 3.5 s")]
     assert found.taken_s == pytest.approx(scans * CYCLE_S)
 
 
