@@ -4,6 +4,9 @@
  * and the line are the simulation's, the words are those of the map (--plc MAP.yaml); between the
  * words that a client wrote and the correction that reaches the drives stands your code alone:
  * watchdog, limits, complements, permissives, ramp to zero, heartbeat and echo.
+ *
+ * What CAN carries is taken from the same words: what your code says is applied, and each channel whose
+ * words it changes. A function that does not return for 2 s ends the plant.
  */
 #ifndef AFF_PLC_H
 #define AFF_PLC_H
@@ -27,7 +30,7 @@ enum aff_plc_status {
 
 struct aff_plc_scan {
     double time_s;           /* of the plant at this scan, from 0 */
-    double since_s;          /* since the scan before */
+    double since_s;          /* since the scan before, also over a restart; of the first: since 0 */
     uint16_t status;         /* status bits of the machine, enum aff_plc_status */
     uint16_t roll_id;        /* one more with every splice */
     uint16_t measured_count; /* how many there are of each of the following */

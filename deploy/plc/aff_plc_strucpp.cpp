@@ -20,6 +20,9 @@ extern "C" void aff_plc_begin(void)
 
 extern "C" int aff_plc_scan(struct aff_plc_scan *scan)
 {
+    if (scan->written_count < 10 || scan->shown_count < 18 || scan->corrections_count != 2)
+        return -1; /* another map than the shipped one */
+
     const int needs =
         AFF_LINE_RUN | AFF_ENABLE_REQUEST | AFF_WEB_INTACT | AFF_TENSION_VALID | AFF_ESTOP_OK;
     const uint16_t *in = scan->written; /* from word 100 */

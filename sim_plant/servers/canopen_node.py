@@ -166,7 +166,9 @@ class CanopenNetwork:
         for name, row in self._rows.channels.items():
             self._set(row.node, row.object, _counts(plant.shown.measured[name] / row.scale, row))
         for name, row in self._rows.applied.items():
-            self._set(row.node, row.object, round(plant.shown.applied_m_s[name] / row.scale))
+            self._set(
+                row.node, row.object, _signed(plant.shown.applied_m_s[name] / row.scale, row)
+            )
 
     def _set(self, node: str, index: int, value: int) -> None:
         device = self._devices[node]
@@ -207,6 +209,12 @@ class CanopenNetwork:
     def _collect(self) -> list[CanFrame]:
         out, self._network.out = self._network.out, []
         return out
+
+
+def _signed(value: float, row: ChannelRow) -> int:
+    """Return counts of what is applied, which PLC code of the user's may say as it likes."""
+    half = 1 << (row.bits - 1)
+    return -half if math.isnan(value) else round(min(max(value, -half), half - 1))
 
 
 def _counts(value: float, row: ChannelRow) -> int:

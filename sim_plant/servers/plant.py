@@ -25,7 +25,7 @@ _ANOTHER = 0x8000  # heartbeat of another master, far from any young runtime's
 
 
 class Shown(NamedTuple):
-    """What the PLC shows of one scan: its words, its readings and what it applies, SI."""
+    """What the PLC shows of one scan: its words, its readings and what it says it applies, SI."""
 
     words: list[int]
     measured: Mapping[str, float]
@@ -71,6 +71,7 @@ class Plant:
         self.edge_observers: list[Callable[[FaultEdge], None]] = []
         self._inputs: dict[str, float] = {}
         self._stuck: dict[str, Mapping[str, float]] = {}
+        self._undistorted: Mapping[str, float] = {}
         self.wire_faults: WireFaults | None = None
         self.plc_scans = 0
         self._old: list[Shown] = []
@@ -210,6 +211,7 @@ class Plant:
             self.registers.write_as_another(_ANOTHER + self.scans)
         if self.faults.active(Fault.THIRD):
             self.registers.write_third(THIRD_M_S)
+        self._undistorted = dict(measured)
         self._distort(measured)
         self.measured = measured
         if (self.scans - 1) % self._samples_a_scan == 0:
@@ -249,7 +251,7 @@ class Plant:
             self._inputs[f"aff_{name}_m_s"] = value
             self.max_abs_applied_m_s[name] = max(self.max_abs_applied_m_s[name], abs(value))
         self.plc_scans += 1
-        fresh = Shown(scan.read_words, self.measured, scan.corrections_m_s)
+        fresh = Shown(scan.read_words, scan.measured, scan.applied_m_s)
         if not self.shown.words:
             self.shown = fresh
         if not self.faults.active(Fault.FREEZE):
@@ -286,7 +288,7 @@ class Plant:
                 self.plc.set_status(self._dropped & bit, True)
                 self._dropped &= ~bit
         elif edge.spec.fault is Fault.STUCK and edge.began:
-            self._stuck[edge.spec.argument] = self.measured
+            self._stuck[edge.spec.argument] = self._undistorted
 
     def _distort(self, measured: dict[str, float]) -> None:
         for fault in (Fault.STUCK, Fault.ABSURD, Fault.NAN):

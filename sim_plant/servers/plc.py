@@ -46,11 +46,15 @@ class Scan:
     ----------
     corrections_m_s : correction that the PLC adds to each actuator's speed reference.
     read_words : the read block as the wire shows it from now on.
+    measured, applied_m_s : what the PLC says of channels and corrections, SI, for a wire that has
+        no such words.
     refusal : why the runtime's correction does not count; empty while it counts.
     """
 
     corrections_m_s: Mapping[str, float]
     read_words: list[int]
+    measured: Mapping[str, float]
+    applied_m_s: Mapping[str, float]
     refusal: str
 
 
@@ -115,6 +119,8 @@ class Plc:
         return Scan(
             corrections_m_s=corrections_m_s,
             read_words=self.map.encode_read(words, measured, corrections_m_s),
+            measured=measured,
+            applied_m_s=corrections_m_s,
             refusal=refusal,
         )
 

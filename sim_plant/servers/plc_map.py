@@ -71,6 +71,15 @@ class PlcMap:
             )
         return block
 
+    def read_value(self, block: Sequence[int], item: RegisterItem) -> float:
+        """Return what the read block says of a channel or of what is applied, SI."""
+        return item.reading(self.read_slice(block, item), low_first=self.low_first)
+
+    def read_slice(self, block: Sequence[int], item: RegisterItem) -> Sequence[int]:
+        """Return the words of a channel, or of what is applied, in the read block."""
+        at = item.address - self.read_start
+        return block[at : at + item.length]
+
     def swap_read(self, block: Sequence[int]) -> list[int]:
         """Return the read block with the two words of every 32-bit channel exchanged."""
         swapped = list(block)

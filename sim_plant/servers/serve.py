@@ -51,7 +51,7 @@ class ServeOptions:
     allow_fc23 : False imitates a device without function 23.
     record, control : paths of the record and of the control socket, if wanted.
     duration_s : real time after which to stop; None runs until a signal.
-    realtime : ask for real-time rights.
+    realtime : ask for real-time rights; with ``plc_code`` they are not asked for.
     stepped : time stands but for the command ``step``; faults and clients are timed by it.
     """
 
@@ -216,7 +216,8 @@ class PlantService:
             if options.stepped:
                 self._scheduler = "stepped"
             elif options.realtime:
-                self._scheduler = "granted" if ask_for_realtime() else "refused"
+                if options.plc_code is None:  # a scan of it that hangs would keep the core
+                    self._scheduler = "granted" if ask_for_realtime() else "refused"
                 shorten_garbage_collections()
             self.plant.web.observers.append(lambda state: announce(self._web_says(state)))
             failure = self.stepper.start()

@@ -75,6 +75,14 @@ class RegisterItem:
         counts: float = _NUMBER[self.type].unpack(packed)[0]
         return counts * self.scale
 
+    def reading(self, words: Sequence[int], *, low_first: bool = False) -> float:
+        """Return the SI value that ``words`` say; NaN for the count that says there is none."""
+        value = self.from_words(words, low_first=low_first)
+        if self.type == "f32" or self.wraps:
+            return value
+        blank = self.to_words(math.nan, low_first=low_first)
+        return math.nan if tuple(words) == blank else value
+
     def _counts(self, value_si: float) -> float:
         if self.type == "f32":
             counts = value_si / self.scale

@@ -71,5 +71,7 @@ class CompiledPlc(Plc):
         return Scan(
             corrections_m_s={r.item.name: out[f"Correction{n}"] * r.item.scale for n, r in rows},
             read_words=self.map.encode_read(words, measured, applied),
+            measured=measured,
+            applied_m_s=applied,
             refusal=WORDS[int(out["Refusal"])],
         )

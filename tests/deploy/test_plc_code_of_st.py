@@ -84,5 +84,5 @@ def test_a_restarted_block_has_its_initial_values(library: Path) -> None:
     for scan in range(1, 9):
         plc.scan(scan * SCAN_S, dict(FakeLine().step({})), write_block(scan, state=StateBits(0)))
     plc.restart()
-    shown = plc.scan(SCAN_S, dict(FakeLine().step({})), write_block(9)).read_words
+    shown = plc.scan(9 * SCAN_S, dict(FakeLine().step({})), write_block(9)).read_words
     assert shown[0] == 1

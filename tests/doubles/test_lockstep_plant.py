@@ -2,7 +2,7 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Outcome, StateBits, Status
-from sim_plant.servers.faults import FaultBoard, parse_fault
+from sim_plant.servers.faults import Fault, FaultBoard, parse_fault
 from sim_plant.servers.plc import Plc
 from tests.doubles.lockstep_plant import LockstepPlant
 from tests.sim_plant.servers.fake_line import FakeLine, N_PER_m_s, default_map, write_block
@@ -147,6 +147,22 @@ def test_nan_absurd_and_stuck_strike_tension_in_the_words():
     _, after = stuck.run(50)
     assert before[2:4] == after[2:4]
     assert before[11:13] != after[11:13]
+
+
+@pytest.mark.parametrize("other", ["stuck=unwind_tension_N", "absurd", "nan"])
+def test_a_reading_that_sticks_anew_is_the_true_one_of_that_moment(other):
+    runtime = Runtime()
+    runtime.run(3)
+    plant = runtime.wire.plant
+    plant.inject(parse_fault(other))
+    runtime.run(20)
+    plant.clear(Fault.ABSURD)
+    plant.clear(Fault.NAN)
+    true_N = plant.measured["true_unwind_tension_N"]
+    plant.inject(parse_fault("stuck=unwind_tension_N"))
+    runtime.run(3)
+    assert plant.measured["unwind_tension_N"] == true_N
+    assert plant.measured["true_unwind_tension_N"] != true_N
 
 
 def test_a_splice_is_counted_and_shown():

@@ -27,9 +27,9 @@ NETWORK = network_of(SITE, wire_files(SITE, CONFIG))
 
 
 class CanopenBench:
-    def __init__(self) -> None:
+    def __init__(self, plc: Plc | None = None) -> None:
         self.clock = VirtualClock()
-        self.lockstep = LockstepPlant(FakeLine(), Plc(default_map()))
+        self.lockstep = LockstepPlant(FakeLine(), plc or Plc(default_map()))
         self.node = CanopenNetwork(
             CONFIG / "plc" / "can_canopen.yaml", self.lockstep.plant.registers
         )

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-import subprocess
 
 import pytest
 
@@ -13,6 +12,7 @@ from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import ALL_WELL, Plc
 from sim_plant.servers.plc_code import CodePlc
 from sim_plant.servers.serve import PlantService, ServeOptions
+from tests.sim_plant.servers.built_code import built
 from tests.sim_plant.servers.fake_line import FakeLine, N_PER_m_s, default_map, write_block
 
 pytestmark = pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler `cc` on PATH")
@@ -41,17 +41,9 @@ int aff_plc_scan(struct aff_plc_scan *scan)
 NAN = CODE.replace("return 0;", "scan->corrections[1] = 0.0 / (scan->time_s * 0.0); return 0;")
 
 
-def built(folder, text=CODE):
-    (folder / "plc.c").write_text(text)
-    words = ["cc", "-Wall", "-Werror", "-shared", "-fPIC", "-I", str(shipped_plc(""))]
-    words += [str(folder / "plc.c"), "-o", str(folder / "plc.so")]
-    subprocess.run(words, check=True, timeout=60)
-    return folder / "plc.so"
-
-
 @pytest.fixture
 def plc(tmp_path):
-    return CodePlc(MAP, built(tmp_path))
+    return CodePlc(MAP, built(tmp_path, CODE))
 
 
 def measured():
@@ -90,12 +82,14 @@ def test_a_restart_begins_the_code_anew(plc):
     for scan in range(1, 4):
         assert plc.scan(0.005 * scan, measured(), write_block(1)).read_words[0] == scan
     plc.restart()
-    assert plc.scan(0.020, measured(), write_block(1)).read_words[0] == 1
+    words = plc.scan(0.020, measured(), write_block(1)).read_words
+    assert words[0] == 1
+    assert words[17] == int(500 + 20 + 0.090)  # since the scan before, not since time 0
 
 
 def test_a_served_line_obeys_the_code_of_its_options(tmp_path):
     """The fake line answers a correction with N_PER_m_s newtons per m/s."""
-    options = ServeOptions(port=0, plc_code=built(tmp_path))
+    options = ServeOptions(port=0, plc_code=built(tmp_path, CODE))
     plants = [PlantService(FakeLine(), MAP, options).plant, Plant(FakeLine(), Plc(MAP))]
     for plant in plants:  # neither heartbeat nor state: the simulated program takes nothing
         plant.registers.write_words = list(write_block(0, unwind=-500))

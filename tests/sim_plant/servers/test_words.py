@@ -53,3 +53,21 @@ def test_reading_back_is_exact_to_half_a_count(value, low_first, type_):
     item = RegisterItem(name="x", address=0, type=type_, scale=0.001)
     back = item.from_words(item.to_words(value, low_first=low_first), low_first=low_first)
     assert abs(back - value) <= 0.0005 + 1e-12
+
+
+@pytest.mark.parametrize(
+    ("type_", "wraps", "words", "value"),
+    [
+        ("i16", False, (0x8000,), math.nan),
+        ("i16", False, (0x7FFF,), 32767.0),
+        ("u16", False, (0xFFFF,), math.nan),
+        ("u16", False, (0,), 0.0),
+        ("i32", False, (0x0000, 0x8000), math.nan),
+        ("i32", True, (0x0000, 0x8000), -(2.0**31)),
+        ("f32", False, (0x0000, 0x7FC0), math.nan),
+        ("f32", False, (0x0000, 0x3F80), 1.0),
+    ],
+)
+def test_a_reading_that_nobody_measures_is_no_number(type_, wraps, words, value):
+    item = RegisterItem(name="x", address=0, type=type_, wraps=wraps)
+    assert item.reading(words, low_first=True) == pytest.approx(value, nan_ok=True)
