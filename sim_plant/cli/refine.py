@@ -219,7 +219,10 @@ def pieces_in(records: Sequence[Path]) -> list[Path]:
 
     found: list[Path] = []
     for path in records:
-        pieces = unbroken_windows(path) if names_a_run(path) else [path]
+        try:
+            pieces = unbroken_windows(path) if names_a_run(path) else [path]
+        except PlantError:  # what reads it says why, beside what the others hold
+            pieces = [path]
         if len(pieces) > 1:
             say(f"{path.name}: {len(pieces)} records: {', '.join(one.name for one in pieces)}")
         found += pieces

@@ -24,7 +24,10 @@ Result = TypeVar("Result")
 REPEATS = 2
 """Of a job whose process or worker was lost."""
 ANSWER_S = 10.0
-"""For the scheduler to be reached, and for a first worker to be there."""
+"""For the scheduler to be reached."""
+SOON_S, FIRST_WORKER_S = 2.0, 120.0
+"""For a first worker: without a word, and then said. Begun with the scheduler, on a machine with
+other work, it may still be loading."""
 QUIET = {
     "distributed.worker.profile.enabled": False,
     "distributed.admin.tick.interval": "1s",
@@ -57,7 +60,7 @@ class Cluster(Generic[Job, Result]):
     scheduler : ``tcp://HOST:PORT`` or ``tls://HOST:PORT`` of one that runs.
     limit_s : for one job; then it is ended, and repeated.
     name : what an error calls a job.
-    tell : takes a sentence whenever a job is repeated.
+    tell : takes a sentence whenever a job is repeated, or a first worker is awaited.
 
     Raises
     ------
@@ -77,7 +80,7 @@ class Cluster(Generic[Job, Result]):
     ) -> None:
         self._work, self._limit_s = work, limit_s
         self._name, self._tell = name, tell
-        self._client = _connected(scheduler) if scheduler else _local(workers)
+        self._client = _connected(scheduler, tell) if scheduler else _local(workers)
 
     def __enter__(self) -> Self:
         return self
@@ -177,8 +180,8 @@ def _local(workers: int) -> Client:
     return distributed.Client(cluster)
 
 
-def _connected(scheduler: str) -> Client:
-    """Return a client of a scheduler that has at least one worker."""
+def _connected(scheduler: str, tell: Callable[[str], None]) -> Client:
+    """Return a client of a scheduler that has at least one worker; where it waits it says so."""
     distributed = _dask()
     try:
         client = distributed.Client(scheduler, timeout=ANSWER_S)
@@ -187,13 +190,30 @@ def _connected(scheduler: str) -> Client:
             f"no scheduler answers at {scheduler} ({error}); start one with `dask scheduler`"
         ) from error
     try:
-        client.wait_for_workers(1, timeout=ANSWER_S)
-    except (TimeoutError, distributed.TimeoutError) as error:
+        if not _has_worker(client, SOON_S):
+            tell(
+                f"the scheduler at {scheduler} has no worker yet; a first one is awaited for "
+                f"{FIRST_WORKER_S:g} s. Start one with `dask worker {scheduler}`"
+            )
+            if not _has_worker(client, FIRST_WORKER_S):
+                raise ClusterError(
+                    f"the scheduler at {scheduler} has no worker after "
+                    f"{FIRST_WORKER_S:g} s; start one with `dask worker {scheduler}`"
+                )
+    except BaseException:
         client.close()
-        raise ClusterError(
-            f"the scheduler at {scheduler} has no worker; start one with `dask worker {scheduler}`"
-        ) from error
+        raise
     return client
+
+
+def _has_worker(client: Client, limit_s: float) -> bool:
+    """Return whether a worker is there within a time."""
+    distributed = _dask()
+    try:
+        client.wait_for_workers(1, timeout=limit_s)
+    except (TimeoutError, distributed.TimeoutError):
+        return False
+    return True
 
 
 def _dask() -> ModuleType:

@@ -18,6 +18,19 @@ DATE = re.compile(r"(?<!\d)(20\d\d)-?(\d\d)-?(\d\d)(?:\d{6})?(?!\d)")
 """A day, with or without the time after it: no part of a longer number."""
 
 
+class Mark(NamedTuple):
+    """What tells a look from others: it is taken once, and its files may be edited meanwhile.
+
+    Attributes
+    ----------
+    key : name of its row; another line file or another record is another look.
+    declared : which line file it is, the first digits of its hash.
+    """
+
+    key: str
+    declared: str
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Look:
     """One look at a line: a record to fit and one to judge on.
@@ -42,16 +55,16 @@ class Look:
 
     @property
     def key(self) -> str:
-        """Name of its row: another line file or another record is another look."""
+        """Name of its row as its files are now, see ``mark``."""
+        return self.mark().key
+
+    def mark(self) -> Mark:
+        """Return what tells it from others, by its files as they are now."""
         digest = hashlib.sha256(_content(self.file))
+        declared = digest.hexdigest()[:16]
         for record in (self.fitted, self.held):
             digest.update(f"{record.name} {_stamp(record)}".encode())
-        return f"{self.line}-{digest.hexdigest()[:16]}"
-
-    @property
-    def declared(self) -> str:
-        """Which line file it is: the first digits of its hash."""
-        return hashlib.sha256(_content(self.file)).hexdigest()[:16]
+        return Mark(f"{self.line}-{digest.hexdigest()[:16]}", declared)
 
     @property
     def pair(self) -> tuple[str, str, str]:

@@ -74,10 +74,11 @@ def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
         (out / "rows").mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise PlantError(f"--out {plan.out}: cannot be written ({error})") from error
-    looks, keys = fleet.looks, {look: look.key for look in fleet.looks}
+    looks, marks = fleet.looks, {look: look.mark() for look in fleet.looks}
+    keys = {look: mark.key for look, mark in marks.items()}
     for look, key in keys.items():
         if key in rows and not rows[key].result.fitted:
-            rows[key] = keep(out, key, look, rows[key].result)
+            rows[key] = keep(out, marks[look], look, rows[key].result)
     fresh = [look for look in looks if keys[look] not in rows]
     failed = [k for k in looks if keys[k] in rows and rows[keys[k]].result.verdict is None]
     orders = [Order(look=look, out=out / "reports" / keys[look]) for look in (*fresh, *failed)]
@@ -90,7 +91,7 @@ def refine_fleet(plan: FleetPlan, say: Callable[[str], None]) -> FleetOutcome:
             lost.append(str(result))
             say(str(result))
             continue
-        rows[keys[order.look]] = keep(out, keys[order.look], order.look, result)
+        rows[keys[order.look]] = keep(out, marks[order.look], order.look, result)
         times_s.append(result.time_s)
         ended_ns = clock.now_ns()
         say(f"{order}: {result.answer}, {result.time_s:.0f} s")

@@ -34,7 +34,7 @@ class LookResult:
     Attributes
     ----------
     fitted, held : names of its records; empty in a row of before there were names.
-    declared : which line file it was told under, ``Look.declared``.
+    declared : which line file it was told under, ``Mark.declared``.
     time_s, cpu_s : by the clock; of a core, NaN in a row of before it was counted.
     """
 
@@ -53,9 +53,9 @@ class LookResult:
         """The verdict in a word."""
         return "failed" if self.verdict is None else self.verdict.answer
 
-    def of(self, look: Look) -> LookResult:
+    def of(self, look: Look, declared: str) -> LookResult:
         """Return it with the names of its look's records and line file."""
-        return replace(self, fitted=look.fitted.name, held=look.held.name, declared=look.declared)
+        return replace(self, fitted=look.fitted.name, held=look.held.name, declared=declared)
 
     def to_json(self) -> str:
         """Return the row that is kept of it."""

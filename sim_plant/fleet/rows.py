@@ -8,7 +8,7 @@ from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.files import replace_text
-from sim_plant.fleet.looks import Fleet, Look, Told
+from sim_plant.fleet.looks import Fleet, Look, Mark, Told
 from sim_plant.fleet.refine_look import LookResult
 
 
@@ -48,11 +48,11 @@ def kept_result(path: Path, say: Callable[[str], None]) -> LookResult | None:
         return None
 
 
-def keep(out: Path, key: str, look: Look, result: LookResult) -> Row:
-    """Write the row of a look, whole; return it."""
-    named, path = result.of(look), row_file(out, key)
+def keep(out: Path, mark: Mark, look: Look, result: LookResult) -> Row:
+    """Write the row of a look, whole, by its mark of before the work; return it."""
+    named, path = result.of(look, mark.declared), row_file(out, mark.key)
     replace_text(path, named.to_json())
-    return Row(key=key, result=named, written_ns=path.stat().st_mtime_ns)
+    return Row(key=mark.key, result=named, written_ns=path.stat().st_mtime_ns)
 
 
 def told(rows: Iterable[Row]) -> list[Told]:

@@ -1,5 +1,6 @@
 """A real Dask cluster gives the work out: a killed worker or process costs a repeat."""
 
+import json
 import os
 import signal
 import subprocess
@@ -95,3 +96,44 @@ def test_no_scheduler_there_is_said_with_what_to_do(monkeypatch):
     monkeypatch.setattr("sim_plant.fleet.cluster.ANSWER_S", 0.5)
     with pytest.raises(ClusterError, match="start one with `dask scheduler`"):
         Cluster(jobs.half, 1, scheduler="tcp://127.0.0.1:9", limit_s=LONG_S)
+
+
+@pytest.fixture
+def scheduler(tmp_path):
+    """Start a scheduler without a worker; yield its address."""
+    file = tmp_path / "scheduler.json"
+    dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1"]
+    words = [*dask, "--port", "0", "--no-dashboard", "--scheduler-file", str(file)]
+    process = subprocess.Popen(words, stderr=subprocess.DEVNULL)
+    try:
+        yield json.loads(text_in(file))["address"]
+    finally:
+        process.kill()
+        process.wait()
+
+
+def test_a_first_worker_is_awaited_with_a_word_and_then_works(scheduler):
+    said, started = [], []
+
+    def tell(text):
+        said.append(text)
+        worker = [sys.executable, "-m", "distributed.cli.dask_worker", scheduler]
+        words = [*worker, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
+        started.append(subprocess.Popen(words, stderr=subprocess.DEVNULL))
+
+    try:
+        with Cluster(jobs.half, 0, scheduler=scheduler, limit_s=LONG_S, tell=tell) as cluster:
+            assert list(cluster.run([3])) == [(0, 1.5)]
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+    (text,) = said
+    assert f"{scheduler} has no worker yet; a first one is awaited for 120 s" in text
+
+
+def test_a_worker_that_never_comes_is_said_with_what_to_do(scheduler, monkeypatch):
+    monkeypatch.setattr("sim_plant.fleet.cluster.SOON_S", 0.2)
+    monkeypatch.setattr("sim_plant.fleet.cluster.FIRST_WORKER_S", 0.3)
+    with pytest.raises(ClusterError, match=r"no worker after 0\.3 s; start one with `dask worker"):
+        Cluster(jobs.half, 0, scheduler=scheduler, limit_s=LONG_S)

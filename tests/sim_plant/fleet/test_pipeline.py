@@ -190,6 +190,23 @@ def test_a_changed_line_file_replaces_what_can_be_looked_at_again(plan, nights):
     assert [f.declared for f in findings if f.line == "film1"] == [four]
 
 
+def test_a_line_file_edited_at_night_is_not_what_was_looked_at(plan, monkeypatch):
+    """The row names the file of before the work, in its key and in what it says."""
+    file = plan.lines / "film2.yaml"
+    before, digest = fleet_in(plan.lines, plan.runs).looks[1].key, hashlib.sha256()
+    digest.update(file.read_bytes())
+
+    def refined(_, todo, __):
+        file.write_text("rollers: 7\n", encoding="utf-8")
+        for order in todo:
+            yield order, jobs.failed(order)
+
+    monkeypatch.setattr(pipeline, "_refined", refined)
+    refine_fleet(plan, lambda _: None)
+    row = kept_result(row_file(plan.out, before), print)
+    assert row.declared == digest.hexdigest()[:16]
+
+
 def test_what_is_left_of_a_look_that_failed_is_paired_anew(plan, nights):
     nights()
     folder = plan.runs / "film2"

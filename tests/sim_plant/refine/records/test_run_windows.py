@@ -1,11 +1,15 @@
 """Every unbroken piece of a window as a record: what each holds is what its window alone holds."""
 
+import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from aff_runtime.base.signals import Status
+from sim_plant.base.shipped import shipped
+from sim_plant.cli.main import main
 from sim_plant.cli.refine import pieces_in
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.run_caveats import rolls_of
@@ -84,3 +88,14 @@ def test_records_of_several_rolls_are_named(run):
     assert len(rolls_of(records)) == 1
     assert "2 rolls of web" in rolls_of(records)[0]
     assert rolls_of(records[:1]) == []
+
+
+def test_a_run_that_cannot_be_used_is_named_beside_what_the_others_lack(run, tmp_path, capsys):
+    nowhere = Path(f"{run}@900..950")
+    assert pieces_in([nowhere, run]) == [nowhere, *unbroken_windows(run)]
+    words = [str(shipped("lines/euclid.yaml")), str(nowhere), str(run), "--pieces", "--lacking"]
+    assert main(["refine", *words, "--out", str(tmp_path)]) == 2
+    told = json.loads((tmp_path / "lacking.json").read_text(encoding="utf-8"))["records"]
+    assert [one["name"] for one in told] == [one.name for one in (nowhere, *unbroken_windows(run))]
+    assert told[0]["refused"]
+    assert f"{nowhere.name}: cannot be used: " in capsys.readouterr().out
