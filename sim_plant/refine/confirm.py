@@ -12,6 +12,7 @@ from sim_plant.refine.judge.apart import apart_from
 from sim_plant.refine.judge.holdout import Evaluation, evaluate
 from sim_plant.refine.judge.refutation import (
     as_declared,
+    leaves_large,
     leaves_much,
     made_worse,
     refuted,
@@ -103,8 +104,8 @@ def without_imitations(
 
     What an imitation explained has a cause that is not named. Where the record held out shows
     surely more than noise without it, that is unknown, and the verdict says so. So does it where
-    the weakest stays for its response is shown, or where most of what that record shows is
-    something else than the effects, which are there.
+    the weakest stays for its response is shown, or where the effects, which are there, leave more
+    of what that record shows than right ones do.
     """
     said: list[str] = []
     while weak := without_weakest_imitation(judged, selection, evaluation, workers, progress):
@@ -113,14 +114,35 @@ def without_imitations(
         said.append(weak.said)
         progress(weak.said)
         selection, evaluation = weak.selection, weak.evaluation
-    found = bool(selection.accepted) and not selection.unknown
-    beside = weak is not None or (found and shows_something_else(evaluation))
+    beside = weak is not None or has_more(judged, selection, evaluation, workers, progress)
     if leaves_much(evaluation) and (said or beside):
         stays = stays_unknown(judged, selection, evaluation)
         said.append(f"unknown: what is left on {judged.record.path.name}: {stays.text}")
         progress(said[-1])
         selection = replace(selection, unknown=(stays,))
     return Claimed(selection=selection, evaluation=evaluation, said=tuple(said))
+
+
+def has_more(
+    judged: RecordWithTwin,
+    selection: Selection,
+    evaluation: Evaluation,
+    workers: int,
+    progress: Progress,
+) -> bool:
+    """Return whether a record held out has more in it than the effects that are claimed.
+
+    They leave most of what it shows, or more of it than right effects do; the latter apart from
+    slow changes of effects whose size is never quite constant.
+    """
+    if not selection.accepted or selection.unknown or not leaves_much(evaluation):
+        return False
+    if shows_something_else(evaluation):
+        return True
+    if not leaves_large(evaluation):
+        return False
+    changes = wander_there(judged, selection, evaluation, workers, progress)
+    return leaves_large(apart_from(evaluation, changes))
 
 
 def stays_unknown(judged: RecordWithTwin, selection: Selection, evaluation: Evaluation) -> Unknown:

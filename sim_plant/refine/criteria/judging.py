@@ -14,7 +14,8 @@ class JudgeCriteria:
     least_power: float = criterion(
         1.0,
         "of the power of noise, mean over channels",
-        "power beyond noise from which a record held out has something to explain",
+        "power beyond noise from which a record held out has something to explain, or something "
+        "is left there beside effects that leave more than search.unexplained.remainder_share",
         "below, what declared numbers leave within their tolerance is as much",
     )
     refuted_share: float = criterion(

@@ -102,6 +102,21 @@ def leaves_much(evaluation: Evaluation) -> bool:
     return left(evaluation) >= JUDGE.least_power
 
 
+def leaves_large(evaluation: Evaluation) -> bool:
+    """Return whether what effects leave on a record held out is too much for a cause named alone.
+
+    A right effect leaves no more than ``remainder_share`` of what it explains. Equation, of one
+    channel or of all: sum left > ``remainder_share`` sum shown, and sum left / n at least
+    ``least_power``; of the power beyond noise, n all channels but angles and radii  [own].
+    """
+    shown, rest = _each(evaluation, evaluation.before), _each(evaluation, evaluation.after)
+    parts = [(float(rest.sum()), float(shown.sum())), *zip(rest, shown, strict=True)]
+    return any(
+        here >= JUDGE.least_power * rest.size and here > REMAINDER_SHARE * there
+        for here, there in parts
+    )
+
+
 def takes_less_than_left(evaluation: Evaluation, without: Evaluation) -> bool:
     """Return whether an effect takes less away than all effects leave: it can be an imitation.
 
@@ -130,9 +145,14 @@ def takes_little(evaluation: Evaluation, without: Evaluation) -> bool:
 
 def _beyond_noise(evaluation: Evaluation, rms: Array) -> float:
     """Return the mean of ``left`` for these rms values (channels,)."""
+    return float(np.mean(_each(evaluation, rms)))
+
+
+def _each(evaluation: Evaluation, rms: Array) -> Array:
+    """Return the power beyond noise of each judged channel for these rms values (channels,)."""
     judged = judged_channels(evaluation)
-    power = (rms[judged] / evaluation.floor[judged]) ** 2 - 1.0
-    return float(np.mean(np.maximum(power, 0.0)))
+    power: Array = np.maximum((rms[judged] / evaluation.floor[judged]) ** 2 - 1.0, 0.0)
+    return power
 
 
 def made_worse(evaluation: Evaluation) -> tuple[str, ...]:

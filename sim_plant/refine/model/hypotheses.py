@@ -98,14 +98,17 @@ class Hypothesis:
         return all(low <= value <= high for value, low, high in rows)
 
     def at_bound(self, values: Sequence[float]) -> bool:
-        """Return whether a number sits at a bound that is not its absence: no estimate."""
-        rows = zip(values, self.low, self.high, self.absent, strict=True)
+        """Return whether a number sits at a bound at which it is no estimate.
+
+        At its absence it is one, and at a bound that is worth a candidate (``tries``): web slips
+        from standstill on.
+        """
+        rows = zip(self.names, values, self.low, self.high, self.absent, strict=True)
         return any(
-            bound != absent
-            and abs(value - bound) < CRITERIA.model.at_bound_share * abs(bound - absent)
-            for value, low, high, absent in rows
+            abs(value - bound) < CRITERIA.model.at_bound_share * abs(bound - absent)
+            for name, value, low, high, absent in rows
             for bound in (low, high)
-            if math.isfinite(bound)
+            if math.isfinite(bound) and bound not in (absent, *self.effect.accepts[name].tries)
         )
 
     @property

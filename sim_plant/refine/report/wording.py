@@ -199,6 +199,7 @@ def _with_interval(effect: str, number: NumberRow, value: Value) -> str:
         return f"{NOT_SHOWN}: between {number.low} and {number.high} {number.unit}".rstrip()
     text = f"{number.value} {number.unit}".rstrip()
     taken = assumed(effect, number.key) and value == BY_NAME[effect].accepts[number.key].tries[0]
+    taken = taken and not (number.low and number.key in BY_NAME[effect].fitted)
     if taken and number.low:
         return f"{text} (assumed; it may be {number.low} to {number.high})"
     if taken:

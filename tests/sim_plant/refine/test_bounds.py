@@ -129,3 +129,12 @@ def test_an_estimate_at_a_bound_is_none_but_absence_may_lie_there():
     drag = hypothesis(BY_NAME["bearing_drag"], "R18", (), ("constant_N_m",), LINE)
     assert not drag.at_bound([0.0])
     assert drag.at_bound([drag.high[0]])
+
+
+def test_web_that_slips_from_standstill_on_is_an_estimate():
+    """0 is a threshold that the library itself begins at; nothing is above the fastest line."""
+    h = hypothesis(BY_NAME["slip"], "pull_roll", line=LINE)
+    assert h.names == ("slope_s_m", "threshold_m_s")
+    assert not h.at_bound([0.002, 0.0])
+    assert h.at_bound([0.002, h.high[1]])
+    assert h.at_bound([h.high[0], 0.0])

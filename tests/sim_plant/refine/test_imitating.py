@@ -121,17 +121,18 @@ def test_beside_slip_no_line_is_named_for_its_changes_have_slow_ones_of_their_ow
     assert (stays.unknown_class, dict(stays.coordinate)) == ("broadband", {})
 
 
-def test_without_an_imitation_what_is_left_is_no_unknown():
-    evaluation = of_both({})
+def test_without_an_imitation_little_of_what_was_there_is_no_unknown():
+    """1 of the power of noise is surely more than that, and 1 % of what the effects explain."""
+    evaluation = replace(of_both({}), before=np.full(1, 10.0))
     selection = both_drags()
     found = without_imitations(held_out(), selection, evaluation, 1, quiet)
     assert (found.selection, found.evaluation, found.said) == (selection, evaluation, ())
 
 
-def beside_something_else(rest):
+def beside_something_else(rest, size_N=2.0):
     """A drag whose response is a sine of 1.7 Hz, shown by a record that has ``rest`` too."""
     record = held_out(1.0)
-    response = 2.0 * np.sin(2.0 * np.pi * 1.7 * 0.01 * np.arange(SAMPLES))
+    response = size_N * np.sin(2.0 * np.pi * 1.7 * 0.01 * np.arange(SAMPLES))
     measured = (record.record.columns["unwind_tension_N"] + response + rest)[None]
     evaluation = replace(
         of_both({}),
@@ -215,3 +216,14 @@ def test_a_weak_effect_that_its_response_keeps_stays_beside_an_unknown(step_N, a
 def test_little_beside_the_effect_is_no_unknown():
     found = beside_something_else(0.5 * (np.arange(SAMPLES) >= 1200))
     assert (found.selection.unknown, found.said) == ((), ())
+
+
+@pytest.mark.parametrize(("step_N", "classes"), [(4.0, []), (6.0, ["event"])])
+def test_an_effect_that_leaves_more_than_right_ones_do_is_not_told_alone(step_N, classes):
+    """Of a sine of 20 N, power 200, a step over 0.4 of the record leaves 3 % and 7 %."""
+    found = beside_something_else(step_N * (np.arange(SAMPLES) >= 1200), 20.0)
+    (claimed,) = found.selection.accepted
+    assert claimed.hypothesis.location == "R5"
+    assert [u.unknown_class for u in found.selection.unknown] == classes
+    verdict = verdict_of(found.selection, found.evaluation, "B")
+    assert verdict.answer == ("unknown" if classes else "traced")

@@ -8,10 +8,10 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.confirm import RecordWithTwin, judge, wander_there, without_imitations
 from sim_plant.refine.judge.apart import apart_from
-from sim_plant.refine.judge.refutation import left
+from sim_plant.refine.judge.refutation import leaves_large, left
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.records.recording import Recording
-from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from sim_plant.refine.search.selection import AcceptedEffect, Selection, without_accepted
 from tests.sim_plant.refine.small import LINE, STEP_S, fit_of, formula_twin, one_peak, quiet, white
 
 SAMPLES = 6000
@@ -87,3 +87,22 @@ def test_a_wander_is_taken_out_as_far_as_steps_of_2_s_follow_it():
     changes = wander_there(judged, selection, evaluation, 1, quiet)
     assert left(apart_from(evaluation, changes)) < 2.0 * 0.046 * left(evaluation)
     assert apart_from(evaluation, []) is evaluation
+
+
+@pytest.mark.parametrize(
+    ("rest", "classes"),
+    [
+        (0.35 * STRONG * SLIP_SHARES * SLOW, []),  # 6 % of what slip explains, 0.3 % apart
+        (13.0 * np.array([[1.0], [0.5]]) * SLOW, ["broadband"]),  # 9 %; 64 % of it apart
+    ],
+    ids=["wander", "something else"],
+)
+def test_a_slip_alone_is_judged_apart_from_its_wander_before_more_is_unknown(rest, classes):
+    """Slip's shares are (1, -0.5): cos^2 to (1, 0.5) is (0.75 / 1.25)^2 = 0.36."""
+    judged, selection = held_out(rest - DRAG_SHARES * STEPS)
+    lone = without_accepted(selection, 1)
+    evaluation = judge(judged, lone, 1, quiet, held_out=True)
+    assert leaves_large(evaluation)
+    found = without_imitations(judged, lone, evaluation, 1, quiet)
+    assert [a.hypothesis.location for a in found.selection.accepted] == ["swrap"]
+    assert [u.unknown_class for u in found.selection.unknown] == classes

@@ -8,6 +8,7 @@ import pytest
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.judge.refutation import (
     as_declared,
+    leaves_large,
     leaves_much,
     made_worse,
     refuted,
@@ -252,3 +253,20 @@ def test_what_the_others_models_can_have_wrong_is_no_effect():
     fewer = both.declared + np.outer((1.0, 0.5, 0.0), strong)
     without = replace(both, amended=fewer, after=rms_of(both.measured - fewer))
     assert takes_little(both, without)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "is_large"),
+    [
+        ((10.0, 10.0, 1.0), (2.3, 1.0, 1.0), True),  # 4.3 % of 99 in one of two, 2.1 of both
+        ((10.0, 10.0, 1.0), (2.2, 1.0, 1.0), False),  # 3.9 % of it, and 1.9 of both
+        ((6.0, 1.1, 1.0), (1.7, 1.0, 1.0), False),  # 5 % of 35, and 0.9 in the mean of both
+        ((4.0, 4.0, 1.0), (1.5, 1.5, 1.0), True),  # 8 % of 15 in each, 1.25 in the mean
+        ((20.0, 2.0, 1.0), (1.5, 1.6, 1.0), False),  # 52 % of 3 in one, of which 0.8 is the mean
+        ((20.0, 2.0, 1.0), (1.5, 1.9, 1.0), True),  # 87 % of 3 in one, of which 1.3 is the mean
+        ((40.0, 40.0, 90.0), (1.2, 1.2, 80.0), False),  # an angle begins anew in each record
+    ],
+)
+def test_a_cause_named_alone_leaves_no_more_than_right_ones_do(before, after, is_large):
+    """Power beyond noise: 4 % of what a channel or all had, from 1 in the mean of two on."""
+    assert leaves_large(evaluation(before, after)) is is_large

@@ -66,6 +66,15 @@ def test_a_number_that_the_library_set_may_be_what_the_record_admits():
     assert size_of(found) == "mass 20 kg (assumed; it may be 15 to 32), frequency 3.4 Hz"
 
 
+def test_a_number_that_was_fitted_is_not_told_as_assumed_where_the_library_begins():
+    numbers = {"slope_s_m": 0.002, "threshold_m_s": 0.0}
+    ranges = {"slope_s_m": (0.001, 0.003), "threshold_m_s": (0.0, 0.8)}
+    found = finding("slip", "pull_roll", numbers, interval95=ranges)
+    assert size_of(found).endswith("threshold 0 m/s (95 %: 0 to 0.8)")
+    begun = finding("slip", "pull_roll", numbers, interval95={"slope_s_m": (0.001, 0.003)})
+    assert size_of(begun).endswith("threshold 0 m/s (assumed; the others hold for it)")
+
+
 def test_a_strength_that_no_record_shows_is_told_by_what_it_may_be():
     found = finding(
         "shaft_compliance_backlash",

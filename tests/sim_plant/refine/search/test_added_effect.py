@@ -47,3 +47,33 @@ def test_play_that_shows_is_a_number_of_the_shaft():
     fit = fitted(True, (0.0015, 0.003))
     assert fit.hypotheses[0].names == ("compliance_rad_N_m", "backlash_rad")
     assert fit.values[0] == pytest.approx((0.003, 0.004), rel=0.05)
+
+
+SPEED_M_S = np.interp(STEP_S * np.arange(SAMPLES), [0.0, 15.0, 18.0, 30.0], [1.0, 1.0, 1.25, 1.25])
+ROLLER = hypothesis(BY_NAME["slip"], "pull_roll", line=LINE)
+
+
+@pytest.mark.parametrize("threshold_m_s", [0.0, 0.5])
+def test_slip_whose_mean_a_radius_takes_is_found_with_its_slope(threshold_m_s):
+    """The web loses s (v - w) of its speed v, 8130 N times that of its tension.
+
+    A radius, known to 0.1 %, takes any part that no speed changes, so the threshold w tells
+    nothing and may come to standstill; the slope does not change by it.
+    """
+
+    def readings(case):
+        wider = dict(case.shifts).get("rollers.pull_roll.radius_m", 0.0)
+        found = np.full(SAMPLES, 8130.0 * wider)
+        for added in case.effects:
+            slope, threshold = dict(added.parameters).values()
+            found = found - 8130.0 * slope * np.maximum(SPEED_M_S - threshold, 0.0)
+        return found[None]
+
+    line = line_with({"*": 0.0, "rollers.pull_roll.radius_m": 0.002})
+    twin = formula_twin(readings, ("pullroll_tension_N",), SAMPLES, line=line, noise_sd=0.25)
+    there = Case(effects=(ROLLER.added((0.0024, threshold_m_s)),))
+    objective = objective_of(twin, twin.simulate(there) + 0.25 * white((1, SAMPLES), 8))
+    fit = with_effect(objective, nominal_fit(objective, {}), ROLLER, (0.0023, 0.0), {})
+    assert fit is not None
+    assert fit.values[0][0] == pytest.approx(0.0024, rel=0.05)
+    assert fit.cost - objective.expected_cost < 4.0 * np.sqrt(2.0 * objective.expected_cost)
