@@ -19,6 +19,7 @@ PER_SECOND, BURST = 50.0, 100.0
 MAX_ADDRESSES = 1024
 METHODS = ("GET", "HEAD")
 MAX_BODY_BYTES = 4096
+MAX_TEXTS_BYTES = 1 << 21  # of a press with texts of site files in it, from a session
 REFUSED_SOCKET = 1008
 """Code with which a websocket is closed against a rule of the server [RFC 6455, 7.4.1]."""
 HEADERS = {
@@ -121,12 +122,16 @@ class Gate:
         if scope["type"] == "websocket":
             return None if _is_own(scope, host) else (403, "a page of somebody else")
         if is_press and self._is_logged_in is not None:
-            return self._not_pressed_here(scope, host)
+            return self._not_pressed_here(
+                scope, host, MAX_TEXTS_BYTES if spared else MAX_BODY_BYTES
+            )
         if scope["method"] not in METHODS:
             return 405, "this screen is for looking"
         return None
 
-    def _not_pressed_here(self, scope: Scope, host: str) -> tuple[int, str] | None:
+    def _not_pressed_here(
+        self, scope: Scope, host: str, most_bytes: int
+    ) -> tuple[int, str] | None:
         """Return why a press is not one of our own page; None when it is."""
         site = _one(scope, b"sec-fetch-site")
         if not _is_own(scope, host) or (_has(scope, b"sec-fetch-site") and site != "same-origin"):
@@ -137,7 +142,7 @@ class Gate:
         is_length = length.isascii() and length.isdigit() and len(length) <= 8
         if not is_length or _has(scope, b"transfer-encoding"):
             return 411, "the length of what is said is needed"
-        return None if int(length) <= MAX_BODY_BYTES else (413, "that is too much")
+        return None if int(length) <= most_bytes else (413, "that is too much")
 
 
 def is_by_tls(scope: Scope) -> bool:

@@ -58,6 +58,7 @@ WRONG = N_("name or password is wrong")
 WAIT = N_("too many tries: wait a minute")
 NO_SENSE = N_("that is no request of this screen")
 NOT_HEARD = N_("the service does not hear this screen: use the switch at the line")
+TOO_MUCH = N_("that is too much")
 TAKEN = N_("{name} has the hand; take it over?")
 ROLE_WORDS = (N_("view"), N_("operate"), N_("commission"))
 
@@ -135,9 +136,10 @@ class HandRoutes:
 
         async def endpoint(request: Request) -> Response:
             say = self._say_of(request)
-            said = await body(request, entry)
+            is_short = int(request.headers.get("content-length", 0)) <= entry.most_bytes
+            said = await body(request, entry) if is_short else None
             if said is None:
-                return refusal(400, say(NO_SENSE))
+                return refusal(*((400, say(NO_SENSE)) if is_short else (413, say(TOO_MUCH))))
             token = self.token_of(request)
             place = place_of(request)
             session = self._hand.sessions.find(token, place)

@@ -11,6 +11,7 @@ from typing import TypeAlias
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import JSONResponse, Response
 
+from aff_hmi.gate import MAX_BODY_BYTES, MAX_TEXTS_BYTES
 from aff_hmi.hand import said_in
 from aff_hmi.sessions import Session
 from aff_hmi.words import N_, Say
@@ -55,14 +56,17 @@ class Entry:
     Attributes
     ----------
     role : the least that the account must be for; None needs no login.
+    most_bytes : of its JSON body.
     keys : of its JSON body, with their kinds. ``needs_token`` : None leaves it to the entry.
     """
 
     role: Role | None
     keys: dict[str, type]
     needs_token: bool | None = True
+    most_bytes: int = MAX_BODY_BYTES
 
 
+EDITS: dict[str, type] = {"base": str, "edits": str, "text": str}
 WINDOWS: dict[str, type] = {"windows": str, "holdout": str, "without": str}
 TABLE = {
     "/login": Entry(role=None, keys={"name": str, "password": str}, needs_token=False),
@@ -94,13 +98,19 @@ TABLE = {
     "/card/sign": Entry(
         role=Role.COMMISSION, keys={"step": int, "measured": str, "reason": str, "password": str}
     ),
-    "/settings/diff": Entry(role=Role.COMMISSION, keys={"base": str, "edits": str}),
+    "/settings/diff": Entry(role=Role.COMMISSION, keys=EDITS, most_bytes=MAX_TEXTS_BYTES),
+    "/settings/text": Entry(
+        role=Role.COMMISSION, keys={**EDITS, "former": str}, most_bytes=MAX_TEXTS_BYTES
+    ),
     "/settings/try": Entry(
         role=Role.COMMISSION,
-        keys={"base": str, "edits": str, "measured": str, "seconds": int, "reason": str},
+        keys={**EDITS, "measured": str, "seconds": int, "reason": str},
+        most_bytes=MAX_TEXTS_BYTES,
     ),
     "/settings/save": Entry(
-        role=Role.COMMISSION, keys={"base": str, "edits": str, "measured": str, "reason": str}
+        role=Role.COMMISSION,
+        keys={**EDITS, "measured": str, "reason": str},
+        most_bytes=MAX_TEXTS_BYTES,
     ),
     "/settings/back": Entry(
         role=Role.COMMISSION, keys={"number": int, "base": str, "measured": str, "reason": str}

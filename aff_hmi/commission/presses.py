@@ -7,6 +7,7 @@ that goes out changes with them; the service judges it again.
 from __future__ import annotations
 
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from functools import partial
 
 from starlette.responses import Response
@@ -14,7 +15,7 @@ from starlette.responses import Response
 from aff_hmi.commission.in_language import refusal_in
 from aff_hmi.commission.link import Commission
 from aff_hmi.commission.sentences import sentence
-from aff_hmi.commission.settings_routes import difference
+from aff_hmi.commission.settings_routes import difference, edit_in, text, text_against
 from aff_hmi.hand import Hand
 from aff_hmi.press_request import DONE, Answering, PressRequest, Said, because, done, refusal
 from aff_hmi.sessions import Session
@@ -28,6 +29,7 @@ OF_A_TRY = (Action.TRY, Action.KEEP, Action.UNDO)
 NO_SENSE = Refusal(why=Why.NO_SENSE)
 Press = Callable[[Commission, Session, PressRequest], Awaitable[Answer | Reason]]
 """Takes the way to the commissioner, who pressed, and what; returns its answer, or why not."""
+Look = Callable[[Commission, PressRequest], Awaitable[Response]]
 
 
 class CommissionPresses:
@@ -52,7 +54,8 @@ class CommissionPresses:
             "/card/settings": partial(self._answer, self._settings),
             "/card/step": partial(self._answer, self._step),
             "/card/sign": partial(self._answer, _sign),
-            "/settings/diff": self._difference,
+            "/settings/diff": partial(self._looked, difference),
+            "/settings/text": partial(self._looked, text),
             "/settings/try": self._changing(Action.TRY, _try_of_edits),
             "/settings/save": self._changing(Action.SAVE, _saved_edits),
             "/settings/back": self._changing(Action.UNDO, _way_back),
@@ -70,7 +73,7 @@ class CommissionPresses:
     async def _answer(self, press: Press, asked: PressRequest) -> Response:
         session, commission = asked.session, self._commission
         assert session is not None
-        against = self._pressed(asked)
+        against = self._pressed(asked) or text_against(asked)
         if against is not None or commission is None:
             return against or refusal(409, asked.say(WORDS[Why.SILENT]), Why.SILENT)
         told = await press(commission, session, asked)
@@ -81,12 +84,12 @@ class CommissionPresses:
         said = told.text if isinstance(told, Done) else ""
         return done(sentence(said, asked.say) if said else asked.say(DONE))
 
-    async def _difference(self, asked: PressRequest) -> Response:
-        """Answer what an edit would do."""
+    async def _looked(self, look: Look, asked: PressRequest) -> Response:
+        """Answer what an edit is, or would do."""
         against = self._pressed(asked)
         if against is not None or self._commission is None:
             return against or refusal(409, asked.say(WORDS[Why.SILENT]), Why.SILENT)
-        return await difference(self._commission, asked)
+        return await look(self._commission, asked)
 
     def _pressed(self, asked: PressRequest) -> Response | None:
         """Take note of a press; return why it is none of somebody who is still there."""
@@ -164,10 +167,8 @@ def _try_of_refinement(said: Said) -> Request:
 
 
 def _try_of_edits(said: Said) -> Request:
-    return Request(
-        do="try_settings",
-        base=str(said["base"]),
-        edits=str(said["edits"]),
+    return replace(
+        edit_in("try_settings", said),
         measured=str(said["measured"]),
         seconds=int(said["seconds"]),
         reason=str(said["reason"]),
@@ -175,12 +176,8 @@ def _try_of_edits(said: Said) -> Request:
 
 
 def _saved_edits(said: Said) -> Request:
-    return Request(
-        do="save_settings",
-        base=str(said["base"]),
-        edits=str(said["edits"]),
-        measured=str(said["measured"]),
-        reason=str(said["reason"]),
+    return replace(
+        edit_in("save_settings", said), measured=str(said["measured"]), reason=str(said["reason"])
     )
 
 

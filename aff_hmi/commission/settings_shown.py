@@ -11,6 +11,7 @@ from aff_hmi.commission.sentences import sentence
 from aff_hmi.words import N_, Say
 from aff_runtime.app.commission.settings_views import (
     DifferenceView,
+    SettingsSection,
     SettingsView,
     SettingView,
     VersionView,
@@ -34,7 +35,7 @@ KINDS = {
 }
 AT_ONCE = N_("applies at once, between two ticks, while the correction goes out")
 WAITS = N_("takes effect at the next bypass: it is saved, and no try can take it back")
-ELSEWHERE = N_("does not stand in the site file as one value: edit it there")
+ELSEWHERE = N_("does not stand in the site file as one value: edit it in the text")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,11 +64,16 @@ def settings_in(view: SettingsView, say: Say) -> SettingsView:
     return replace(
         view,
         against=sentence(view.against, say),
-        sections=tuple(
-            replace(one, settings=tuple(_setting(inner, say) for inner in one.settings))
-            for one in view.sections
-        ),
+        sections=sections_in(view.sections, say),
         versions=tuple(_version(one, say) for one in view.versions),
+    )
+
+
+def sections_in(sections: tuple[SettingsSection, ...], say: Say) -> tuple[SettingsSection, ...]:
+    """Return a form's sections; every setting says what changing it does."""
+    return tuple(
+        replace(one, settings=tuple(_setting(inner, say) for inner in one.settings))
+        for one in sections
     )
 
 

@@ -1,14 +1,18 @@
 // Settings: the site file as a form. What is edited is looked at, tried, kept or taken back.
 import { row } from "/static/curves.js";
+import { keep, kept, keepTyped, sent } from "/static/draft.js";
 import { fill } from "/static/fill.js";
 import { ask, at, byId, part, put, send, words } from "/static/see.js";
 import { difference, said } from "/static/settings_said.js";
+import { isText, onTyped, saidOfText, showClashes, showText, typed } from "/static/settings_text.js";
 import { stamp } from "/static/stamp.js";
 import { showTried } from "/static/trying.js";
 import { LONG_MS, button, lookAfter, post } from "/static/work.js";
 
 const EVERY_MS = 2000;
+const DRAFT = "edits";
 const edits = new Map(); // path of a setting: what is to be written
+let were = new Map(); // path of a setting: what it was in the file that is edited
 let view = null; // the newest that was told
 let shown = null; // the one that is edited
 let looked = null; // what the edits would do
@@ -35,6 +39,7 @@ function input(one) {
     if (value === one.written || value === "") edits.delete(one.path);
     else edits.set(one.path, value);
     looked = null;
+    keepEdits();
     mark();
   };
   return made;
@@ -90,10 +95,11 @@ function mark() {
   const known = new Map(shown.sections.flatMap((s) => s.settings.map((one) => [one.path, one])));
   for (const box of document.querySelectorAll(".setting")) {
     const one = known.get(box.dataset.path);
-    const isEdited = edits.has(one.path);
+    const before = were.get(one.path);
+    const isEdited = edits.has(one.path) || (typed.text !== "" && before !== one.shown);
     box.dataset.edited = isEdited ? "yes" : "no";
     const theirs = one.theirs === undefined ? "" : fill(words.theirs, { value: one.theirs });
-    put(box.querySelector(".earlier"), [isEdited ? fill(words.before, { value: one.shown }) : "", theirs].filter(Boolean).join("; "));
+    put(box.querySelector(".earlier"), [isEdited && before !== undefined ? fill(words.before, { value: before }) : "", theirs].filter(Boolean).join("; "));
     said(box.querySelector(".of"), warnings.filter((w) => w.path === one.path));
     const field = box.querySelector("input, select");
     const isWrong = looked?.refused === true && looked.said.some((w) => w.path === one.path);
@@ -104,8 +110,9 @@ function mark() {
   const isGood = looked !== null && !looked.refused && looked.changes.length > 0;
   byId("try").dataset.ready = isGood && !looked.waits ? "yes" : "no";
   byId("save").dataset.ready = isGood && looked.waits ? "yes" : "no";
-  put(byId("count"), edits.size ? fill(words.edited, { count: edits.size }) : "");
-  document.querySelector("[data-edit]").hidden = edits.size === 0;
+  const count = edits.size ? fill(words.edited, { count: edits.size }) : "";
+  put(byId("count"), [typed.text ? words.textEdited : "", count].filter(Boolean).join("; "));
+  document.querySelector("[data-edit]").hidden = !isPending();
   openings();
 }
 
@@ -118,7 +125,8 @@ function openings() {
     byId(name).hidden = !(isOpen && isFresh && isSame && isReady);
   }
   byId("back").hidden = !(isOpen && isFresh && byId("back").dataset.ready === "yes");
-  byId("changed").hidden = isSame || edits.size === 0;
+  byId("changed").hidden = isSame || !isPending();
+  for (const id of ["as-form", "as-text"]) byId(id).disabled = !isFresh;
   byId("edit").querySelector("[type=submit]").disabled = !(isFresh && isSame);
 }
 
@@ -140,48 +148,146 @@ byId("all").onchange = filter;
 
 // --- edits -------------------------------------------------------------------------------------
 
+const isPending = () => edits.size > 0 || typed.text !== "";
 const lines = () => [...edits].map(([path, value]) => `${path}: ${value}`).join("\n");
+
+const edit = () => ({ base: shown.sha256, edits: lines(), text: typed.text });
+
+/** Ask about what is edited; null where that failed, or something was edited meanwhile. */
+async function answered(path, asked) {
+  const before = JSON.stringify(edit());
+  put(byId("work-said"), words.sent);
+  const answer = await send(path, asked, LONG_MS);
+  put(byId("work-said"), answer.ok ? "" : answer.text);
+  return answer.ok && before === JSON.stringify(edit()) ? answer : null;
+}
 
 byId("edit").onsubmit = async (event) => {
   event.preventDefault();
   put(byId("work-said"), words.sent);
-  const asked = { base: shown.sha256, edits: lines() };
-  const answer = await send("/settings/diff", asked, LONG_MS);
-  put(byId("work-said"), answer.ok ? "" : answer.text);
-  if (!answer.ok || asked.edits !== lines()) return;
+  const answer = await answered("/settings/diff", edit());
+  if (answer === null) return;
   looked = answer.difference;
   byId("changes").replaceChildren(...difference(looked));
+  saidOfText(looked.said);
   mark();
   byId("difference-title").focus();
 };
 byId("try").onsubmit = (event) => {
   event.preventDefault();
-  const asked = { base: shown.sha256, edits: lines(), measured: looked.sha256 };
-  post("/settings/try", { ...asked, seconds: Number(byId("try-seconds").value), reason: byId("try-why").value });
+  const asked = { ...edit(), measured: looked.sha256 };
+  sendWith("try-why", "/settings/try", { ...asked, seconds: Number(byId("try-seconds").value) });
 };
 byId("save").onsubmit = (event) => {
   event.preventDefault();
-  const asked = { base: shown.sha256, edits: lines(), measured: looked.sha256 };
-  post("/settings/save", { ...asked, reason: byId("save-why").value });
+  const asked = { ...edit(), measured: looked.sha256 };
+  sendWith("save-why", "/settings/save", asked);
 };
 byId("drop").onclick = () => {
-  edits.clear();
+  dropEdits();
   take();
 };
-byId("rebase").onclick = () => {
-  const former = new Map(shown.sections.flatMap((s) => s.settings.map((one) => [one.path, one])));
-  for (const one of view.sections.flatMap((section) => section.settings)) {
-    const before = former.get(one.path);
-    if (before && before.shown !== one.shown) one.theirs = before.shown;
+byId("rebase").onclick = async () => {
+  if (typed.text !== "") return rebaseText();
+  const all = settingsOf(view);
+  for (const one of all) {
+    const before = were.get(one.path);
+    if (before !== undefined && before !== one.shown) one.theirs = before;
+  }
+  dropDone(all);
+  take();
+};
+
+/** Send what needs a reason; the reason is kept until it was taken. */
+async function sendWith(why, path, asked) {
+  const reason = byId(why);
+  const answer = await post(path, { ...asked, reason: reason.value });
+  if (answer.ok) sent(reason, why);
+}
+
+/** Edit on as a text with the form's edits in it, or as the form of what was typed. */
+async function turn(asText) {
+  const answer = await answered("/settings/text", { ...edit(), former: "" });
+  if (answer !== null) edited(answer.edited, asText);
+}
+
+function edited(now, asText) {
+  Object.assign(typed, { text: now.text === now.file ? "" : now.text, file: now.file });
+  edits.clear();
+  looked = null;
+  const isGood = now.sections.length > 0;
+  if (isGood) shown = { ...shown, sections: now.sections, said: now.said };
+  else if (!asText) put(byId("work-said"), words.textFirst);
+  saidOfText(now.said);
+  showClashes(now.clashes);
+  showText(asText || !isGood ? now.text : null);
+  keepEdits();
+  form();
+}
+
+/** Put what is typed onto the text that somebody else has saved since. */
+async function rebaseText() {
+  const [now, text] = [view, { ...edit(), base: view.sha256, former: typed.file }];
+  const answer = await answered("/settings/text", text);
+  if (answer === null) return;
+  shown = now;
+  remember();
+  edited(answer.edited, true);
+}
+
+byId("as-form").onclick = () => isText() && turn(false);
+byId("as-text").onclick = () => isText() || turn(true);
+onTyped(() => {
+  looked = null;
+  keepEdits();
+  mark();
+});
+
+function dropEdits() {
+  edits.clear();
+  typed.text = "";
+}
+
+const settingsOf = (told) => told.sections.flatMap((section) => section.settings);
+
+/** Drop the edits that the file says already, or has no place for. */
+function dropDone(all) {
+  for (const one of all) {
     if (edits.get(one.path) === one.written || !one.can_edit) edits.delete(one.path);
   }
-  take();
-};
+}
 
 /** Edit the newest from now on. */
 function take() {
   shown = view;
   looked = null;
+  remember();
+  keepEdits();
+  form();
+  if (isText()) turn(true);
+}
+
+/** Remember what the file says, for what is edited from now on. */
+function remember() {
+  were = new Map(settingsOf(shown).map((one) => [one.path, one.shown]));
+}
+
+/** Keep what is edited, with the text that it was begun on, for a page that begins anew. */
+function keepEdits() {
+  const all = { ...typed, base: shown.sha256, were: [...were], edits: [...edits] };
+  keep(DRAFT, isPending() ? JSON.stringify(all) : "");
+}
+
+/** Edit on with what was kept, on the text that it was begun on: another one by now is noticed. */
+function takeUp() {
+  const found = JSON.parse(kept(DRAFT) || "null");
+  for (const [path, value] of found?.edits ?? []) edits.set(path, value);
+  if (found !== null && found.base !== view.sha256) dropDone(settingsOf(view)); // kept meanwhile
+  Object.assign(typed, { text: found?.text ?? "", file: found?.file ?? "" });
+  if (!isPending()) return take();
+  shown = { ...view, sha256: found.base };
+  were = new Map(found.were);
+  if (typed.text !== "") showText(typed.text);
   form();
 }
 
@@ -240,7 +346,7 @@ async function show(number, focuses = true) {
 byId("back").onsubmit = (event) => {
   event.preventDefault();
   const { base, measured } = byId("back").dataset;
-  post("/settings/back", { number: openVersion, base, measured, reason: byId("back-why").value });
+  sendWith("back-why", "/settings/back", { number: openVersion, base, measured });
 };
 
 // --- looking -----------------------------------------------------------------------------------
@@ -264,7 +370,8 @@ function told(now) {
   put(byId("site"), now.site);
   byId("against").hidden = now.against === "";
   put(byId("against"), now.against);
-  if (looked !== null && now.sha256 === looked.sha256) edits.clear(); // kept
+  if (looked !== null && !looked.refused && now.sha256 === looked.sha256) dropEdits(); // kept
+  if (shown === null) takeUp();
   const newest = now.versions.find((one) => one.sha256 === now.sha256);
   let text = words.savedByNobody;
   if (newest) {
@@ -273,7 +380,7 @@ function told(now) {
   }
   put(byId("changed-said"), text);
   const isSame = shown !== null && JSON.stringify([shown.sections, shown.said, shown.sha256]) === JSON.stringify([now.sections, now.said, now.sha256]);
-  if (!isSame && (shown === null || edits.size === 0)) take();
+  if (!isSame && !isPending()) take();
   versions();
   openings();
   if (openVersion && wasRunning !== undefined && wasRunning !== now.running) show(openVersion, false);
@@ -291,5 +398,6 @@ lookAfter((state) => {
   if (openVersion && isTried !== wasTried) show(openVersion, false);
   [wasBusy, wasTried] = [isBusy, isTried];
 });
+for (const why of ["try-why", "save-why", "back-why"]) keepTyped(byId(why), why);
 look();
 setInterval(look, EVERY_MS);

@@ -34,6 +34,7 @@ LOOKED = {
     "/data/trend": 400,
 }
 LOGGED_OUT, MAY_NOT = 401, 403
+EDIT = {"base": "0" * 64, "edits": "a: 1", "text": ""}
 WINDOWS = {"windows": "run", "holdout": "", "without": ""}
 # what nobody, view, operate and commission get, where place and REMOTE change nothing
 PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
@@ -70,19 +71,14 @@ PRESSED: dict[str, tuple[dict[str, Any], tuple[int, int, int, int]]] = {
         {"step": 4, "measured": "0" * 64, "reason": "seen there", "password": PASSWORD},
         (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
     ),
-    "/settings/diff": ({"base": "0" * 64, "edits": "a: 1"}, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
+    "/settings/diff": (EDIT, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
+    "/settings/text": (EDIT | {"former": ""}, (LOGGED_OUT, MAY_NOT, MAY_NOT, 409)),
     "/settings/try": (
-        {
-            "base": "0" * 64,
-            "edits": "a: 1",
-            "measured": "0" * 64,
-            "seconds": 60,
-            "reason": "it is better",
-        },
+        EDIT | {"measured": "0" * 64, "seconds": 60, "reason": "it is better"},
         (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
     ),
     "/settings/save": (
-        {"base": "0" * 64, "edits": "a: 1", "measured": "0" * 64, "reason": "the PLC is slow"},
+        EDIT | {"measured": "0" * 64, "reason": "the PLC is slow"},
         (LOGGED_OUT, MAY_NOT, MAY_NOT, 409),
     ),
     "/settings/back": (

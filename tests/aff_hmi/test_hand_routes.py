@@ -14,7 +14,7 @@ pytest.importorskip("starlette")
 from starlette.requests import HTTPConnection
 from starlette.routing import Route
 
-from aff_hmi.gate import BURST, MAX_BODY_BYTES
+from aff_hmi.gate import BURST, MAX_BODY_BYTES, MAX_TEXTS_BYTES
 from aff_hmi.hand_routes import place_of
 from aff_hmi.press_request import TABLE
 from aff_runtime.app.hand.accounts import Account, secret_of, with_pin, write_accounts
@@ -25,6 +25,7 @@ from tests.aff_hmi.asgi import HOST, scope
 from tests.aff_hmi.pressed import LOGIN, ORIGIN, PASSWORD, Browser, Pressed, armed, later
 
 BY_ROLE = {None: "", Role.VIEW: "vera", Role.OPERATE: "anna", Role.COMMISSION: "carl"}
+EDIT = {"base": "0" * 64, "edits": "a: 1", "text": ""}
 GOOD: dict[str, dict[str, Any]] = {
     "/login": LOGIN,
     "/logout": {},
@@ -42,20 +43,10 @@ GOOD: dict[str, dict[str, Any]] = {
     "/card/settings": {"do": "keep", "step": 9, "measured": "", "seconds": 0, "reason": "good"},
     "/card/step": {"step": 4, "typed": "", "plc": "", "leave_out": ""},
     "/card/sign": {"step": 4, "measured": "0" * 64, "reason": "seen", "password": PASSWORD},
-    "/settings/diff": {"base": "0" * 64, "edits": "a: 1"},
-    "/settings/try": {
-        "base": "0" * 64,
-        "edits": "a: 1",
-        "measured": "0" * 64,
-        "seconds": 60,
-        "reason": "it is better",
-    },
-    "/settings/save": {
-        "base": "0" * 64,
-        "edits": "a: 1",
-        "measured": "0" * 64,
-        "reason": "the PLC is slow",
-    },
+    "/settings/diff": EDIT,
+    "/settings/text": {**EDIT, "former": ""},
+    "/settings/try": {**EDIT, "measured": "0" * 64, "seconds": 60, "reason": "it is better"},
+    "/settings/save": {**EDIT, "measured": "0" * 64, "reason": "the PLC is slow"},
     "/settings/back": {
         "number": 1,
         "base": "0" * 64,
@@ -150,7 +141,7 @@ SPOILT: dict[str, tuple[dict[str, str | None], int]] = {
     "plain text": ({"content_type": "text/plain"}, 415),
     "no length": ({"content_length": None}, 411),
     "in pieces": ({"transfer_encoding": "chunked"}, 411),
-    "too much": ({"content_length": str(MAX_BODY_BYTES + 1)}, 413),
+    "too much": ({"content_length": str(MAX_TEXTS_BYTES + 1)}, 413),
     "another host": ({"host": "evil.example"}, 421),
 }
 
@@ -165,6 +156,19 @@ def test_a_page_of_somebody_else_presses_nothing(
     before = list(at.service.said)
     assert browser.post(path, GOOD[path], **headers).status == status
     assert at.service.said == before
+
+
+@pytest.mark.parametrize("path", TABLE)
+def test_only_what_holds_a_site_file_is_long_and_only_from_a_session(
+    at: Pressed, path: str
+) -> None:
+    long = {"content_length": str(MAX_BODY_BYTES + 1)}
+    browser = armed(at)
+    before = list(at.service.said)
+    texts = ("/settings/diff", "/settings/text", "/settings/try", "/settings/save")
+    assert (browser.post(path, GOOD[path], **long).status == 413) is (path not in texts)
+    assert at.browser("").post(path, GOOD[path], **long).status == 413
+    assert path in texts or at.service.said == before
 
 
 @pytest.mark.parametrize("token", ["", "x", "token of another"])

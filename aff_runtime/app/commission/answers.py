@@ -12,7 +12,12 @@ from pydantic import TypeAdapter
 from aff_runtime.app.commission.maintenance_views import MaintenanceView
 from aff_runtime.app.commission.messages import PROTOCOL, Refusal
 from aff_runtime.app.commission.refine_views import RefinedView, RefiningView
-from aff_runtime.app.commission.settings_views import DifferenceView, SettingsView, VersionView
+from aff_runtime.app.commission.settings_views import (
+    DifferenceView,
+    SettingsView,
+    TextView,
+    VersionView,
+)
 from aff_runtime.app.commission.views import (
     CardView,
     JobView,
@@ -122,6 +127,13 @@ class DifferenceShown:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class TextShown:
+    """The site file as a text, with what is edited in it."""
+
+    edited: TextView
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class VersionShown:
     """One version of the settings."""
 
@@ -140,6 +152,7 @@ Good: TypeAlias = (
     | MaintenanceShown
     | SettingsShown
     | DifferenceShown
+    | TextShown
     | VersionShown
 )
 Answer: TypeAlias = Good | Refusal
@@ -156,6 +169,7 @@ _ANSWER_TYPES: Mapping[str, TypeAdapter[Any]] = {
     "maintenance": TypeAdapter(MaintenanceShown),
     "settings": TypeAdapter(SettingsShown),
     "settings_diff": TypeAdapter(DifferenceShown),
+    "settings_text": TypeAdapter(TextShown),
     "settings_version": TypeAdapter(VersionShown),
 }
 _DONE, _REFUSED = TypeAdapter(Done), TypeAdapter(Refusal)

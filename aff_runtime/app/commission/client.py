@@ -6,7 +6,14 @@ import asyncio
 from pathlib import Path
 
 from aff_runtime.app.commission.answers import Answer, decode
-from aff_runtime.app.commission.messages import MAX_TOLD_BYTES, Refusal, Request, Why, encode
+from aff_runtime.app.commission.messages import (
+    MAX_TOLD_BYTES,
+    PACKET_BYTES,
+    Refusal,
+    Request,
+    Why,
+    encode,
+)
 from aff_runtime.app.link.packet_client import connected
 from aff_runtime.base.errors import AffError
 
@@ -36,7 +43,8 @@ async def exchanged(path: Path, line: bytes, patience_s: float = PATIENCE_S) -> 
     loop = asyncio.get_running_loop()
     try:
         async with asyncio.timeout(patience_s):
-            await loop.sock_sendall(end, line)
+            for at in range(0, len(line), PACKET_BYTES):
+                await loop.sock_sendall(end, line[at : at + PACKET_BYTES])
             parts, size = [], 0
             while part := await loop.sock_recv(end, 1 << 16):
                 parts.append(part)

@@ -18,6 +18,7 @@ from aff_runtime.app.commission import (
     refine_jobs,
     settings_form_jobs,
     settings_jobs,
+    settings_text_jobs,
     setup_jobs,
 )
 from aff_runtime.app.commission.answers import Answer
@@ -53,6 +54,7 @@ JOBS: dict[str, Job] = {
     "settings": settings_form_jobs.form,
     "settings_version": settings_form_jobs.version,
     "settings_diff": settings_form_jobs.difference,
+    "settings_text": settings_text_jobs.text,
     "try_settings": settings_form_jobs.try_edited,
     "save_settings": settings_form_jobs.save_edited,
     "go_back": settings_form_jobs.go_back,

@@ -9,8 +9,9 @@ from pathlib import Path
 
 from aff_runtime.app.commission.answers import Answer, encode
 from aff_runtime.app.commission.messages import (
-    MAX_ASKED_BYTES,
+    MAX_TEXTS_BYTES,
     NAME,
+    PACKET_BYTES,
     Refusal,
     Request,
     RequestError,
@@ -23,7 +24,6 @@ from aff_runtime.base.socket_file import identity, remove_own
 
 MOST = 16  # requests at a time
 PATIENCE_S, LONGEST_S = 5.0, 900.0  # for a request to come or an answer to go; to work it out
-PACKET_BYTES = 1 << 15  # of an answer that are sent at once
 ANOTHER = "name another folder with --dir"
 Answering = Callable[[Request, Peer], Awaitable[Answer]]
 
@@ -73,7 +73,7 @@ class Listener:
             if peer.uid not in uids_with(SCREEN_USER):
                 return
             async with asyncio.timeout(PATIENCE_S):
-                line = await loop.sock_recv(end, MAX_ASKED_BYTES + 1)
+                line = await _line(end)
             try:
                 async with asyncio.timeout(LONGEST_S):
                     answer = await self._answer(read_request(line), peer)
@@ -88,3 +88,16 @@ class Listener:
         finally:
             end.close()
             self._places.release()
+
+
+async def _line(end: socket.socket) -> bytes:
+    """Return a request, of which one packet after another comes; what is too much is cut."""
+    loop = asyncio.get_running_loop()
+    parts, size = [], 0
+    while size <= MAX_TEXTS_BYTES:
+        part = await loop.sock_recv(end, PACKET_BYTES)
+        parts.append(part)
+        size += len(part)
+        if len(part) < PACKET_BYTES:
+            break
+    return b"".join(parts)

@@ -116,7 +116,8 @@ class Looking:
         if asked.do in VIEWS_OF_CARD and not (self._where.card / CARD).exists():
             return Refusal(why=Why.REFUSED, name=NO_CARD)
         named = (asked.do, asked.paper, str(asked.number), asked.base, asked.edits)
-        key = " ".join((*named, str(asked.back)))
+        texts = (file_digest(asked.site_text), file_digest(asked.former))
+        key = " ".join((*named, str(asked.back), *texts))
         longest_ns = MOST_AGE_OF_RUNS_NS if asked.do in VIEWS_OF_RUNS else math.inf
         async with self._one_at_a_time:
             fingerprint, now_ns = self._fingerprint(), self._clock.now_ns()

@@ -15,10 +15,13 @@ from typing import Any, TypeAlias
 
 from aff_runtime.app.hand.accounts import MOST_CHARACTERS
 from aff_runtime.app.hand.messages import is_account_name
+from aff_runtime.config.yaml_marks import MAX_BYTES
 
 PROTOCOL = 1
 NAME = "commission.sock"
 MAX_ASKED_BYTES = 8192
+MAX_TEXTS_BYTES = 1 << 21  # of a request with texts of site files in it
+PACKET_BYTES = 1 << 15  # of a request, or an answer, that go at once; a shorter one is the last
 MAX_TOLD_BYTES = 8 << 20
 LONGEST_TEXT = 2000
 Value: TypeAlias = str | int | bool
@@ -83,6 +86,8 @@ class Request:
         the service.
     base, edits : hash of the settings that were seen, and what is to be changed of them, a line
         ``PATH: VALUE`` each.
+    site_text : of a whole site file, which the edits are of; empty: of what the file says.
+    former : the text that ``site_text`` was begun on, where somebody has saved another one since.
     roll, on : a roller that was exchanged, and when.
     by : who has a job done, in words; said by the commissioner alone.
     """
@@ -111,6 +116,8 @@ class Request:
     on: str = ""
     base: str = ""
     edits: str = ""
+    site_text: str = ""
+    former: str = ""
     back: bool = False
     by: str = ""
 
@@ -138,6 +145,12 @@ def _text(value: Any) -> bool:
     """Whether it is text that shows as itself; several lines are."""
     is_short = isinstance(value, str) and len(value) <= LONGEST_TEXT
     return is_short and value.replace("\n", "").isprintable()
+
+
+def _site_text(value: Any) -> bool:
+    """Whether it may be the text of a site file; what is in it the job says in words."""
+    is_short = isinstance(value, str) and len(value) <= MAX_BYTES
+    return is_short and not any("\ud800" <= char <= "\udfff" for char in value)
 
 
 def _whole(value: Any) -> bool:
@@ -175,7 +188,7 @@ def _paper(value: Any) -> bool:
 _PERSON = {"key": _key, "place": _place}
 _WINDOWS = {**_PERSON, "windows": _text, "holdout": _text, "without": _text}
 _TRIED = {**_PERSON, "measured": _digest, "reason": _text}
-_EDITS = {"base": _digest, "edits": _text}
+_EDITS = {"base": _digest, "edits": _text, "site_text": _site_text}
 # what may be asked: its keys, each with what its value must be
 TABLE: Mapping[str, Keys] = {
     "state": {},
@@ -219,6 +232,7 @@ TABLE: Mapping[str, Keys] = {
     "settings": {},
     "settings_version": {"number": _whole, "back": _flag},
     "settings_diff": _EDITS,
+    "settings_text": {**_EDITS, "former": _site_text},
     "try_settings": {**_PERSON, **_EDITS, "measured": _digest, "seconds": _whole, "reason": _text},
     "save_settings": {**_PERSON, **_EDITS, "measured": _digest, "reason": _text},
     "go_back": {
@@ -231,9 +245,11 @@ TABLE: Mapping[str, Keys] = {
 }
 LOOKS = (
     *("state", "card", "page", "line", "refining", "refined", "refined_page", "maintenance"),
-    *("settings", "settings_version", "settings_diff"),
+    *("settings", "settings_version", "settings_diff", "settings_text"),
 )
 """What changes nothing and needs no key."""
+WITH_TEXTS = ("settings_diff", "settings_text", "try_settings", "save_settings")
+"""What may hold whole site files."""
 LONG = ("lacks", "refine", "add_runs")
 """Jobs that take minutes to hours: one at a time, beside the others."""
 
@@ -253,8 +269,13 @@ class Refusal:
 
 
 def encode(asked: Request) -> bytes:
-    """Return a request as one line of JSON: the keys of its row."""
-    return json.dumps({name: getattr(asked, name) for name in ("do", *TABLE[asked.do])}).encode()
+    """Return a request as one line of JSON: the keys of its row.
+
+    Of texts every character stands for itself, so that the longest have room.
+    """
+    said = {name: getattr(asked, name) for name in ("do", *TABLE[asked.do])}
+    line = json.dumps(said, ensure_ascii=False).encode("utf-8")
+    return line if len(line) % PACKET_BYTES else line + b" "
 
 
 def read_request(line: bytes) -> Request:
@@ -267,11 +288,12 @@ def read_request(line: bytes) -> Request:
     """
     said: Any
     try:
-        said = json.loads(line.decode()) if len(line) <= MAX_ASKED_BYTES else None
+        said = json.loads(line.decode()) if len(line) <= MAX_TEXTS_BYTES else None
     except (ValueError, RecursionError):
         said = None
     do = said.get("do") if isinstance(said, dict) else None
-    if said is None or not isinstance(do, str) or do not in TABLE:
+    is_long = len(line) > MAX_ASKED_BYTES and do not in WITH_TEXTS
+    if said is None or is_long or not isinstance(do, str) or do not in TABLE:
         raise RequestError(f"one of {', '.join(TABLE)} is needed, {MAX_ASKED_BYTES} bytes at most")
     wanted = TABLE[do]
     if set(said) != {"do", *wanted}:

@@ -19,7 +19,9 @@ from aff_runtime.config.reference import allowed_cell, default_cell
 MOST_DIFF_LINES = 400
 # FILE:LINE:COLUMN  PATH: TEXT
 _FINDING = re.compile(
-    r".*?:\d+:\d+  (?:(?P<path>[A-Za-z_][\w.]*(?:\[\d+\][\w.]*)*): )?(?P<text>.*)", re.DOTALL
+    r".*?:(?P<line>\d+):(?P<column>\d+)  "
+    r"(?:(?P<path>[A-Za-z_][\w.]*(?:\[\d+\][\w.]*)*): )?(?P<text>.*)",
+    re.DOTALL,
 )
 WAITS = "(waits for bypass)"
 
@@ -140,7 +142,12 @@ def _said(findings: Iterable[str]) -> Iterator[SaidOfSetting]:
         if match is None:
             yield SaidOfSetting(path="", text=finding)
         else:
-            yield SaidOfSetting(path=match["path"] or "", text=match["text"])
+            yield SaidOfSetting(
+                path=match["path"] or "",
+                text=match["text"],
+                line=int(match["line"]),
+                column=int(match["column"]),
+            )
 
 
 def is_finding(line: str) -> bool:

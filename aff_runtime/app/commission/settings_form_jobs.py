@@ -17,7 +17,6 @@ from aff_runtime.app.commission.settings_form import (
     lines_between,
     said_in,
     sections,
-    text_with_edits,
 )
 from aff_runtime.app.commission.settings_jobs import (
     ask_settings,
@@ -25,6 +24,7 @@ from aff_runtime.app.commission.settings_jobs import (
     save_handed_out,
     try_text,
 )
+from aff_runtime.app.commission.settings_text_jobs import pending
 from aff_runtime.app.commission.settings_views import DifferenceView, SettingsView, VersionView
 from aff_runtime.app.commission.sources import Paths, parameters_of
 from aff_runtime.app.commission.talk import Talk
@@ -72,7 +72,10 @@ def form(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 def difference(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return what an edit would do; nothing goes out."""
-    edited = _edited(where, asked)
+    try:
+        edited = _edited(where, asked)
+    except ConfigError as error:
+        return DifferenceShown(difference=_refused(error))
     if edited is None:
         return Refusal(why=Why.CHANGED)
     return DifferenceShown(difference=_difference(where, *edited))
@@ -103,7 +106,17 @@ def _edited(where: Paths, asked: Request) -> tuple[str, str] | None:
     record = parameters_of(where.site, where.state)
     if digest(record.site_text) != asked.base:
         return None
-    return record.site_text, text_with_edits(record.site, record.site_text, asked.edits)
+    return record.site_text, pending(where, record, asked)
+
+
+def _refused(error: ConfigError) -> DifferenceView:
+    """Return what is told in place of a difference, where a text has none."""
+    lines = str(error).splitlines()
+    if not any(map(is_finding, lines)):
+        raise error
+    return DifferenceView(
+        sha256="", changes=(), said=said_in(lines), refused=True, waits=False, lines=()
+    )
 
 
 def version(where: Paths, asked: Request, talk: Talk) -> Answer:

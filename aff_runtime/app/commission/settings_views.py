@@ -4,15 +4,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from aff_runtime.app.commission.site_lines import Clash
 from aff_runtime.app.link.settings_answer import Version
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SaidOfSetting:
-    """What the check says; ``path`` : of the setting, empty where it is of none."""
+    """What the check says.
+
+    Attributes
+    ----------
+    path : of the setting, empty where it is of none.
+    line, column : where it stands in the text, from 1; 0 where that is not said.
+    """
 
     path: str
     text: str
+    line: int = 0
+    column: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -99,6 +108,26 @@ class DifferenceView:
     refused: bool
     waits: bool
     lines: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TextView:
+    """A text that is edited, with the same settings as a form.
+
+    Attributes
+    ----------
+    base : sha256 of the site file that it is an edit of. ``file`` : that file's text.
+    text : with every edit in it; both as a field of a browser has them.
+    said : what the check says of it. ``sections`` : as of the form; none where it is refused.
+    clashes : lines that somebody else has changed too, where two edits were put together.
+    """
+
+    base: str
+    file: str
+    text: str
+    said: tuple[SaidOfSetting, ...]
+    sections: tuple[SettingsSection, ...]
+    clashes: tuple[Clash, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

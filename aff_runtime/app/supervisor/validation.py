@@ -131,12 +131,15 @@ def _how_it_died(code: int) -> str:
     return f"the check itself failed (exit {code}); the log has its own words."
 
 
-def load_parameters(site: Path, state: Path = STATE_DIRECTORY) -> CheckResult:
+def load_parameters(
+    site: Path, state: Path = STATE_DIRECTORY, text: str | None = None
+) -> CheckResult:
     """Check ``site`` and return its result.
 
     Parameters
     ----------
     state : second folder, after the site file's own, that named files may lie in.
+    text : checked in place of the content of the file; None: that content.
 
     Raises
     ------
@@ -144,7 +147,7 @@ def load_parameters(site: Path, state: Path = STATE_DIRECTORY) -> CheckResult:
         With every finding when the file is not good, or when the check takes too long.
     """
     try:
-        check = Validation(site, state)
+        check = Validation(site, state, text=text)
     except OSError as error:
         said = error.strerror or str(error)
         raise ConfigError(

@@ -67,10 +67,15 @@ DIFFERENCE = {
     "waits": True,
     "lines": ["-a", "+b"],
 }
-EDIT = {"base": "1" * 64, "edits": f"{SETTLE['path']}: 12"}
+EDIT = {"base": "1" * 64, "edits": f"{SETTLE['path']}: 12", "text": "a: 1\n"}
 TRY = EDIT | {"measured": "2" * 64, "seconds": 60, "reason": "hunting at 1x"}
 SAVE = EDIT | {"measured": "2" * 64, "reason": "the PLC is slow"}
 BACK = {"number": 3, "base": "1" * 64, "measured": "2" * 64, "reason": "as in spring"}
+
+
+def passed(said: dict[str, Any]) -> dict[str, Any]:
+    """Return what the commissioner is told of a press."""
+    return {("site_text" if key == "text" else key): value for key, value in said.items()}
 
 
 @pytest.fixture
@@ -124,7 +129,7 @@ def test_what_an_edit_would_do_is_told_with_units_and_passed_on_without_a_key(
         f"{CHANGE} (gilt sofort)",
         "line.cycle_ms: 5 ms -> 10 ms (wartet auf Bypass)",
     ]
-    assert heard.said == [{"do": "settings_diff", **EDIT}]
+    assert heard.said == [{"do": "settings_diff", **passed(EDIT)}]
 
 
 def test_another_persons_edit_is_told_in_place_of_a_difference(at: Pressed, heard: Heard) -> None:
@@ -162,8 +167,8 @@ def test_a_try_and_a_way_back_carry_key_place_base_and_what_was_seen(
     assert carl.post("/settings/back", BACK).status == 200
     person = {"key": "k" * 43, "place": "panel"}
     assert heard.said[1:] == [
-        {"do": "try_settings", **person, **TRY},
-        {"do": "save_settings", **person, **SAVE},
+        {"do": "try_settings", **person, **passed(TRY)},
+        {"do": "save_settings", **person, **passed(SAVE)},
         {"do": "go_back", **person, **BACK},
     ]
 

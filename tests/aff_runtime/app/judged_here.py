@@ -10,7 +10,7 @@ from aff_runtime.app.check.validate import check_result
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 
 
-def judged_here(site: Path, state: Path = STATE_DIRECTORY) -> CheckResult:
+def judged_here(site: Path, state: Path = STATE_DIRECTORY, text: str | None = None) -> CheckResult:
     """Return what the check's process answers, as ``load_parameters`` does.
 
     Raises
@@ -18,6 +18,8 @@ def judged_here(site: Path, state: Path = STATE_DIRECTORY) -> CheckResult:
     ConfigError
         The file is not good.
     """
-    found = CheckResult.from_json(json.loads(json.dumps(check_result(site, state).to_json())))
+    given = None if text is None else text.encode("utf-8")
+    said = json.dumps(check_result(site, state, given).to_json())
+    found = CheckResult.from_json(json.loads(said))
     found.checked()
     return found

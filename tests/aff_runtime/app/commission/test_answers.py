@@ -22,6 +22,7 @@ from aff_runtime.app.commission.answers import (
     RefiningShown,
     SettingsShown,
     State,
+    TextShown,
     VersionShown,
     decode,
     encode,
@@ -45,6 +46,7 @@ from aff_runtime.app.commission.refine_views import (
     RefiningView,
     RunRow,
 )
+from aff_runtime.app.commission.site_lines import Clash
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.link.settings_answer import Version
 from aff_runtime.base import refinement
@@ -280,6 +282,14 @@ DIFFERENCE = of_settings.DifferenceView(
     waits=True,
     lines=("@@", "-a", "+b"),
 )
+EDITED = of_settings.TextView(
+    base="3" * 64,
+    file="a: 1\n",
+    text="a: 2\n",
+    said=(of_settings.SaidOfSetting(path="", text="t", line=3, column=4),),
+    sections=SETTINGS.sections,
+    clashes=(Clash(line=1, theirs=("a: 3",)),),
+)
 VERSION = of_settings.VersionView(
     version=ROW, lines=("+b",), back=DIFFERENCE, running="1" * 64, against=""
 )
@@ -291,6 +301,7 @@ ANSWERS = [
     ("maintenance", MaintenanceShown(maintenance=MAINTENANCE)),
     ("settings", SettingsShown(settings=SETTINGS)),
     ("settings_diff", DifferenceShown(difference=DIFFERENCE)),
+    ("settings_text", TextShown(edited=EDITED)),
     ("settings_version", VersionShown(version=VERSION)),
     ("card", CardShown(card=CARD)),
     ("line", LineShown(line=LINE)),

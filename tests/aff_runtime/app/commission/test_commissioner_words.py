@@ -12,6 +12,7 @@ from aff_runtime.app.commission.worker import CUT
 from aff_runtime.app.hand.audit import verify
 from aff_runtime.app.hand.audit_writer import RETRY_NS
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.config.yaml_marks import MAX_BYTES
 from tests.aff_runtime.app.commission import made_jobs
 from tests.aff_runtime.app.commission.made_jobs import say
 from tests.aff_runtime.app.commission.made_line import PEER, PERSON, Line
@@ -145,6 +146,9 @@ def test_a_screen_finds_it_at_its_socket_and_others_say_what_they_like(line):
             assert not state["service"]["answers"]
             assert (await said(path, {"do": "arm"}))["why"] == "no sense"
             assert (await said(path, {"do": "state", "more": "x" * 9000}))["why"] == "no sense"
+            texts = {"site_text": "\n" * MAX_BYTES, "former": "\n" * MAX_BYTES}
+            long = Request(do="settings_text", base="0" * 64, **texts)
+            assert plain(await ask(path, long))["why"] == "changed"  # read to its end
             found = await asyncio.gather(*(ask(path, Request(do="state")) for _ in range(12)))
             assert all(isinstance(one, State) for one in found)
         finally:

@@ -7,13 +7,16 @@ import pytest
 from aff_runtime.app.commission.messages import (
     LOOKS,
     MAX_ASKED_BYTES,
+    PACKET_BYTES,
     TABLE,
     WORDS,
     Request,
     RequestError,
     Why,
+    encode,
     read_request,
 )
+from aff_runtime.config.yaml_marks import MAX_BYTES
 
 SIGN = {
     "do": "sign",
@@ -79,6 +82,53 @@ def test_what_is_not_what_it_must_be_is_no_request(change):
 def test_a_part_that_is_missing_is_missed(missing):
     with pytest.raises(RequestError):
         read_request(line(**{key: value for key, value in SIGN.items() if key != missing}))
+
+
+EDIT = {"do": "settings_diff", "base": "0" * 64, "edits": "", "site_text": "a: 1\n"}
+
+
+@pytest.mark.parametrize("size", [1, PACKET_BYTES - 200, MAX_BYTES])
+def test_a_request_with_the_longest_site_file_has_room_and_ends_with_a_short_packet(size):
+    for char in "\n\u00fc":
+        asked = Request(**EDIT | {"site_text": char * (size // len(char.encode()))})
+        said = encode(asked)
+        assert read_request(said) == asked
+        assert len(said) % PACKET_BYTES
+    both = encode(
+        Request(**EDIT | {"do": "settings_text", "site_text": "\n" * size, "former": "\n" * size})
+    )
+    assert len(read_request(both).former) == size
+
+
+def test_every_length_ends_with_a_short_packet():
+    least = len(encode(Request(**EDIT | {"site_text": ""})))
+    for more in (-1, 0, 1):
+        text = "a" * (PACKET_BYTES - least + more)
+        said = encode(Request(**EDIT | {"site_text": text}))
+        assert len(said) == PACKET_BYTES + (more if more else 1)
+        assert read_request(said).site_text == text
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"site_text": "a" * (MAX_BYTES + 1)},
+        {"site_text": "\ud800"},
+        {"site_text": 7},
+        {"edits": "a" * (MAX_ASKED_BYTES + 1)},
+        {"base": ""},
+    ],
+)
+def test_what_no_site_file_can_be_is_no_request(wrong):
+    with pytest.raises(RequestError):
+        read_request(line(**(EDIT | wrong)))
+
+
+def test_only_requests_with_site_files_are_long():
+    said = line(**SIGN) + b" " * MAX_ASKED_BYTES
+    with pytest.raises(RequestError):
+        read_request(said)
+    assert read_request(line(**EDIT) + b" " * MAX_ASKED_BYTES) == Request(**EDIT)
 
 
 @pytest.mark.parametrize(

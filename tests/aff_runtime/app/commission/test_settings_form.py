@@ -122,8 +122,10 @@ def test_findings_are_told_by_their_setting() -> None:
         ]
     )
     assert found == (
-        SaidOfSetting(path=SETTLE, text="read 0.5 s, 1 to 300 s is allowed"),
-        SaidOfSetting(path="", text="the check was ended by SIGKILL. Somebody did that"),
+        SaidOfSetting(path=SETTLE, text="read 0.5 s, 1 to 300 s is allowed", line=12, column=3),
+        SaidOfSetting(
+            path="", text="the check was ended by SIGKILL. Somebody did that", line=1, column=1
+        ),
         SaidOfSetting(path="", text="nothing of a file"),
     )
 
