@@ -177,3 +177,39 @@ def test_another_persons_save_is_told_and_the_text_goes_on_top(
     page.page.click("#drop")
     page.page.wait_for_function("t => document.getElementById('text').value === t", arg=theirs)
     page.close()
+
+
+def test_edits_outlive_the_page_over_another_persons_limit(
+    chromium, stage: Stage, where: Paths
+) -> None:
+    file = where.site.read_text(encoding="utf-8")
+    page = at_settings(chromium, stage)
+    soft = page.page.input_value(FIELD)
+    page.page.fill(FIELD, "6.5")
+    page.page.goto(f"{stage.url}rolls")
+    theirs = file.replace("    limit_m_s: 0.04\n", "    limit_m_s: 0.05\n", 1)
+    assert theirs != file
+    where.site.write_text(theirs, encoding="utf-8")
+    for _ in range(2):  # the text that was begun on is remembered, not only that there is an edit
+        page.page.goto(f"{stage.url}settings")
+        page.await_selector("#changed:not([hidden])")
+        assert page.page.input_value(FIELD) == "6.5"
+        assert page.page.is_disabled("#edit button[type=submit]")
+    page.page.click("#rebase")
+    page.page.wait_for_selector("#changed[hidden]", state="attached")
+    noted = page.page.locator('.setting[data-path$=".limit_m_s"] .earlier').all_text_contents()
+    assert [one for one in noted if one] == ["somebody has changed it meanwhile, from 0.04 m/s"]
+    changes = looked(page)
+    assert f"{KEY}: {soft} s -> 6.5 s" in changes
+    assert "limit_m_s" not in changes
+    # what somebody has saved just so is no edit any more, and dropped ones do not come back
+    where.site.write_text(theirs.replace(f"soft_start_s: {soft}", "soft_start_s: 6.5", 1))
+    page.page.reload()
+    page.await_selector("html[data-settings=shown]")
+    page.page.wait_for_selector("[data-edit][hidden]", state="attached")
+    page.page.fill(FIELD, "7")
+    page.page.click("#drop")
+    page.page.reload()
+    page.await_selector("html[data-settings=shown]")
+    assert page.page.input_value(FIELD) == "6.5"
+    page.close()
