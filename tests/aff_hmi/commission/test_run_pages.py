@@ -153,6 +153,7 @@ def test_what_runs_for_hours_is_shown_beside_the_other_job_and_in_short_to_who_m
     job["said"] = [{"kind": "say", "text": "simulating the declared line"}]
     heard.answers["state"] = STATE | {"site": SITE, "long": job}
     seen = at.browser("carl").get("/data/commissioning").said["long"]
-    assert (seen["name"], seen["said"], seen["seconds"]) == ("refine", job["said"], 61.0)
+    line = {"kind": "say", "text": "simulating the declared line", "lang": "en"}
+    assert (seen["name"], seen["said"], seen["seconds"]) == ("refine", [line], 61.0)
     seen = at.browser("anna").get("/data/commissioning").said["long"]
     assert (seen["name"], seen["said"], seen["seconds"]) == ("refine", [], 61.0)

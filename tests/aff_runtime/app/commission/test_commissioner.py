@@ -58,7 +58,7 @@ def test_a_step_is_measured_and_signed_by_who_gives_the_password_again(line, mon
     assert wrong == {"ok": False, "why": "password", "name": ""}
     assert other == {"ok": False, "why": "changed", "name": ""}
     assert right["ok"]
-    said = [one.said for one in CardFile.of(line.where.card).entries]
+    said = [one.content for one in CardFile.of(line.where.card).entries]
     signatures = [one for one in said if isinstance(one, Signed)]
     assert [one.measured for one in signatures] == [seen["entry"]["sha256"]]
     assert signatures[0].name == "carl"
