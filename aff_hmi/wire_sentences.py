@@ -170,6 +170,10 @@ TROUBLES = (
         for one in RADII
     ),
     *(Trouble(text=one, to_do=CHECK_NODE) for one in OF_NODES),
+    Trouble(  # before OF_SYSTEM: its rest may be one of those errors
+        text=N_("the serial line {device} does not open: {rest}"),
+        to_do=N_("is the adapter plugged in, and may the service use it?"),
+    ),
     *(
         Trouble(heard=f"{{where}}: {os.strerror(number)}", text=text, to_do=to_do)
         for number, (text, to_do) in OF_SYSTEM.items()
@@ -178,10 +182,6 @@ TROUBLES = (
         heard="{where} cannot be resolved ({rest}); write its IP address or check DNS",
         text=N_("{where} cannot be resolved"),
         to_do=N_("write its IP address, or check DNS"),
-    ),
-    Trouble(
-        text=N_("the serial line {device} does not open: {rest}"),
-        to_do=N_("is the adapter plugged in, and may the service use it?"),
     ),
 )
 OTHER = Trouble(text="{said}")

@@ -98,7 +98,17 @@ _NESTED = ("what", "why")
 _CHOICES = "choices"
 _LISTS = (*_NESTED, _CHOICES, "bits", "rest", "reason", "site", "text", "thing", "words")
 LIST_MARKS = ("; ", ", ")
-_KINDS = {"word": r"\d+", "file": r"/\S+?"}
+_NO_COLON = r"(?:(?!, |; )[^:])+?"
+_ONE_WORD = r"[^\s:]+"
+_KINDS = {
+    "word": r"\d+",
+    "file": r"/\S+?",
+    "all": r"\d+",
+    "roll": _NO_COLON,
+    **dict.fromkeys(("actuator", "frequency", "order", "radius", "rpm", "speed"), _ONE_WORD),
+}
+"""What is narrow in every sentence: else a text with many colons has more ways to be taken apart
+than a server's loop has time for."""
 _END = re.compile(r"(?<=\.) ")
 LONGEST, DEEPEST = 700, 6
 MOST_KEPT = 2048

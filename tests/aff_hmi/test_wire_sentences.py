@@ -139,6 +139,15 @@ def test_what_the_system_says_of_a_socket_is_told_in_german_with_the_place(numbe
     assert to_do == say_in("de")(OF_SYSTEM[number][1])
 
 
+def test_a_serial_line_that_may_not_be_opened_is_no_firewalls() -> None:
+    device = "/dev/ttyUSB0"
+    sentence = f"the serial line {device} does not open: {os.strerror(errno.EACCES)}"
+    name, text, to_do = shown(sentence)
+    german = f"die serielle Leitung {device} lässt sich nicht öffnen"
+    assert (name, text) == ("WIRE", f"{german}: {os.strerror(errno.EACCES)}")
+    assert to_do == say_in("de")("is the adapter plugged in, and may the service use it?")
+
+
 def test_a_name_without_an_address_has_its_own_advice() -> None:
     with pytest.raises(WireError) as told_it:
         resolved("plc.invalid.", 502, socket.SOCK_STREAM)

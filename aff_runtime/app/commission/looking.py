@@ -33,7 +33,9 @@ VIEWS_OF_SPEED = ("line", "card")
 """They say what a probe moves at this line speed, and how long a proof takes at it."""
 SAME_SPEED = 0.02
 """Speeds that are nearer count as one: as near as the four parts of a proof have to be."""
-STILL_M_S = 1e-3  # what a speed counts as at least: below it the line stands
+SAME_SPEED_M_S = 0.005
+"""So do speeds that are nearer than this: 2 % of a slow jog are less than a reading's own noise,
+and another speed costs a second of a processor. Nobody probes or proves at a jog."""
 MOST_KEPT = 32  # views; the oldest goes
 NO_CARD, NO_SITE = "no card is begun", "no site file is there"
 Fingerprint = tuple[object, ...]
@@ -159,9 +161,7 @@ def is_one_speed(one_m_s: float, other_m_s: float) -> bool:
     known = math.isfinite(one_m_s), math.isfinite(other_m_s)
     if not all(known):
         return not any(known)
-    if max(abs(one_m_s), abs(other_m_s)) < STILL_M_S:
-        return True
-    return abs(one_m_s - other_m_s) <= SAME_SPEED * abs(one_m_s)
+    return abs(one_m_s - other_m_s) <= max(SAME_SPEED * abs(one_m_s), SAME_SPEED_M_S)
 
 
 def _of_file(path: Path) -> Fingerprint:

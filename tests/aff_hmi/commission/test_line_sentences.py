@@ -16,7 +16,7 @@ import pytest
 
 from aff_hmi.commission.in_language import state_in
 from aff_hmi.commission.line_sentences import PROBES, SERVICE, SHAPES
-from aff_hmi.commission.sentences import PATTERNS, parts, sentence
+from aff_hmi.commission.sentences import PATTERNS, _compiled, parts, sentence
 from aff_hmi.see.rolls_part import rolls_part
 from aff_hmi.words import say_in
 from aff_runtime.app.commission.answers import State
@@ -31,6 +31,7 @@ from aff_runtime.app.wiring.shape_file import read_shapes
 from aff_runtime.config.check import check_site
 from aff_runtime.core.probe import bounds, choosing, probe
 from aff_runtime.core.shape.trial import Fit
+from tests.aff_hmi.commission.steps_of import Steps
 from tests.aff_hmi.moments import facts as told
 from tests.aff_hmi.moments import seen
 
@@ -85,6 +86,11 @@ def test_orders_and_limits_of_every_site_file_that_is_shipped_are_told_in_german
 SAVED = "the shape saved 2026-01-05T06:00:00"
 QUIET = Fit(agreement=math.nan, turned_rad=0.0, ratio=math.nan, fits=True)
 ANOTHER = Fit(agreement=0.41, turned_rad=0.0, ratio=1.3, fits=False)
+LENGTH = (
+    120  # of a text: with its cube a pattern looks at 5 to 20 times as many as with its square
+)
+# two places that end anywhere look at half the square once a character; 2 to 3 looks for each
+MOST_OF_SQUARE, MANY = 1.5, 100
 KEEPS = f"unwind: {SAVED} keeps its shape; its correction of P is of"
 
 
@@ -225,6 +231,18 @@ def test_why_no_service_answers_is_told_in_german() -> None:
     service = state_in(lost, GERMAN, sees_all=True, is_open=True).service
     assert isinstance(service, NoService)
     assert service.trouble.startswith(f"/run/aff/control.sock: kein Dienst antwortet ({reason})")
+
+
+@pytest.mark.parametrize("unit", [": ", "a: ", "a ", "a: b (c) ", "1 of 1 orders of r below "])
+def test_no_text_has_more_ways_to_be_taken_apart_than_the_square_of_its_length(unit: str) -> None:
+    text = (unit * LENGTH)[:LENGTH]
+    steps = {}
+    for pattern, template in _compiled():
+        found = Steps(most=MANY * LENGTH**2)
+        is_of_it = found.fullmatch(pattern.pattern, text)
+        assert is_of_it == (pattern.fullmatch(text) is not None)
+        steps[template] = found.count
+    assert [one for one, count in steps.items() if count > MOST_OF_SQUARE * LENGTH**2] == []
 
 
 def test_no_pattern_is_there_twice() -> None:

@@ -150,10 +150,10 @@ def test_what_runs_for_hours_is_shown_beside_the_other_job_and_in_short_to_who_m
     at: Pressed, heard: Heard
 ) -> None:
     job: dict[str, Any] = {"do": "refine", "step": -1, "ask": None, "seconds": 61.0}
-    job["said"] = [{"kind": "say", "text": "simulating the declared line"}]
+    said = [{"kind": "say", "text": "simulating the declared line", "lang": "en"}]
+    job["said"] = [{key: one[key] for key in ("kind", "text")} for one in said]
     heard.answers["state"] = STATE | {"site": SITE, "long": job}
     seen = at.browser("carl").get("/data/commissioning").said["long"]
-    line = {"kind": "say", "text": "simulating the declared line", "lang": "en"}
-    assert (seen["name"], seen["said"], seen["seconds"]) == ("refine", [line], 61.0)
+    assert (seen["name"], seen["said"], seen["seconds"]) == ("refine", said, 61.0)
     seen = at.browser("anna").get("/data/commissioning").said["long"]
     assert (seen["name"], seen["said"], seen["seconds"]) == ("refine", [], 61.0)

@@ -90,7 +90,15 @@ def test_runs_grow_by_themselves_so_a_look_at_them_is_old_after_half_a_minute(lo
 @pytest.mark.parametrize("do", ["line", "card"])
 @pytest.mark.parametrize(
     ("first_m_s", "then_m_s"),
-    [(1.5, 0.15), (0.0, 1.5), (1.5, 0.0), (math.nan, 1.0), (1.0, math.nan), (1.0, 1.021)],
+    [
+        (1.5, 0.15),
+        (0.0, 1.5),
+        (1.5, 0.0),
+        (math.nan, 1.0),
+        (1.0, math.nan),
+        (1.0, 1.021),
+        (0.05, 0.056),
+    ],
 )
 def test_what_is_of_the_line_speed_is_looked_at_anew_at_another_one(
     look, do, first_m_s, then_m_s, tmp_path
@@ -105,7 +113,13 @@ def test_what_is_of_the_line_speed_is_looked_at_anew_at_another_one(
 
 @pytest.mark.parametrize(
     ("do", "first_m_s", "then_m_s"),
-    [("line", 1.0, 1.019), ("card", 1.0, 0.981), ("line", 0.0, 0.0009), ("settings", 1.5, 0.15)],
+    [
+        ("line", 1.0, 1.019),
+        ("card", 1.0, 0.981),
+        ("line", 0.0, 0.0049),
+        ("card", 0.05, 0.0549),
+        ("settings", 1.5, 0.15),
+    ],
 )
 def test_noise_of_the_speed_and_what_is_of_no_speed_have_nothing_looked_at_anew(
     look, do, first_m_s, then_m_s, tmp_path
