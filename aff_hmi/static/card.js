@@ -1,8 +1,8 @@
 // The commissioning card: every step with its figures, what it waits for, and its signature.
-import { keepTyped, sent } from "/static/draft.js";
+import { done, keepTyped } from "/static/draft.js";
 import { ask, byId, number, part, put, words } from "/static/see.js";
 import { showTried } from "/static/trying.js";
-import { LONG_MS, act, button, field, lookAfter, post } from "/static/work.js";
+import { LONG_MS, act, button, field, lookAfter, post, whenDone } from "/static/work.js";
 
 const EVERY_MS = 2500;
 let isOpen = false;
@@ -84,11 +84,15 @@ function signature(step) {
 
 // --- what can be done with a step --------------------------------------------------------------
 
-/** Keep what is typed into the fields of a form of a step; returns what drops it once it is sent. */
-function keepForm(name, step, fields) {
-  const named = fields.map(({ input }) => [input, `${name} ${step.number} ${input.name}`]);
+/** Keep what is typed into the fields of a form, `about` what it is. Returns what takes note of
+ *  what is sent now, and gives what drops that once it is done. */
+function keepForm(name, about, fields) {
+  const named = fields.map(({ input }) => [input, `${name} ${about} ${input.name}`]);
   for (const [input, draft] of named) keepTyped(input, draft);
-  return () => named.forEach(([input, draft]) => sent(input, draft));
+  return () => {
+    const texts = named.map(([input, draft]) => [draft, input.value]);
+    return () => texts.forEach(([draft, text]) => done(draft, text));
+  };
 }
 
 /** How long the parts of the proof take, at the speed of now. */
@@ -97,7 +101,7 @@ function proofTimes(proof) {
   return proof ? words.off.replace("{off}", number(off_s, 0)).replace("{on}", number(on_s, 0)) : "";
 }
 
-function measuring(step, proof) {
+function measuring(step, card) {
   const form = part("form", "measure");
   const boxes = step.typed_names.map((name, n) => field(step.typed_labels[n], name, { maxLength: 80 }));
   const plc = field(words.plc, "plc", { maxLength: 80 });
@@ -107,14 +111,16 @@ function measuring(step, proof) {
   const fields = part("p", "fields");
   fields.append(...boxes.map((one) => one.box), plc.box);
   const why = field(words.why, "leave", { maxLength: 500 });
-  const sentIt = keepForm("measure", step, [...boxes, plc]);
-  const left = keepForm("leave", step, [why]);
+  const about = `${card.first} ${step.number}`;
+  const measured = keepForm("measure", about, [...boxes, plc]);
+  const left = keepForm("leave", about, [why]);
   const typed = () =>
     boxes.filter((one) => one.input.value.trim()).map((one) => `${one.input.name}=${one.input.value.trim()}`);
   const send = async (leave_out) => {
     const said = { step: step.number, typed: leave_out ? "" : typed().join("\n") };
+    const drop = leave_out ? left() : measured();
     const answer = await post("/card/step", { ...said, plc: plc.input.value, leave_out });
-    if (answer.ok) leave_out ? left() : sentIt();
+    if (answer.ok) whenDone("step", step.number, drop);
   };
   const go = part("button", "", words.measure);
   go.type = "submit";
@@ -126,7 +132,7 @@ function measuring(step, proof) {
   const row = part("p", "fields");
   row.append(why.box, leave);
   form.append(...hints.map((text) => part("p", "note", text)));
-  if (step.number === 12) form.append(part("p", "note times", proofTimes(proof)));
+  if (step.number === 12) form.append(part("p", "note times", proofTimes(card.proof)));
   form.append(fields, go, row);
   return form;
 }
@@ -144,13 +150,14 @@ function signing(step) {
   Object.assign(name, { type: "text", autocomplete: "username", hidden: true });
   name.value = byId("hand")?.dataset.account ?? "";
   form.append(part("p", "note", words.seen), name, row);
-  const sentIt = keepForm("sign", step, [why]);
+  const signed = keepForm("sign", step.entry.sha256, [why]);
   form.onsubmit = async (event) => {
     event.preventDefault();
     const said = { step: step.number, measured: step.entry.sha256, reason: why.input.value };
+    const drop = signed();
     const answer = await post("/card/sign", { ...said, password: password.input.value });
     password.input.value = "";
-    if (answer.ok) sentIt();
+    if (answer.ok) drop(); // the answer is that of the job
     look();
   };
   return form;
@@ -166,17 +173,18 @@ function trying(step) {
   const row = part("p", "fields");
   row.append(why.box, seconds.box, go);
   form.append(row);
-  const sentIt = keepForm("try", step, [why]);
+  const tried = keepForm("try", step.entry.sha256, [why]);
   form.onsubmit = async (event) => {
     event.preventDefault();
     const said = { do: "try", step: step.number, measured: step.entry.sha256, reason: why.input.value };
+    const drop = tried();
     const answer = await post("/card/settings", { ...said, seconds: Number(seconds.input.value) });
-    if (answer.ok) sentIt();
+    if (answer.ok) whenDone("try", step.number, drop);
   };
   return form;
 }
 
-function stepped(step, proof, old) {
+function stepped(step, card, old) {
   const box = part("details", "step");
   box.dataset.step = step.number;
   box.dataset.stand = step.stand;
@@ -192,7 +200,7 @@ function stepped(step, proof, old) {
   if (isOpen) {
     if (step.can_sign && step.entry) box.append(signing(step));
     if (step.entry?.proposals.length) box.append(trying(step));
-    box.append(measuring(step, proof));
+    box.append(measuring(step, card));
   }
   return box;
 }
@@ -228,10 +236,10 @@ function show(answer) {
   listing(byId("card-remarks"), card.remarks);
   listing(byId("undone"), card.undone.length ? card.undone : [words.holds]);
   for (const step of card.steps) {
-    const said = JSON.stringify([step, isOpen]);
+    const said = JSON.stringify([step, isOpen, card.first]);
     const old = rows.get(step.number);
     if (old?.said === said) continue;
-    const made = stepped(step, card.proof, old?.box);
+    const made = stepped(step, card, old?.box);
     if (old) old.box.replaceWith(made);
     else byId("steps").append(made);
     rows.set(step.number, { said, box: made });

@@ -34,7 +34,8 @@ function listing(list, texts, kind = "", english = 0) {
 // --- the interview -----------------------------------------------------------------------------
 
 let asked = 0;
-let draft = ""; // name of what is typed as the answer to it
+let draft = ""; // name of what is typed as the answer to it, in no language
+let answered = ""; // name of what was sent last, while nobody has said whether it is taken
 let labels = new Map(); // of the answers that have a button
 
 function question(one, said) {
@@ -49,7 +50,9 @@ function question(one, said) {
   byId("question").dataset.name = one.name;
   const last = said.at(-1); // of an answer that was not taken: why not
   put(byId("refused"), last?.kind === "complain" ? last.text : "");
-  draft = `answer ${one.name} ${one.text}`;
+  draft = `answer ${state.site.path} ${one.name} ${one.choices.map(([value]) => value)}`;
+  if (answered && !(answered === draft && last?.kind === "complain")) keep(answered, "");
+  answered = "";
   byId("answer").value = kept(draft);
   put(byId("answer-label"), words.typed);
   labels = new Map(one.choices);
@@ -71,12 +74,10 @@ function question(one, said) {
 
 async function answer(text) {
   const said = { number: asked, text };
-  const answered = draft;
+  answered = draft;
   const found = await post("/commission/answer", said);
-  if (found.ok) {
-    put(byId("work-said"), "");
-    keep(answered, "");
-  }
+  if (found.ok) put(byId("work-said"), "");
+  else answered = "";
   look();
 }
 byId("answer").oninput = () => keep(draft, byId("answer").value);
@@ -93,8 +94,8 @@ byId("question").onsubmit = (event) => {
 };
 keepTyped(byId("again"), "again");
 byId("find-words").onclick = async () => {
-  await act("words", byId("again").value);
-  sent(byId("again"), "again");
+  const answer = await act("words", byId("again").value);
+  if (answer.ok) sent(byId("again"), "again");
   look();
 };
 
@@ -210,6 +211,16 @@ function bound(row, seconds) {
   return parts.join("; ");
 }
 
+let foundSaid = "";
+
+/** What probes have found, made anew only where it is another: somebody reads in it. */
+function showResponses(responses) {
+  const said = JSON.stringify(responses);
+  if (said === foundSaid) return;
+  foundSaid = said;
+  byId("found").replaceChildren(...responses.map(response));
+}
+
 let lineSaid = "";
 function showLine() {
   const said = JSON.stringify(line);
@@ -226,7 +237,7 @@ function showLine() {
   if (byId("louder")) byId("louder").hidden = !isFaint;
   byId("probe-louder-why").hidden = !isFaint;
   listing(byId("drives"), line?.drives ?? []);
-  byId("found").replaceChildren(...(line?.responses ?? []).map(response));
+  showResponses(line?.responses ?? []);
   const isProbed = (line?.responses.length ?? 0) > 0;
   done("check", line !== null && errors.length === 0);
   done("probe", isProbed);

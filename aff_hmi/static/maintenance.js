@@ -2,11 +2,11 @@
 // `roll` of a trend or a life is a body by its name in the site file, a roller or a roll of web.
 import { row } from "/static/curves.js";
 import { drawTrend } from "/static/weeks.js";
-import { keepTyped, sent } from "/static/draft.js";
+import { done, keepTyped } from "/static/draft.js";
 import { showLong } from "/static/long.js";
 import { stamp } from "/static/stamp.js";
 import { ask, byId, number, part, put, words } from "/static/see.js";
-import { LONG_MS, button, lookAfter, post } from "/static/work.js";
+import { LONG_MS, button, lookAfter, post, whenDone } from "/static/work.js";
 
 const EVERY_MS = 10000;
 const root = document.documentElement;
@@ -196,15 +196,16 @@ lookAfter((state) => {
 });
 
 byId("read").onclick = () => post("/maintenance/read", {});
-for (const name of ["exchange-on", "exchange-why"]) keepTyped(byId(name), name);
+keepTyped(byId("exchange-why"), "exchange-why"); // an exchange stays: roller and moment are said anew
 byId("exchange").onsubmit = async (event) => {
   event.preventDefault();
   const on = new Date(byId("exchange-on").value).toISOString();
-  const answer = await post("/maintenance/exchange", {
-    roll: byId("exchange-roll").value,
-    on,
-    reason: byId("exchange-why").value,
+  const reason = byId("exchange-why").value;
+  const answer = await post("/maintenance/exchange", { roll: byId("exchange-roll").value, on, reason });
+  if (!answer.ok) return;
+  whenDone("exchange", -1, () => {
+    done("exchange-why", reason);
+    byId("exchange-on").value = "";
   });
-  if (answer.ok) sent(byId("exchange-why"), "exchange-why");
 };
 look();

@@ -1,7 +1,7 @@
 // Settings that are tried: shown to who commissions, kept or taken back with a reason.
-import { keepTyped, sent } from "/static/draft.js";
+import { done, keepTyped } from "/static/draft.js";
 import { byId, put } from "/static/see.js";
-import { post } from "/static/work.js";
+import { post, whenDone } from "/static/work.js";
 
 const FRESH_MS = 3000;
 let heard_ms = -Infinity;
@@ -15,6 +15,9 @@ function count() {
   box.classList.toggle("bad", !isFresh);
 }
 
+/** Name of the reason that is typed: of what is shown as tried, and of nothing else. */
+const draft = () => `tried ${byId("trying").dataset.sha256}`;
+
 /** Show what is tried, as the commissioner says it stands; returns it, empty where nothing is. */
 export function showTried(state) {
   if (state?.ok !== true || !state.service.answers) {
@@ -25,18 +28,20 @@ export function showTried(state) {
   byId("trying").hidden = !(tried && state.is_open);
   put(byId("tried"), tried);
   byId("tried-left").dataset.seconds = state.left_s ?? "";
+  const isAnother = tried && byId("trying").dataset.sha256 !== state.service.tried;
   byId("trying").dataset.sha256 = state.service.tried ?? "";
+  if (isAnother) keepTyped(byId("tried-why"), draft());
   heard_ms = performance.now();
   count();
   return tried;
 }
 
-keepTyped(byId("tried-why"), "tried");
 byId("trying").onsubmit = async (event) => {
   event.preventDefault();
   const measured = byId("trying").dataset.sha256; // of what is shown as tried: nothing else is kept or ended
   const said = { do: event.submitter.value, step: 0, measured, seconds: 0 };
-  const answer = await post("/card/settings", { ...said, reason: byId("tried-why").value });
-  if (answer.ok) sent(byId("tried-why"), "tried");
+  const [name, reason] = [draft(), byId("tried-why").value];
+  const answer = await post("/card/settings", { ...said, reason });
+  if (answer.ok) whenDone(said.do, -1, () => done(name, reason));
 };
 setInterval(count, 500);

@@ -1,9 +1,9 @@
 // One refinement: what was found, the figures before and after, what to do, what can be tried.
-import { keepTyped, sent } from "/static/draft.js";
+import { done, keepTyped } from "/static/draft.js";
 import { row, short } from "/static/curves.js";
 import { diff } from "/static/diff.js";
 import { number, part, words } from "/static/see.js";
-import { field, post } from "/static/work.js";
+import { field, post, whenDone } from "/static/work.js";
 
 const root = document.documentElement;
 
@@ -68,13 +68,13 @@ function trying(one, proposal) {
   const line = part("p", "fields");
   line.append(why.box, seconds.box, go);
   form.append(part("p", "note", words.hand), line);
-  const draft = `try ${one.number}`;
+  const draft = `try ${proposal.sha256}`;
   keepTyped(why.input, draft);
   form.onsubmit = async (event) => {
     event.preventDefault();
     const said = { number: one.number, measured: proposal.sha256, reason: why.input.value };
     const answer = await post("/refine/try", { ...said, seconds: Number(seconds.input.value) });
-    if (answer.ok) sent(why.input, draft);
+    if (answer.ok) whenDone("try_refined", -1, () => done(draft, said.reason));
   };
   return form;
 }

@@ -40,10 +40,32 @@ export function lookAfter(show) {
     isAsking = false;
     standing(state);
     show(state);
+    if (state?.ok === true) tellWhoWaits(state);
   };
   look();
   setInterval(look, EVERY_MS);
   return look;
+}
+
+// A job takes what was sent and answers at once; whether it is done is heard of it later.
+let waiting = [];
+
+/** Call `then` once the job that has just begun has ended well; of one that is refused, never. */
+export function whenDone(job, step, then) {
+  waiting.push({ job, step, then, isSeen: false });
+}
+
+/** One look may have been under way before the job began: who never saw it run waits for two. */
+function tellWhoWaits({ job, last }) {
+  const still = waiting.filter((one) => {
+    if (job === null && one.isSeen) {
+      if (last?.ok && last.do === one.job && last.step === one.step) one.then();
+      return false;
+    }
+    one.isSeen = true;
+    return true;
+  });
+  waiting = still;
 }
 
 let lastJob = "";

@@ -23,8 +23,9 @@ export function byId(name) {
 export const put = (box, text) => { box.textContent = text; };
 """
 WORK = """export const posted = [];
-export const post = async (...all) => { posted.push(all); return { ok: true }; };"""
-DRAFT = "export const keepTyped = () => {}; export const sent = () => {};"
+export const post = async (...all) => { posted.push(all); return { ok: true }; };
+export const whenDone = () => {};"""
+DRAFT = "export const keepTyped = () => {}; export const done = () => {};"
 MAIN = """
 import { readFileSync } from "node:fs";
 let now = 0;

@@ -76,11 +76,13 @@ class Card:
 
     Attributes
     ----------
-    begun : what it is of. ``newest`` : hash of the last entry. ``utc`` : its time.
+    begun : what it is of. ``first`` : hash of that entry, of no other card.
+    newest : hash of the last entry. ``utc`` : its time.
     """
 
     begun: Begun
     steps: tuple[StepStanding, ...]
+    first: str
     newest: str
     entries: int
     utc: str
@@ -103,6 +105,7 @@ def card_of(entries: Sequence[Entry], now: Inputs | None = None) -> Card:
     return Card(
         begun=begun,
         steps=tuple(_standing(step, entries, now) for step in STEPS),
+        first=entries[0].sha256,
         newest=entries[-1].sha256,
         entries=len(entries),
         utc=entries[-1].utc,

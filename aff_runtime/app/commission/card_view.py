@@ -39,6 +39,7 @@ def card_view(
     """
     return CardView(
         line=card.begun.line,
+        first=card.first,
         newest=card.newest,
         entries=card.entries,
         utc=card.utc,

@@ -124,12 +124,14 @@ class CardView:
 
     Attributes
     ----------
+    first : hash of the first entry, of no other card.
     newest : hash of the last entry, made at ``utc``. ``entries`` : how many there are.
     remarks : on the comparison with what holds now. ``undone`` : a sentence a step.
     proof : None while the line stands, or no service says its speed.
     """
 
     line: str
+    first: str
     newest: str
     entries: int
     utc: str

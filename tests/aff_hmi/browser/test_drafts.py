@@ -14,10 +14,21 @@ import pytest
 
 pytest.importorskip("pyarrow")
 
-from aff_hmi.commission.in_language import card_in
+from aff_hmi.commission.in_language import line_in
 from aff_hmi.words import say_in
 from aff_runtime.app.commission import views
 from tests.aff_hmi.browser import staged
+from tests.aff_hmi.browser.desk import (
+    CARD,
+    ENTRY,
+    LINE_VIEW,
+    NOW_OPEN,
+    PROBE_ROWS,
+    STEP,
+    Desk,
+    asking,
+    last,
+)
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_hmi.browser.staged import FOLLOWER, PASSWORD, Stage, ready
 from tests.aff_hmi.browser.test_not_known import JOB, STATE
@@ -25,48 +36,10 @@ from tests.aff_hmi.browser.told import Told
 from tests.aff_hmi.moments import LINE
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(300)]
-ENTRY = views.EntryView(
-    number=4,
-    utc="2026-01-05T06:00:00",
-    sha256="4" * 64,
-    by="carl",
-    release="1",
-    reason="",
-    figures=(views.FigureView(name="share", value="1 %", span="", limit="", good=None),),
-    missing=("a longer record",),
-    proposals=("settle_s: 6 -> 5",),
-    remarks=("one remark",),
-    typed=(),
-    windows=(),
-)
-STEP = views.StepView(
-    number=12,
-    title="Proof on the running web",
-    measured="ripple",
-    limit="promised",
-    seconds=0.0,
-    stand="again",
-    why=("machine: pc 1, now pc 2",),
-    typed_names=("promised", "settle"),
-    earlier=0,
-    can_sign=True,
-    entry=ENTRY,
-    signed=None,
-)
-CARD = views.CardView(
-    line="Euclid",
-    newest="3" * 64,
-    entries=3,
-    utc="2026-01-05T06:00:00",
-    remarks=(),
-    undone=(),
-    steps=(STEP,),
-    proof=views.ProofTimes(off_s=25.0, on_s=43.0),
-)
 ROW = 'details[data-step="12"]'
 TYPED = f'{ROW} .measure input[name="promised"]'
 REASON = f'{ROW} .signing input[name="reason"]'
-NOW_OPEN = {**STATE, "job": None}
+DAY_MS = 24 * 3600 * 1000
 
 
 @pytest.fixture
@@ -74,26 +47,6 @@ def stage(tmp_path: Path) -> Iterator[Stage]:
     found = Stage(tmp_path, keeps=True, commission=Told())
     yield found
     found.close()
-
-
-class Desk:
-    """What the commissioner tells a page: a card and how it stands; None: nothing comes."""
-
-    def __init__(self, page: Page, language: str = "en") -> None:
-        self._say = say_in(language)
-        self.card: views.CardView = CARD
-        self.state: dict[str, Any] | None = NOW_OPEN
-        page.page.route("**/data/commissioning?*", self._tell_state)
-        page.page.route("**/data/card?*", self._tell_card)
-
-    def _tell_state(self, route: Any) -> None:
-        if self.state is None:
-            route.abort()
-        else:
-            route.fulfill(json=self.state)
-
-    def _tell_card(self, route: Any) -> None:
-        route.fulfill(json={"ok": True, "card": asdict(card_in(self.card, self._say))})
 
 
 def logged_in(chromium: Any, stage: Stage, name: str = "carl", language: str = "en") -> Page:
@@ -209,6 +162,7 @@ def test_what_is_half_typed_on_the_card_outlives_page_and_session_until_it_is_se
     assert page.page.input_value(REASON) == "seen with two witn"
     page.page.route("**/card/step?*", lambda route: route.fulfill(json={"ok": True, "text": ""}))
     page.page.click(f"{ROW} .measure button[type=submit]")
+    desk.run(last("step", 12, is_ok=True))
     page.page.wait_for_function(f"() => document.querySelector('{TYPED}').value === ''")
     page.page.reload()
     page.await_selector(f"{ROW} .measure")
@@ -217,6 +171,139 @@ def test_what_is_half_typed_on_the_card_outlives_page_and_session_until_it_is_se
     page.page.click("#logout")
     page.await_selector('a[href^="/login"]')
     assert page.run("() => Object.keys(sessionStorage)") == []
+    page.close()
+
+
+def test_what_a_job_refuses_stays_typed_and_what_it_does_is_dropped(
+    chromium, stage: Stage
+) -> None:
+    page = logged_in(chromium, stage)
+    desk = Desk(page)
+    at_the_card(page, stage)
+    page.page.route("**/card/step?*", lambda route: route.fulfill(json={"ok": True, "text": ""}))
+    measure = f"{ROW} .measure button[type=submit]"
+    desk.state = {**NOW_OPEN, "last": last("step", 12, is_ok=True)}  # of the job before
+    page.page.fill(TYPED, "12,5")
+    page.page.click(measure)
+    desk.run(last("step", 12, is_ok=False))
+    assert page.page.input_value(TYPED) == "12,5"
+    page.page.reload()
+    page.await_selector(f"{ROW} .measure")
+    assert page.page.input_value(TYPED) == "12,5"
+    page.page.click(f"{ROW} > summary")
+    page.page.click(measure)
+    page.page.wait_for_selector("#work-said:has-text('sent; wait')", state="detached")
+    page.page.fill(TYPED, "13")
+    desk.run(last("step", 12, is_ok=True))
+    assert page.page.input_value(TYPED) == "13"  # typed while the job ran: nobody has sent it
+    page.page.click(measure)
+    desk.run(last("step", 12, is_ok=True))
+    page.page.wait_for_function(f"() => document.querySelector('{TYPED}').value === ''")
+    page.close()
+
+
+def test_what_is_half_typed_is_of_its_card_its_entry_and_its_day(chromium, stage: Stage) -> None:
+    page = logged_in(chromium, stage)
+    desk = Desk(page)
+    at_the_card(page, stage)
+    tried = f'{ROW} .trying input[name="reason"]'
+    for field in (TYPED, REASON, tried):
+        page.page.fill(field, "seen with two witnesses")
+    values = (
+        f"() => ['{TYPED}', '{REASON}', '{tried}'].map(one => document.querySelector(one).value)"
+    )
+    desk.card = replace(CARD, steps=(replace(STEP, entry=replace(ENTRY, sha256="5" * 64)),))
+    page.page.wait_for_function(
+        f"() => document.querySelector('{ROW} .hash').textContent.includes('555')"
+    )
+    assert page.run(values) == ["seen with two witnesses", "", ""]
+    desk.card = replace(CARD, first="9" * 64)
+    page.page.wait_for_function(
+        f"() => document.querySelector('{ROW} .hash').textContent.includes('444')"
+    )
+    assert page.run(values) == ["", "seen with two witnesses", "seen with two witnesses"]
+    desk.card = CARD
+    page.page.reload()
+    page.await_selector(f"{ROW} .measure")
+    assert page.run(values) == ["seen with two witnesses"] * 3
+    page.run(f"""() => {{ for (const [name, said] of Object.entries({{...sessionStorage}}))
+      sessionStorage.setItem(name, said.replace(/^[0-9]+/, at => Number(at) - {DAY_MS})); }}""")
+    page.page.reload()
+    page.await_selector(f"{ROW} .measure")
+    assert page.run(values) == [""] * 3
+    assert page.run("() => Object.keys(sessionStorage)") == []
+    page.close()
+
+
+def test_the_reason_for_one_try_is_not_offered_for_the_next(chromium, stage: Stage) -> None:
+    page = logged_in(chromium, stage)
+    desk = Desk(page)
+
+    def trying(sha256: str) -> dict[str, Any]:
+        service = {**NOW_OPEN["service"], "trying": f"settings {sha256[:2]}", "tried": sha256}  # type: ignore[dict-item]
+        return {**NOW_OPEN, "service": service, "left_s": 40}
+
+    desk.state = trying("7" * 64)
+    page.page.goto(f"{stage.url}card")
+    page.await_selector("#trying:not([hidden])")
+    page.page.fill("#tried-why", "ripple fell by 30 dB")
+    page.page.reload()
+    page.await_selector("#trying:not([hidden])")
+    assert page.page.input_value("#tried-why") == "ripple fell by 30 dB"
+    desk.state = trying("8" * 64)
+    page.await_selector("#tried:has-text('settings 88')")
+    assert page.page.input_value("#tried-why") == ""
+    page.close()
+
+
+def test_of_an_exchange_only_the_reason_is_kept(chromium, stage: Stage) -> None:
+    page = logged_in(chromium, stage)
+    desk = Desk(page)
+    page.page.goto(f"{stage.url}maintenance")
+    page.await_selector("#exchange:not([hidden])")
+    page.await_selector("#exchange-roll option")
+    shown = "() => ['on', 'why'].map(one => document.getElementById(`exchange-${one}`).value)"
+    typed = ["2026-01-20T08:30", "serial 4712"]
+    page.page.fill("#exchange-on", typed[0])
+    page.page.fill("#exchange-why", typed[1])
+    page.page.reload()
+    page.await_selector("#exchange:not([hidden])")
+    page.await_selector("#exchange-roll option")
+    assert page.run(shown) == ["", typed[1]]  # an exchange cannot be taken back
+    page.page.fill("#exchange-on", typed[0])
+    page.page.click("#exchange button[type=submit]")
+    desk.run(last("exchange", -1, is_ok=False))
+    assert page.run(shown) == typed
+    page.page.click("#exchange button[type=submit]")
+    desk.run(last("exchange", -1, is_ok=True))
+    page.page.wait_for_function("() => document.getElementById('exchange-why').value === ''")
+    assert page.run(shown) == ["", ""]
+    page.close()
+
+
+def test_another_line_speed_leaves_open_what_probes_have_found(chromium, stage: Stage) -> None:
+    page = logged_in(chromium, stage)
+    Desk(page)
+    now = {"line": LINE_VIEW}
+    page.page.route(
+        "**/data/line?*",
+        lambda route: route.fulfill(
+            json={"ok": True, "line": asdict(line_in(now["line"], say_in("en")))}
+        ),
+    )
+    page.page.goto(f"{stage.url}commission")
+    page.await_selector("#found .response")
+    page.page.click("#found summary")
+    page.run("() => { document.querySelector('#found details').mine = true; }")
+    (row,) = PROBE_ROWS
+    probe = replace(LINE_VIEW.probe, rows=(replace(row, amplitude=0.0123),))  # type: ignore[type-var]
+    now["line"] = replace(LINE_VIEW, probe=probe)
+    page.await_selector("#bounds:has-text('0.0123')")
+    details = "document.querySelector('#found details')"
+    assert page.run(f"() => [{details}.mine, {details}.open]") == [True, True]
+    again = replace(LINE_VIEW.responses[0], measured_at="2026-01-06T06:00:00")
+    now["line"] = replace(LINE_VIEW, responses=(again,))
+    page.await_selector("#found .title:has-text('2026-01-06')")
     page.close()
 
 
@@ -230,7 +317,22 @@ def test_an_answer_that_is_half_typed_outlives_the_page(chromium, stage: Stage) 
     page.page.reload()  # as it does by itself where the screen server has begun anew
     page.await_selector("#question:not([hidden])")
     assert page.page.input_value("#answer") == "4."
-    another = {**JOB, "ask": {**JOB["ask"], "number": 4, "name": "speed_min"}}  # type: ignore[dict-item]
+    desk.state = {**STATE, "job": asking(3, text="Höchste Geschwindigkeit")}
+    page.page.goto(f"{stage.url}commission?lang=de")
+    page.await_selector("#asked:has-text('Höchste')")
+    assert page.page.input_value("#answer") == "4."
+    page.page.route(
+        "**/commission/answer?*", lambda route: route.fulfill(json={"ok": True, "text": ""})
+    )
+    page.page.press("#answer", "Enter")
+    refused = [{"kind": "complain", "text": "a unit is missing"}]
+    desk.state = {**STATE, "job": {**asking(4), "said": refused}}
+    page.await_selector("#refused:has-text('a unit is missing')")
+    assert page.page.input_value("#answer") == "4."
+    page.page.press("#answer", "Enter")
+    desk.state = {**STATE, "job": asking(5)}  # taken, and asked for once more
+    page.page.wait_for_function("() => document.getElementById('answer').value === ''")
+    another = {**JOB, "ask": {**JOB["ask"], "number": 6, "name": "speed_min"}}  # type: ignore[dict-item]
     desk.state = {**STATE, "job": another}
     page.page.wait_for_function(
         "() => document.getElementById('question').dataset.name === 'speed_min'"

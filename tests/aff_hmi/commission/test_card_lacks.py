@@ -106,6 +106,7 @@ def test_what_was_not_done_is_what_the_card_says_and_is_told_in_german(tmp_path:
     add(made, measured(7, lacking, missing=("unwind: once more at 0.9 m/s",)))
     add(made, measured(12, inputs=replace(INPUTS, roll_id="3")))
     view = card_view(card_of(entries_of(made.read()), INPUTS), None, None, ())
+    assert (view.first, view.newest) == (made.read().links[0].sha256, made.read().newest)
     assert card_in(view, ENGLISH).undone == view.undone
     german = card_in(view, GERMAN).undone
     assert len(german) == len(view.undone) == 12

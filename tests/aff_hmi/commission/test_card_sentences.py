@@ -135,6 +135,7 @@ def test_a_screen_shows_why_in_the_readers_language() -> None:
     )
     card = CardView(
         line="Euclid",
+        first="0",
         newest="0",
         entries=1,
         utc="",

@@ -84,6 +84,7 @@ STEP = views.StepView(
 )
 CARD = views.CardView(
     line="Euclid",
+    first="1" * 64,
     newest="3" * 64,
     entries=3,
     utc="u",
