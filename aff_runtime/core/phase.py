@@ -8,16 +8,11 @@ from dataclasses import replace
 from enum import IntEnum
 
 from aff_runtime.core.encoder import STUCK_SHARE, EncoderCheck, Trust
+from aff_runtime.core.long_gap import JITTER_S, JUMP_RAD, has_whole_turns, turned_in_gap
 from aff_runtime.core.params import RollParams
 
-JUMP_RAD = 0.2  # an encoder reading may be off the expected angle by this,
-JITTER_S = 0.05  # and by so much motion at the present speed
 OMEGA_TAU_S = 0.05  # time constant of the speed
-ORIGIN_SLACK_RAD = 1e-3  # a modulus this close to whole turns is whole turns
 PREDICT_MAX_S = 0.5  # without a reading for longer the angle is lost
-GAP_SPEED = 1.2  # speed in such a gap, at most, over that before it and that after it
-STEADY_SPEED = 1.02  # as that, of a line that went from the one speed to the other
-CHANCE = 0.05  # at most, that a counter which began anew is taken for one that went on
 AGREEING_SAMPLES = 4  # encoder readings in a row that make a new reference
 RATIO_RANGE = (0.7, 1.4)  # turn of the encoder over turn by the speed channel that is no objection
 
@@ -168,8 +163,7 @@ class RollPhase:
         self.restart()
         self.omega_rad_s = old.omega_rad_s
         self.quality = min(old.quality, Quality.PREDICTED)
-        if self.quality is Quality.LOST:  # an edit does not bring the origin back
-            self._seeded, self._gap_s = old._seeded, old._gap_s
+        self._seeded, self._gap_s = old._seeded, old._gap_s  # a gap goes on: no origin comes back
 
     @property
     def origin_rad(self) -> float:
@@ -178,9 +172,7 @@ class RollPhase:
         A counter that starts over after anything else than whole turns has no origin, nor has
         a roll whose encoder is not the present source.
         """
-        turns = self._modulus / math.tau
-        whole = abs(turns - round(turns)) * math.tau < ORIGIN_SLACK_RAD
-        if self.source is not Source.ENCODER or not whole:
+        if self.source is not Source.ENCODER or not has_whole_turns(self._modulus):
             return math.nan
         return math.remainder(self._theta_at_raw - self._raw, math.tau)
 
@@ -276,7 +268,9 @@ class RollPhase:
         turned = self._turned(angle, self._raw)
         is_long = gap_s > PREDICT_MAX_S
         if self._check.in_service:
-            if not (self._fits_gap(turned, model) if is_long else self._fits(turned)):
+            if is_long:
+                turned = self._turned_in_gap(turned, model)
+            if not (math.isfinite(turned) if is_long else self._fits(turned)):
                 return self._try_rebase(angle, dt_s)
             if is_long:
                 self._go_on(angle, turned, model)
@@ -306,29 +300,21 @@ class RollPhase:
         tolerance = min(tolerance, self._p.max_omega_rad_s * gap_s + JUMP_RAD)
         return not abs(turned - expected) > tolerance
 
-    def _fits_gap(self, turned: float, model: float) -> bool:
-        """Return whether the readings before and after a long gap tell how far the roll turned.
+    @property
+    def _stands_below_rad_s(self) -> float:
+        """Speed below which the roll stands, whatever is read; NaN without a radius."""
+        return self._p.moves_above_m_s / self.radius_m if self.radius_m > 0.0 else math.nan
 
-        It may have stood, or gone as before or as now. A counter that began anew (a PLC that was
-        restarted) says something else, but for a chance of that range over the modulus: where it
-        is too large, a short word, the roll must have gone on from the speed before to that now.
-        A counter that can have wrapped says nothing.
-        """
-        before, now = self.omega_rad_s, model if math.isfinite(model) else self.omega_rad_s
-        low, high = self._reach(min(0.0, before, now), max(0.0, before, now), GAP_SPEED)
-        if 0.0 < self._modulus <= 2.0 * max(-low, high):
-            return False
-        widest = CHANCE * (self._modulus or math.inf)
-        if high - low > widest:
-            low, high = self._reach(min(before, now), max(before, now), STEADY_SPEED)
-        return high - low <= widest and low <= turned <= high
-
-    def _reach(self, slow: float, fast: float, share: float) -> tuple[float, float]:
-        """Return how far the roll turned in the gap, at least and at most, rad."""
-        slack = JUMP_RAD + JITTER_S * max(abs(slow), abs(fast))
-        low = (slow * share if slow < 0.0 else slow / share) * self._raw_gap_s
-        high = (fast * share if fast > 0.0 else fast / share) * self._raw_gap_s
-        return low - slack, high + slack
+    def _turned_in_gap(self, turned: float, model: float) -> float:
+        """Return how far the roll turned since the reading before a long gap, NaN not known."""
+        before = self.omega_rad_s
+        return turned_in_gap(
+            turned,
+            self._modulus,
+            self._raw_gap_s,
+            speeds_rad_s=(before, model if math.isfinite(model) else before),
+            stands_below_rad_s=self._stands_below_rad_s,
+        )
 
     def _go_on(self, angle: float, turned: float, model: float) -> None:
         """Follow the encoder across a long gap, from its last reading."""
@@ -341,8 +327,7 @@ class RollPhase:
     def _judge(self, turned: float, model: float, gap_s: float) -> Trust:
         if gap_s > PREDICT_MAX_S and math.isfinite(model):
             return Trust.OUT  # as before: nobody knows what the speed did meanwhile
-        stands_below = self._p.moves_above_m_s / self.radius_m if self.radius_m > 0.0 else math.nan
-        return self._check.judge(turned, model, gap_s, stands_below)
+        return self._check.judge(turned, model, gap_s, self._stands_below_rad_s)
 
     def _hold_reference(self, angle: float, theta_rad: float) -> None:
         """Keep an encoder reading, and the angle of the roll that goes with it."""

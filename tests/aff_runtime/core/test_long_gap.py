@@ -8,18 +8,10 @@ from dataclasses import replace
 import pytest
 
 from aff_runtime.core.controller import Controller
+from aff_runtime.core.long_gap import CHANCE, NOISE_RAD, NOISE_S, STEADY_SPEED
 from aff_runtime.core.monitor import Trend
 from aff_runtime.core.params import BlockParams
-from aff_runtime.core.phase import (
-    CHANCE,
-    JITTER_S,
-    JUMP_RAD,
-    PREDICT_MAX_S,
-    STEADY_SPEED,
-    Quality,
-    RollPhase,
-    Source,
-)
+from aff_runtime.core.phase import PREDICT_MAX_S, Quality, RollPhase, Source
 from tests.aff_runtime.core.plants import (
     ACTUATOR,
     COUNT_RAD,
@@ -46,8 +38,11 @@ BLOCKS = tuple(
 RIPPLE = {("unwind", 1): 2.0 + 1.0j, ("swrap", 1): 0.7j}
 
 
-def short_word(theta):
-    return math.remainder(encoder(theta), SHORT_WORD_RAD)
+def word_of(turns):
+    return lambda theta: math.remainder(encoder(theta), turns * math.tau)
+
+
+short_word = word_of(16)
 
 
 class Turning:
@@ -142,7 +137,7 @@ def test_a_short_counter_that_began_anew_is_seldom_taken_for_known(seconds, now,
 
 def test_a_short_counter_tells_a_stop_where_what_it_may_have_gone_is_little_of_its_word():
     params = replace(ROLL, angle_modulus_rad=SHORT_WORD_RAD)
-    slack_rad = JUMP_RAD + JITTER_S * OMEGA
+    slack_rad = NOISE_RAD + NOISE_S * OMEGA
     longest_s = (CHANCE * SHORT_WORD_RAD - 2.0 * slack_rad) / (STEADY_SPEED * OMEGA)
     assert longest_s > PREDICT_MAX_S
     for seconds, losses in ((longest_s - 0.05, 0), (longest_s + 0.05, 1)):
@@ -155,18 +150,82 @@ def test_a_short_counter_tells_a_stop_where_what_it_may_have_gone_is_little_of_i
         assert losses or roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
 
 
-@pytest.mark.parametrize("gap_s", [0.3, 3.0])
-def test_other_settings_bring_no_lost_origin_back(gap_s):
+@pytest.mark.parametrize("turns", [1, 2])
+@pytest.mark.parametrize("offset_m_s", [0.0, 0.005, NAN])
+@pytest.mark.parametrize("seconds", [0.6, 5.0, 300.0])
+def test_a_word_of_a_turn_or_two_keeps_the_frame_of_a_line_that_stands(seconds, offset_m_s, turns):
+    roll = Turning(replace(ROLL, angle_modulus_rad=turns * math.tau), word_of(turns), start=1.0)
+    roll.run(2.0)
+    roll.run(1.0, 0.0)
+    before = roll.frame_rad
+    roll.gap((seconds, 0.0))
+    shown = (roll.read(roll.theta), offset_m_s, NAN, RADIUS_M)
+    roll.phase.step(shown, CYCLE_S, True)
+    assert roll.phase.source is Source.ENCODER
+    roll.run(1.0)
+    assert roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
+    assert roll.phase.origin_losses == 0
+
+
+@pytest.mark.parametrize("omega", [OMEGA, -OMEGA])
+@pytest.mark.parametrize("turns", [1, 2])
+def test_a_word_of_a_turn_or_two_keeps_the_frame_of_a_line_that_runs_on_a_little(turns, omega):
+    modulus_rad = turns * math.tau
+    slack_rad = NOISE_RAD + NOISE_S * OMEGA
+    spread = STEADY_SPEED - 1.0 / STEADY_SPEED
+    longest_s = (CHANCE * modulus_rad - 2.0 * slack_rad) / (spread * OMEGA)
+    assert longest_s > PREDICT_MAX_S + 0.1
+    for seconds, losses in ((PREDICT_MAX_S + 0.1, 0), (longest_s - 0.1, 0), (longest_s + 0.1, 1)):
+        roll = Turning(replace(ROLL, angle_modulus_rad=modulus_rad), word_of(turns), start=3.0)
+        roll.run(2.0, omega)
+        before = roll.frame_rad
+        roll.gap((seconds, omega))
+        roll.run(1.0, omega)
+        assert roll.phase.origin_losses == losses
+        assert losses or roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
+
+
+@pytest.mark.parametrize("turns", [1, 2])
+@pytest.mark.parametrize(("seconds", "omega"), [(0.6, OMEGA), (2.0, OMEGA), (60.0, 0.0)])
+def test_a_word_of_a_turn_or_two_that_began_anew_is_seldom_taken_for_known(seconds, omega, turns):
+    params, places = replace(ROLL, angle_modulus_rad=turns * math.tau), 60
+    read, kept = word_of(turns), 0
+    for place in range(places):  # of the counter, evenly spread
+        roll = Turning(params, read, start=(place + 0.5) * turns * math.tau / places)
+        roll.run(0.2, omega)
+        roll.gap((seconds, omega))
+        zero = roll.theta
+        roll.read = lambda theta, zero=zero: read(theta - zero)
+        roll.run(0.2, omega)
+        assert roll.phase.quality is Quality.GOOD
+        kept += roll.phase.origin_losses == 0
+    assert kept <= CHANCE * places + 1  # of a range that ends between two places
+
+
+def test_a_word_that_wraps_within_a_turn_tells_nothing_where_it_can_have_wrapped():
+    half = replace(ROLL, angle_modulus_rad=math.pi)
+    for seconds, omega, losses in ((2.0, 0.0, 0), (2.0, OMEGA, 1)):
+        roll = Turning(half, word_of(0.5), start=1.0)
+        roll.run(2.0, omega)
+        roll.gap((seconds, omega))
+        roll.run(1.0, omega)
+        assert roll.phase.origin_losses == losses
+
+
+@pytest.mark.parametrize(("gap_s", "later_s"), [(0.3, 0.1), (0.3, 0.3), (3.0, 0.1)])
+def test_other_settings_bring_no_lost_origin_back(gap_s, later_s):
     roll = Turning(start=1000.0)
     roll.run(2.0)
     roll.run(gap_s, fresh=False)
     edited = RollPhase(replace(ROLL, radius_max_m=0.6), INDEX)
     edited.follow(roll.phase)
     roll.phase = edited
-    roll.run(0.1, fresh=False)
+    roll.run(later_s, fresh=False)
+    is_lost = gap_s + later_s > PREDICT_MAX_S
+    assert roll.phase.quality is (Quality.LOST if is_lost else Quality.PREDICTED)
     roll.run(1.0)
     assert roll.phase.quality is Quality.GOOD
-    assert roll.phase.origin_losses == int(gap_s > PREDICT_MAX_S)
+    assert roll.phase.origin_losses == int(is_lost)
 
 
 def test_a_roll_without_an_encoder_has_another_origin_after_a_gap():
