@@ -52,6 +52,9 @@ class RtuFraming:
         self._unit = self._asked = 0
         self._late = 0  # function of the request given up, whose reply may still come
         self._overtaken = False  # that reply came, the one to the request in flight did not
+        self._noisy = (
+            False  # what came begins behind noise, at the first place that may be a reply
+        )
         self._silent_ticks = 0
 
     @property
@@ -63,7 +66,7 @@ class RtuFraming:
         """Forget the requests and what came."""
         self._head = self._buffer = b""
         self._late = self._silent_ticks = 0
-        self._overtaken = False
+        self._overtaken = self._noisy = False
 
     def request(self, frame: bytes) -> bytes:
         """Return the serial frame of a request; what came before it is dropped."""
@@ -75,7 +78,7 @@ class RtuFraming:
         if self._late == self._asked:  # who only reads has nothing to tell its replies by
             self._late = 0
         self._silent_ticks = 0
-        self._overtaken = False
+        self._overtaken = self._noisy = False
         return rtu_of(frame)
 
     def deliver(self, more: bytes, into: memoryview) -> int:
@@ -90,13 +93,15 @@ class RtuFraming:
         late = False
         while True:
             length = reply_length(self._buffer)
-            if length < 0 or length > MOST_BYTES or len(self._buffer) > 2 * MOST_BYTES:
-                return self._spoilt()
-            if length == 0 or len(self._buffer) < length:
+            can_be = 0 <= length <= MOST_BYTES and len(self._buffer) <= 2 * MOST_BYTES
+            if can_be and (length == 0 or len(self._buffer) < length):
                 return LATE if late else 0
             reply, rest = self._buffer[:length], self._buffer[length:]
             body = reply[:-2]
-            if crc16(body) != int.from_bytes(reply[-2:], "little"):
+            if not can_be or crc16(body) != int.from_bytes(reply[-2:], "little"):
+                if self._late and (self._noisy or self._is_noise()):
+                    self._drop_noise()
+                    continue
                 return self._spoilt()
             if body[1] & 0x7F != self._late:
                 break
@@ -118,7 +123,10 @@ class RtuFraming:
         anything, once: two requests of which nothing is known are a line that is gone.
         """
         if reply_length(self._buffer):
-            return self._spoilt()
+            if not (self._late and (self._noisy or self._is_noise())):
+                return self._spoilt()
+            self._buffer = b""
+            return 0
         self._buffer = b""
         if not self._head:
             return 0
@@ -127,22 +135,36 @@ class RtuFraming:
             return self._end(may_come=True)
         return UNHEARD if self._silent_ticks >= _SILENT_TICKS and not self._late else 0
 
+    def _is_noise(self) -> bool:
+        """Return whether what came is of no reply: one names the device, or its function."""
+        unit, function = self._buffer[0], self._buffer[1] & 0x7F
+        named = function == self._asked or 0 < function == self._late
+        return unit != self._unit and not named
+
+    def _drop_noise(self) -> None:
+        """Drop what comes before the next place that may begin a reply to one of two requests.
+
+        Both are waited for: of two requests nothing more is known after noise.
+        """
+        came, functions = self._buffer, (self._asked, self._late)
+        for place in range(1, len(came)):
+            names_function = came[place + 1 : place + 2]
+            if came[place] == self._unit and (
+                not names_function or names_function[0] & 0x7F in functions
+            ):
+                self._buffer, self._noisy = came[place:], True
+                return
+        self._buffer, self._noisy = b"", False
+
     def _spoilt(self) -> int:
         """Judge what came and is no reply: whose it was, and what may still come.
 
-        A reply names its function, and the device. What names neither is noise, after which the
-        reply to the request may still come; of two requests nothing more is known then, and they
-        are waited for. Otherwise the request ends; of two, the reply to the younger may still
-        come, unless it was its own.
+        Noise leaves the reply to the one request to come. Otherwise the request ends; of two, the
+        reply to the younger may still come, unless it was its own.
         """
-        unit, function = self._buffer[0], self._buffer[1] & 0x7F
-        named = function == self._asked or 0 < function == self._late
-        is_noise = unit != self._unit and not named
-        if is_noise and self._late:
-            self._buffer = b""
-            return 0
+        function = self._buffer[1] & 0x7F
         is_last = function == self._asked or not (self._late or self._overtaken)
-        return self._end(may_come=is_noise or not is_last)
+        return self._end(may_come=self._is_noise() or not is_last)
 
     def _end(self, *, may_come: bool) -> int:
         """End the request; its reply may still come, or will not."""

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus import rtu_tcp_wire
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
-from aff_runtime.fieldbus.modbus.rtu_frames import rtu_of
+from aff_runtime.fieldbus.modbus.rtu_frames import RtuFraming, rtu_of
 from aff_runtime.fieldbus.modbus.transport import ModbusTransport
 from tests.aff_runtime.fieldbus.fake_wire import Arrivals, FakeWire
 from tests.aff_runtime.fieldbus.modbus_rig import (
@@ -33,7 +33,12 @@ NOISE = {  # before a late reply
     "noise of 3": b"\x00\x00\x55",
     "noise of 6": b"\xff\x02\xfe\x00\x10\xff",
 }
-HABITS = st.sampled_from(("good", "slow", "lost", "not heard", "flipped", *NOISE))
+GLUED = {
+    "00": bytes(1),
+    "0000": bytes(2),
+    "ffffff": b"\xff" * 3,
+}  # before a reply, in one piece with it
+HABITS = st.sampled_from(("good", "slow", "lost", "not heard", "flipped", *NOISE, *GLUED))
 SILENCE_NS = 50 * MS
 
 
@@ -71,6 +76,7 @@ class Line:
         if habit.endswith("flipped"):
             reply[delay_ns % len(reply)] ^= 1 << delay_ns % 8
         self._busy_until_ns = now_ns + wait_ns
+        reply = bytearray(GLUED.get(habit.removeprefix("slow "), b"")) + reply
         noise = NOISE.get(habit, b"")
         turning: Arrivals = [(MS // 8, noise)] if noise else []
         return [] if habit == "lost" else [*turning, (wait_ns, bytes(reply))]
@@ -199,6 +205,48 @@ def test_a_lost_reply_and_spoilt_ones_after_it_cost_their_ticks_and_no_connectio
     line.habits = [*before, ("lost", MS), *[flipped] * spoilt]
     expected = [*[Outcome.TIMEOUT] * (2 + spoilt), Outcome.OK, Outcome.OK]
     assert (line.outcomes(4 + spoilt), line.socket.aborted) == (expected, [])
+
+
+@pytest.mark.parametrize("noise", GLUED)
+@pytest.mark.parametrize("first_comes", [True, False])
+@pytest.mark.parametrize(
+    ("function", "asked"),
+    [(WireFunction.FC23, [23, 3, 23]), (WireFunction.FC3_FC16, [16, 3, 16, 3])],
+)
+def test_noise_in_one_piece_with_a_reply_to_one_of_two_questions_throws_no_reply_away(
+    function: WireFunction, asked: list[int], first_comes: bool, noise: str
+) -> None:
+    line = Line(function)
+    line.habits = [(f"slow {noise}", MS)] if first_comes else [("lost", MS), (noise, MS)]
+    since = len(line.socket.requests)
+    expected = [Outcome.TIMEOUT, Outcome.TIMEOUT, Outcome.OK, Outcome.OK]
+    assert (line.outcomes(4), line.asked(since), line.socket.aborted) == (expected, asked, [])
+
+
+@pytest.mark.parametrize(
+    "noise", [*GLUED.values(), b"\x55\x01", b"\x00\x01\x03\x04", b"\0\x01\x10"]
+)
+@pytest.mark.parametrize("cut", range(1, 22))
+def test_both_replies_are_found_behind_noise_however_they_come(noise: bytes, cut: int) -> None:
+    framing, into = RtuFraming(), memoryview(bytearray(256))
+    framing.request(b"\0\1\0\0\0\x06\x01\x10\0\x64\0\x02")
+    framing.request(b"\0\2\0\0\0\x06\x01\x03\0\0\0\x02")
+    write = rtu_of(b"\0\0\0\0\0\x06\x01\x10\0\x64\0\x02")
+    read = rtu_of(b"\0\0\0\0\0\x07\x01\x03\x04\xde\xad\xbe\xef")
+    came = noise + write + read
+    found = [framing.deliver(piece, into) for piece in (came[:cut], came[cut:])]
+    count = max(found)
+    assert bytes(into[:count]) == b"\0\2\0\0\0\x07\x01\x03\x04\xde\xad\xbe\xef"
+
+
+def test_noise_without_a_reply_to_two_questions_is_forgotten_by_the_next_tick() -> None:
+    framing, into = RtuFraming(), memoryview(bytearray(256))
+    framing.request(b"\0\1\0\0\0\x06\x01\x10\0\x64\0\x02")
+    framing.request(b"\0\2\0\0\0\x06\x01\x03\0\0\0\x02")
+    assert framing.deliver(b"\0\x55\x01\x03\x40", into) == 0
+    assert framing.nothing_more() == 0
+    read = rtu_of(b"\0\0\0\0\0\x07\x01\x03\x04\xde\xad\xbe\xef")
+    assert bytes(into[: framing.deliver(read, into)])[:2] == b"\0\2"
 
 
 def test_a_late_reply_that_is_spoilt_leaves_the_one_to_the_second_question() -> None:
