@@ -92,11 +92,12 @@ def read_table(
     window: RunWindow,
     keep: Callable[[str], bool] | None = None,
     segments: RunSegments | None = None,
+    sites: Sequence[SiteInForce] | None = None,
 ) -> RunTable:
     """Return the rows of ``window``; only columns whose name ``keep`` takes, where it is given.
 
     ``time_s`` is always there. Of segments outside the window only the first row is unpacked, and
-    none where ``segments`` says when each begins.
+    none where ``segments`` says when each begins. ``sites`` : those of the run, where known.
 
     Raises
     ------
@@ -137,7 +138,9 @@ def read_table(
     every, said = _events(folder / "events.csv")
     events = [row for row in every if _is_inside(row, window)]
     died = [_of_recorder(row) for row in events if row.get("name") == RECORDER_DIED]
-    sites = _sites(folder, about, every, max(window.from_s, float(table[0, 0])), to_s)
+    if sites is None:
+        sites = _sites(folder, about, every, to_s)
+    sites = in_force_within(sites, max(window.from_s, float(table[0, 0])), to_s)
     return RunTable(
         window=window,
         about=about,
@@ -150,17 +153,28 @@ def read_table(
     )
 
 
+def run_sites(folder: Path) -> tuple[SiteInForce, ...]:
+    """Return every site file that ran in a run.
+
+    Raises
+    ------
+    AffError
+        The folder is no run.
+    """
+    return _sites(folder, _about(folder), events_of(folder)[0], math.inf)
+
+
 def _sites(
-    folder: Path, about: Section, events: Sequence[Mapping[str, str]], from_s: float, to_s: float
+    folder: Path, about: Section, events: Sequence[Mapping[str, str]], to_s: float
 ) -> tuple[SiteInForce, ...]:
-    """Return the site files in force in a window."""
-    sites = sites_in_force(
+    """Return the site files that ran before ``to_s``."""
+    return sites_in_force(
         folder,
         text_of(folder / "site.yaml", _LARGEST_YAML),
         text_or(about.get("site_hash")),
         [(time_of(row), row) for row in events],
+        to_s,
     )
-    return in_force_within(sites, from_s, to_s)
 
 
 def run_id(folder: Path) -> str:

@@ -9,9 +9,10 @@ text that ran before.
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -55,19 +56,28 @@ def file_of(site_hash: str) -> str:
 
 
 def sites_in_force(
-    folder: Path, began: str, began_hash: str, rows: Sequence[tuple[float, Mapping[str, str]]]
+    folder: Path,
+    began: str,
+    began_hash: str,
+    rows: Sequence[tuple[float, Mapping[str, str]]],
+    to_s: float = math.inf,
 ) -> tuple[SiteInForce, ...]:
     """Return every site file that ran in a run, in order; the first one from its beginning on.
+
+    Each is read, or put together, once: some runs have hundreds of edits.
 
     Parameters
     ----------
     began, began_hash : text of the run's ``site.yaml``, and its hash by ``run.yaml``.
     rows : time and row of every event.
+    to_s : what ran from then on, or later, is left out.
     """
-    running = SiteInForce(from_s=float("-inf"), text=began)
+    running = SiteInForce(from_s=-math.inf, text=began)
     known = {began_hash[:HASH_DIGITS]: running}
     site, found, edits = began_hash[:HASH_DIGITS], [running], list[tuple[str, str]]()
     for time_s, row in rows:
+        if time_s >= to_s:
+            continue
         name, text = row.get("name"), row.get("text", "")
         if name == EDIT and (edit := _EDIT.fullmatch(text)):
             edits.append((edit["path"], edit["new"]))
@@ -102,11 +112,11 @@ def _later(
     before: SiteInForce,
     edits: Sequence[tuple[str, str]],
 ) -> SiteInForce:
-    """Return what ran from ``time_s`` on: a file, what ran earlier, or what was noted of it."""
+    """Return what ran from ``time_s`` on: what ran earlier, a file, or what was noted of it."""
+    if site in known:
+        return replace(known[site], from_s=time_s)
     if text := text_of(folder / file_of(site), LARGEST_SITE):
         return SiteInForce(from_s=time_s, text=text)
-    if site in known:
-        return SiteInForce(from_s=time_s, text=known[site].text, said=known[site].said)
     since = f"from {time_s:.1f} s on another site file ran ({site}), which the run does not hold"
     edited = _edited(before.text, edits) if edits else ""
     if edited:

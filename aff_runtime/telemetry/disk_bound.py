@@ -15,7 +15,7 @@ from pathlib import Path
 MARK = "run.yaml"
 _RUN_NAME = re.compile(r"\d{8}T\d{6}Z_")
 _SEGMENT = re.compile(r"signals-.*\.csv\.gz")
-_SITE = re.compile(r"site-[0-9a-f]+\.yaml")
+_SITE = re.compile(r"site-[0-9a-f]+\.yaml|(site(-[0-9a-f]+)?\.yaml|summary\.json)\.part")
 _LATER = re.compile(rf"{_SEGMENT.pattern}|{_SITE.pattern}")
 _OTHERS = ("site.yaml", "events.csv", "summary.json", MARK)  # the mark last: a rest is still a run
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC

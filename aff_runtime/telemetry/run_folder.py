@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import errno
 import io
@@ -129,6 +130,7 @@ class RunFolder:
     def finish(self, *, ring_overruns: int) -> None:
         """Close the segment and write ``summary.json``."""
         self.signals.close()
+        self._make_up_for()
         summary = Summary(
             statistics=self._summary.result(),
             from_s=0.0 if self._taken is None else self._taken.time_s,
@@ -183,10 +185,14 @@ class RunFolder:
         return True
 
     def _write(self, name: str, text: str) -> bool:
-        """Write one small file, counting a refusal; False for one."""
+        """Write one small file, whole or not at all, counting a refusal; False for one."""
+        part = self.path / f"{name}.part"
         try:
-            (self.path / name).write_text(text, encoding="utf-8")
+            part.write_text(text, encoding="utf-8")
+            part.replace(self.path / name)
         except OSError:
+            with contextlib.suppress(OSError):
+                part.unlink(missing_ok=True)
             self.files_lost += 1
             return False
         return True

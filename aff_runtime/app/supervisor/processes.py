@@ -204,6 +204,7 @@ class Processes:
         recorder.wait(0.0)
         self._recorder = None
         self._start_recorder(ring, report.folder, recorder.how_it_ended())
+        self.note_applied()  # the one that died may not have heard it: no event named the file
 
     def _come_back(self) -> None:
         """Plan the next start of the control process, or give up."""

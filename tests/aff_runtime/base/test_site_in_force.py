@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pytest
 
+from aff_runtime.base import site_in_force
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
 from aff_runtime.base.site_in_force import in_force_within, sites_in_force
@@ -125,6 +126,42 @@ def test_rows_of_a_window_come_with_the_site_file_of_their_time(tmp_path: Path) 
     }
     assert [table.site_text for table in read.values()] == [TEXT_A, TEXT_B, TEXT_A]
     assert [one.text for one in read["0.."].sites] == [TEXT_A, TEXT_B]
+
+
+def test_each_site_file_of_a_run_is_read_once_and_none_from_after_the_window(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A hundred tries of B, then C, of which a window before that reads nothing."""
+    (tmp_path / f"site-{B[:12]}.yaml").write_text(TEXT_B)
+    (tmp_path / f"site-{C[:12]}.yaml").write_text(TEXT_C)
+    rows = [applied(float(k), (A, B)[k % 2]) for k in range(200)] + [applied(200.0, C)]
+    read: list[str] = []
+    whole = site_in_force.text_of
+    monkeypatch.setattr(
+        site_in_force, "text_of", lambda path, most: read.append(path.name) or whole(path, most)
+    )
+    found = sites_in_force(tmp_path, TEXT_A, A, rows, 199.0)
+    assert [one.from_s for one in found[1:]] == [float(k) for k in range(1, 199)]
+    assert {one.text for one in found[1::2]} == {TEXT_B}
+    assert read == [f"site-{B[:12]}.yaml"]
+
+
+def test_a_text_put_together_of_edits_is_put_together_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done: list[str] = []
+    whole = site_in_force.yaml_values
+    monkeypatch.setattr(
+        site_in_force, "yaml_values", lambda text: done.append(text) or whole(text)
+    )
+    there, back = edits(1.0, TEXT_A, TEXT_B), edits(2.0, TEXT_B, TEXT_A)
+    rows = [applied(0.0, A)]
+    for k in range(50):
+        rows += [(4.0 * k + 1.0, row) for _, row in there] + [applied(4.0 * k + 2.0, B)]
+        rows += [(4.0 * k + 3.0, row) for _, row in back] + [applied(4.0 * k + 4.0, A)]
+    found = sites_in_force(tmp_path, TEXT_A, A, rows)
+    assert len(found) == 101
+    assert done.count(TEXT_A) == 1
 
 
 @pytest.mark.parametrize("text", ["", "c: site ../../etc/pas; x", "c: site AAAAAAAAAAAA; x"])

@@ -110,6 +110,19 @@ def test_a_later_site_file_that_the_disk_refused_is_made_up_for(
     assert kept(folder)[LATER] == "a: 2\n"
 
 
+def test_a_site_file_that_the_disk_cuts_short_is_none_and_comes_at_the_end(tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line", site_text="a: 1\n"))
+    text = "a: 2\n" + "# a comment\n" * 100
+    with room_for(500):
+        folder.keep_site(HASH, text)
+    assert kept(folder) == {"site.yaml": "a: 1\n"}
+    assert list(folder.path.glob("*.part")) == []
+    assert folder.files_lost == 1
+    folder.finish(ring_overruns=0)
+    assert kept(folder) == {"site.yaml": "a: 1\n", LATER: text}
+    assert '"files_lost_to_disk": 1' in (folder.path / "summary.json").read_text()
+
+
 def test_a_run_keeps_so_many_later_site_files_and_no_more(tmp_path: Path) -> None:
     folder = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line", site_text="a: 1\n"))
     for number in range(MOST_SITES + 5):

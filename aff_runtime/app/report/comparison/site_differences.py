@@ -25,6 +25,11 @@ def site_differences(before: Window, after: Window) -> tuple[list[str], list[str
     within one of them counts.
     """
     texts = (before.table.site_text, after.last_site_text)
+    windows = zip((before, after), texts, strict=True)
+    lack = [printable(str(one.table.window)) for one, text in windows if not text.strip()]
+    if lack:
+        said = [f"{name} has none: what differs is not known" for name in lack]
+        return said, [f"{name} has no site file" for name in lack]
     if texts[0] == texts[1]:
         return [], []
     try:
@@ -55,5 +60,5 @@ def _leaves(value: object, path: str) -> Iterator[tuple[str, str]]:
     elif isinstance(value, list):
         for index, inner in enumerate(value):
             yield from _leaves(inner, f"{path}[{index}]")
-    else:
+    elif path:  # a text that is one value has no key to tell it by
         yield path, printable(str(value), 200)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -30,8 +30,10 @@ from aff_runtime.base.run_table import (
     other_line,
     read_table,
     run_id,
+    run_sites,
 )
 from aff_runtime.base.run_window import MARK, RunWindow
+from aff_runtime.base.site_in_force import SiteInForce
 from aff_runtime.base.yaml_section import Section
 
 HOUR_S = 3600.0
@@ -91,7 +93,7 @@ class RunHours:
     hours : that have rows.
     times_s, lengths_m : (points,) times of the run's clock, and the web that ran until each.
     lost : sentences about what the run no longer has, or never had.
-    segments : when each begins, by the one look at them all.
+    segments, sites : when each begins, and what site files ran, by the one look at them all.
     """
 
     folder: Path
@@ -105,6 +107,7 @@ class RunHours:
     times_s: Array
     lengths_m: Array
     segments: RunSegments
+    sites: tuple[SiteInForce, ...]
     lost: tuple[str, ...] = ()
 
     def utc(self, time_s: float) -> np.datetime64:
@@ -135,7 +138,7 @@ class RunHours:
     def _stretch(self, from_s: float, to_s: float, lost: dict[str, None]) -> Window | None:
         window = RunWindow(folder=self.folder, from_s=from_s, to_s=to_s)
         try:
-            table = read_table(window, keep=_is_needed, segments=self.segments)
+            table = read_table(window, keep=_is_needed, segments=self.segments, sites=self.sites)
         except AffError as error:  # a hole in the record, or a segment that cannot be read
             if OF_A_SEGMENT in str(error):
                 lost[str(error)] = None
@@ -177,7 +180,8 @@ def run_hours(folder: Path) -> RunHours:
         raise AffError(f"{shown}: no segment of the run holds a row")
     site = _site(folder)
     segments = RunSegments.known(folder, {one.number: one.values["time_s"] for one in rows})
-    times, speeds, lost = _speeds(segments, begins, _speed_name(site), folder)
+    sites = run_sites(folder)
+    times, speeds, lost = _speeds(folder, segments, sites, begins, _speed_name(site))
     segment_s = _segment_s(about)
     if other := other_line(about, text_or(site.section("line").get("name"))):
         raise AffError(f"{shown}: {other}")
@@ -195,6 +199,7 @@ def run_hours(folder: Path) -> RunHours:
         times_s=times,
         lengths_m=_lengths(times, speeds),
         segments=segments,
+        sites=sites,
         lost=(*lost, *few(list(_odd(rows, begins))), *_unmapped(site, begins[0])),
     )
 
@@ -285,13 +290,17 @@ def _start(shown: str, about: Section) -> datetime:
 
 
 def _speeds(
-    segments: RunSegments, begins: list[FirstRow], name: str, folder: Path
+    folder: Path,
+    segments: RunSegments,
+    sites: Sequence[SiteInForce],
+    begins: list[FirstRow],
+    name: str,
 ) -> tuple[Array, Array, tuple[str, ...]]:
     """Return times that rise, the line speed there (segments' begins, the last), what is lost."""
     points = [(one.values["time_s"], one.values.get(name, 0.0)) for one in begins]
     window = RunWindow(folder=folder, from_s=points[-1][0])
     keep: Callable[[str], bool] = name.__eq__
-    table = read_table(window, keep=keep, segments=segments)
+    table = read_table(window, keep=keep, segments=segments, sites=sites)
     last = table.columns
     every = max(1, last["time_s"].size // 100)
     tail = last.get(name, np.zeros_like(last["time_s"]))

@@ -7,10 +7,16 @@ from types import SimpleNamespace
 
 import pytest
 
+from aff_runtime.app.supervisor import processes
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
+from aff_runtime.base.run_table import read_table
+from aff_runtime.base.run_window import run_window
+from aff_runtime.base.signals import State
 from aff_runtime.telemetry.header import RunMeta
-from aff_runtime.telemetry.recorder_messages import RunContext
+from aff_runtime.telemetry.recorder_messages import RecorderReport, RunContext
 from aff_runtime.telemetry.ring import RingReader, RingWriter
+from aff_runtime.telemetry.run_folder import RunFolder
+from aff_runtime.telemetry.takeover import takeover_of
 from tests.aff_runtime.app.supervisor.whole import Whole
 from tests.processes import until
 
@@ -59,3 +65,55 @@ def test_with_what_is_applied_the_recorder_gets_the_text_that_runs(
     assert words[0] == "CONFIG_APPLIED"
     assert f"site {runs.site_hash[:12]};" in words[1]
     assert more == {"site_text": runs.site_text, "site_hash": runs.site_hash}
+
+
+class RecorderHere:
+    """A recorder in this process; one that ``hears`` nothing hangs."""
+
+    pid = 4712
+    hears = True
+
+    def __init__(self, ring: RingReader, directory: Path, context: RunContext) -> None:
+        self.ring, self.alive = ring, True
+        taken = takeover_of(context, ring.header)
+        self.folder = RunFolder(directory, ring.header, context, taken)
+        self.folder.add(ring.signals.read_new())
+
+    def note(self, name: str, text: str, *, site_text: str = "", site_hash: str = "") -> None:
+        if self.hears:
+            self.folder.keep_site(site_hash, site_text)
+            self.folder.add_note(name, text)
+
+    def report(self) -> RecorderReport:
+        return RecorderReport(folder=str(self.folder.path), alive=self.alive)
+
+    def how_it_ended(self) -> str:
+        return "recorder 4712: killed by SIGKILL"
+
+    def wait(self, _: float) -> None:
+        self.folder.signals.close()
+
+
+def test_what_was_applied_while_the_recorder_hung_is_named_by_the_one_that_follows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    whole = Whole(tmp_path, monkeypatch)
+    monkeypatch.setattr(processes, "RecorderChild", RecorderHere)
+    children = whole.children
+    assert children.ring is not None
+    for k in range(4):
+        whole.tick(State.READY, tick=float(k))
+        whole.clock.advance_ns(5_000_000)
+    children._start_recorder(children.ring)
+    first = children._recorder
+    assert isinstance(first, RecorderHere)
+    first.hears = False
+    began = children.parameters
+    text = began.site_text.replace("limit_m_s: 0.05", "limit_m_s: 0.12")
+    children.parameters = began.model_copy(update={"site_text": text, "site_hash": "ab" * 32})
+    children.note_applied()
+    first.alive = False
+    children._look_after_recorder()
+    whole.stop()
+    sites = read_table(run_window(first.folder.path)).sites
+    assert [one.text for one in sites] == [began.site_text, text]

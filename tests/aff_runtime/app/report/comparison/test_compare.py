@@ -130,6 +130,26 @@ def test_what_differs_in_the_site_file_is_named_with_units(made, run):
     assert found.differences == ("actuators.unwind.limit_m_s: 0.05 m/s -> 0.06 m/s",)
 
 
+@pytest.mark.parametrize("text", [None, "", "\n"])
+def test_a_run_without_a_site_file_says_that_and_no_difference_without_a_name(made, run, text):
+    site = run / "site.yaml"
+    site.unlink() if text is None else site.write_text(text)
+    window = f"{run}{ON}"
+    found = of(f"{made[0]}{OFF}", window)
+    assert found.differences == (f"{window} has none: what differs is not known",)
+    assert found.labels[0] == f"{window} has no site file"
+    assert not any("another version" in label for label in found.labels)
+    alone = of(f"{run}{OFF}", window)
+    assert "The site files say the same" not in page(alone)
+
+
+def test_a_site_file_that_is_one_word_differs_in_every_key_that_the_other_has(made, run):
+    (run / "site.yaml").write_text("word\n")
+    found = of(f"{made[0]}{OFF}", f"{run}{ON}")
+    assert len(found.differences) > 10
+    assert all(re.match(r"[\w.\[\]]+: .* -> \(absent\)$", text) for text in found.differences)
+
+
 EDIT_S, LIMIT_M_S, OTHER_M_S = 42.0, 0.04, 0.001
 LIMIT = f"{OTHER_M_S:g} m/s"
 

@@ -11,7 +11,7 @@ import pytest
 from aff_runtime.app.report.watching import ingest
 from aff_runtime.app.report.watching.run_hours import READ_S, RunHours, run_hours
 from aff_runtime.app.report.watching.store import load_store
-from aff_runtime.base import run_segment
+from aff_runtime.base import run_segment, run_table
 from aff_runtime.base.errors import ConfigError
 from tests.doubles.virtual_weeks import BEGAN, RADIUS_M, RUN_S, SITE, Weeks, write_run, write_weeks
 
@@ -164,3 +164,17 @@ def test_the_limit_of_an_order_is_that_of_the_site_file_in_force_in_its_stretch(
     orders = [row for hour in found.hours for row in found.read(hour).orders]
     (limit_m,) = {row.limit_m for row in orders if row.roll == "r6" and np.isfinite(row.stroke_m)}
     assert limit_m == pytest.approx(limit_m_s / (weeks.speed_m_s / RADIUS_M["r6"]), rel=1e-3)
+
+
+def test_site_files_of_a_run_are_looked_at_once_whatever_is_read_of_it(tmp_path, monkeypatch):
+    weeks = Weeks(r6_m=lambda _km, _day: 4e-5)
+    sizes = {"r6": 4e-5, "healthy": 2e-5}
+    run = write_run(weeks, tmp_path, BEGAN, sizes, np.random.default_rng(1))
+    looked = []
+    whole = run_table.sites_in_force
+    monkeypatch.setattr(
+        run_table, "sites_in_force", lambda *given: looked.append(given) or whole(*given)
+    )
+    found = run_hours(run)
+    assert sum(found.read(hour).hour.stretch_s > 0.0 for hour in found.hours) > 0
+    assert len(looked) == 1
