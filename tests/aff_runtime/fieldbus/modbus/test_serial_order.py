@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.modbus import rtu_tcp_wire
+from aff_runtime.fieldbus.modbus import rtu_frames, rtu_tcp_wire
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
 from aff_runtime.fieldbus.modbus.rtu_frames import RtuFraming, rtu_of
 from aff_runtime.fieldbus.modbus.transport import ModbusTransport
@@ -237,6 +237,17 @@ def test_both_replies_are_found_behind_noise_however_they_come(noise: bytes, cut
     found = [framing.deliver(piece, into) for piece in (came[:cut], came[cut:])]
     count = max(found)
     assert bytes(into[:count]) == b"\0\2\0\0\0\x07\x01\x03\x04\xde\xad\xbe\xef"
+
+
+def test_noise_that_looks_like_many_replies_costs_a_few_checks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    framing, checked = RtuFraming(), list[bytes]()
+    framing.request(b"\0\1\0\0\0\x06\x01\x10\0\x64\0\x02")
+    framing.request(b"\0\2\0\0\0\x06\x01\x03\0\0\0\x02")
+    monkeypatch.setattr(rtu_frames, "crc16", lambda body: checked.append(body) or 0)
+    assert framing.deliver(bytes(3) + b"\1\3\x78" * 84, memoryview(bytearray(256))) == 0
+    assert 0 < len(checked) < 10
 
 
 def test_noise_without_a_reply_to_two_questions_is_forgotten_by_the_next_tick() -> None:
