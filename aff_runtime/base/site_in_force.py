@@ -95,6 +95,26 @@ def sites_in_force(
     return tuple(found)
 
 
+def changes_noted(
+    sites: Sequence[SiteInForce], rows: Sequence[tuple[float, Mapping[str, str]]]
+) -> list[Mapping[str, str]]:
+    """Return the rows of events that tell of a change of what ran, in order.
+
+    Edits, and notes of another site file. One of the file that ran already is noted too, where a
+    control process or a recorder begins.
+
+    Parameters
+    ----------
+    sites : `in_force_within` the window of these rows.
+    """
+    later_s = {one.from_s for one in sites[1:]}
+    return [
+        row
+        for time_s, row in rows
+        if row.get("name") == EDIT or (row.get("name") == APPLIED and time_s in later_s)
+    ]
+
+
 def in_force_within(
     sites: Sequence[SiteInForce], from_s: float, to_s: float
 ) -> tuple[SiteInForce, ...]:

@@ -130,9 +130,9 @@ class RtuFraming:
         if reply_length(self._buffer):
             if not (self._late and (self._noisy or self._is_noise())):
                 return self._spoilt()
-            self._buffer = b""
+            self._buffer, self._noisy = b"", False
             return 0
-        self._buffer = b""
+        self._buffer, self._noisy = b"", False
         if not self._head:
             return 0
         self._silent_ticks += 1

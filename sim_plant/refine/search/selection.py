@@ -116,9 +116,14 @@ def least_score(selection: Selection, candidate: FittedCandidate) -> float:
     aperiodic = ACCEPTANCE.score
     if found and (not shown or h.location in shaped):
         aperiodic = later_score(selection)
-    elif not found and is_outside(candidate):
+    elif is_first(selection) and is_outside(candidate):
         aperiodic = CRITERIA.search.degeneracy.outside_prior_sd**2
     return least_beside(selection, ACCEPTANCE.periodic_score if orders_of(h, 1.0) else aperiodic)
+
+
+def is_first(selection: Selection) -> bool:
+    """Return whether what is looked for stands beside no effect, nor beside half of a pair."""
+    return not selection.accepted and not selection.fit.hypotheses
 
 
 def later_score(selection: Selection) -> float:
@@ -193,8 +198,8 @@ def confirmed_scores(
     ``rise_without`` gives by how much the cost rises when the last effect of a fit is removed and
     all else fitted again. Candidates are judged by it in order of score, until one passes and
     ``most_looks`` were judged, so several imitations of one thing hide nothing behind them. All
-    others score no higher than the best judged, so that a margin is between like and like; but
-    for those that are no claim by their own score, which differ in what they need.
+    others score no higher than the best judged, so that a margin is between like and like; but of
+    first effects not those that are no claim by their own score, which differ in what they need.
     """
     ranked = rank(fitted)
     looked_at: list[FittedCandidate] = []
@@ -217,7 +222,9 @@ def confirmed_scores(
         looked_at.append(seen)
         best = max(best, seen.score)
     rest = ranked[len(looked_at) + len(below) :]
-    rest = [c.at_most(best) if looked_at else c for c in rest]
+    if looked_at:
+        rest = [c.at_most(best) for c in rest]
+        below = below if is_first(selection) else [c.at_most(best) for c in below]
     return sorted([*looked_at, *below, *rest], key=lambda c: -c.score)
 
 
@@ -235,12 +242,12 @@ def accept(
     """
     claims = [c for c in scored if c.score >= least_score(selection, c)]
     if claims and claims[0] is not scored[0]:
-        claims = [c for c in claims if not selection.accepted and is_outside(c)]
+        claims = [c for c in claims if is_first(selection) and is_outside(c)]
     if not claims:
         return None
     best = claims[0]
     h = best.hypothesis
-    alone = not selection.accepted and is_outside(best)
+    alone = is_first(selection) and is_outside(best)
     others = _others(claims, []) if alone else _others(scored, candidates)
     runner_up, second_score = others[0] if others else (None, 0.0)
     if (

@@ -36,6 +36,7 @@ ENTRY = {
 }
 CARD = {
     "line": "<script>",
+    "first": "0" * 64,
     "newest": "0" * 64,
     "entries": 2,
     "utc": "u",

@@ -7,7 +7,7 @@ import pytest
 from aff_runtime.base import site_in_force
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
-from aff_runtime.base.site_in_force import in_force_within, sites_in_force
+from aff_runtime.base.site_in_force import changes_noted, in_force_within, sites_in_force
 from aff_runtime.config.diff import diff_sites
 from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.config.revision import site_hash_of
@@ -167,3 +167,14 @@ def test_a_text_put_together_of_edits_is_put_together_once(
 @pytest.mark.parametrize("text", ["", "c: site ../../etc/pas; x", "c: site AAAAAAAAAAAA; x"])
 def test_an_event_that_names_no_hash_is_none(tmp_path: Path, text: str) -> None:
     assert texts(tmp_path, [(1.0, {"name": "CONFIG_APPLIED", "text": text})]) == []
+
+
+def test_a_note_of_the_site_file_that_ran_already_is_no_change(tmp_path: Path) -> None:
+    """A recorder that follows a dead one notes what runs; nobody changed it."""
+    (tmp_path / f"site-{B[:12]}.yaml").write_text(TEXT_B)
+    rows = [applied(0.0, A), applied(9.0, A), applied(15.2, B), applied(40.0, B)]
+    sites = sites_in_force(tmp_path, TEXT_A, A, rows)
+    assert changes_noted(in_force_within(sites, 0.0, 60.0), rows) == [rows[2][1]]
+    assert changes_noted(in_force_within(sites, 20.0, 60.0), rows[3:]) == []
+    edit = (15.0, {"name": "EDIT", "text": "settle_s: 6 s -> 3 s (applies at once)"})
+    assert changes_noted(sites, [edit]) == [edit[1]]

@@ -45,7 +45,7 @@ LASTING = ["begin", "step", "sign", "words", "try", "keep", "undo", "try_refined
 LASTING += ["try_settings", "save_settings", "go_back"]
 """Jobs that write the card, the site file, answers of the setup or a life, or change what runs."""
 OF_RUNS = {"refining", "refined", "refined_page", "lacks", "refine", "maintenance", "add_runs"}
-OF_SETTINGS = {"settings", "settings_diff", "settings_version"}
+OF_SETTINGS = {"settings", "settings_diff", "settings_text", "settings_version"}
 """Jobs that look, or whose results are there as a whole or not at all."""
 
 

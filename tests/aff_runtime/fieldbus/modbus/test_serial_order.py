@@ -260,6 +260,17 @@ def test_noise_without_a_reply_to_two_questions_is_forgotten_by_the_next_tick() 
     assert bytes(into[: framing.deliver(read, into)])[:2] == b"\0\2"
 
 
+def test_a_reply_that_is_spoilt_after_a_tick_of_noise_is_judged_at_once() -> None:
+    framing, into = RtuFraming(), memoryview(bytearray(256))
+    framing.request(b"\0\1\0\0\0\x06\x01\x10\0\x64\0\x02")
+    framing.request(b"\0\2\0\0\0\x06\x01\x03\0\0\0\x02")
+    assert framing.deliver(b"\0\x55\x01\x03\x40", into) == 0
+    assert framing.nothing_more() == 0
+    read = bytearray(rtu_of(b"\0\0\0\0\0\x07\x01\x03\x04\xde\xad\xbe\xef"))
+    read[4] ^= 1
+    assert framing.deliver(bytes(read), into) == rtu_frames.SPOILT
+
+
 def test_a_late_reply_that_is_spoilt_leaves_the_one_to_the_second_question() -> None:
     line = Line(WireFunction.FC23)
     # asked anew at 10 ms, spoilt at 11, a third question at 15, the second's reply after it

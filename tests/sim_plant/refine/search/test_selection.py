@@ -372,3 +372,23 @@ def test_several_imitations_hide_no_effect_behind_them():
     missed = {h.key: 20.0 for h in imitations} | {MODULUS.key: 690.0}
     rivals = [rival(h, 700.0 - k) for k, h in enumerate(imitations)] + [rival(MODULUS, 690.0)]
     assert claimed(rivals, missed).accepted.hypothesis.key == MODULUS.key
+
+
+@pytest.mark.parametrize("drag", [215.0, 225.0, 299.0])
+def test_what_is_no_claim_hides_no_later_declared_number_either(drag):
+    """A modulus of 300 that keeps 220 when all else is fitted again; a drag needs 400 there."""
+    found = found_first("torque_ripple", "unwind")
+    rivals = [rival(MODULUS, 300.0, 5000.0), rival(DRAG, drag)]
+    said = claimed(rivals, {MODULUS.key: 220.0, DRAG.key: drag}, found)
+    assert said is not None
+    assert said.hypothesis.key == MODULUS.key
+    assert said.accepted.score == pytest.approx(220.0)
+
+
+def test_beside_half_of_a_pair_a_declared_number_needs_what_any_first_effect_needs():
+    """16 is for a number alone: beside others their model error is in it."""
+    half = fit_of(hypothesis(BY_NAME["torque_ripple"], "unwind"), cost=COST)
+    beside = replace(selection(nominal=COST + 1e4), fit=half)
+    radius = rival(hypothesis(BY_NAME["radius_error"], "unwind"), 54.0, 1500.0, False, True)
+    assert least_score(selection(), radius) == pytest.approx(16.0)
+    assert least_score(beside, radius) == pytest.approx(120.0)
