@@ -277,7 +277,7 @@ def test_another_persons_edit_is_noticed_and_never_overwritten(
     # a browser that has not noticed is refused at the press
     stale = page.evaluate(
         """async ([key, token]) => {
-          const body = JSON.stringify({base: "0".repeat(64), edits: `${key}: 7.5`});
+          const body = JSON.stringify({base: "0".repeat(64), edits: `${key}: 7.5`, text: ""});
           const headers = {"content-type": "application/json", "x-aff-token": token};
           return (await fetch("/settings/diff", {method: "POST", headers, body})).json();
         }""",
