@@ -19,7 +19,10 @@ PER_SECOND, BURST = 50.0, 100.0
 MAX_ADDRESSES = 1024
 METHODS = ("GET", "HEAD")
 MAX_BODY_BYTES = 4096
-MAX_TEXTS_BYTES = 1 << 21  # of a press with texts of site files in it, from a session
+MAX_TEXTS_BYTES = 1088 * 1024
+"""Of a press with texts of site files in it, from a session: two of 256 kB (one typed, and the one
+that it was begun on) with two bytes for each of theirs, as JSON has a quote, backslash, tab or end
+of a line (YAML takes no other control character), and 64 kB for the rest."""
 REFUSED_SOCKET = 1008
 """Code with which a websocket is closed against a rule of the server [RFC 6455, 7.4.1]."""
 HEADERS = {

@@ -5,8 +5,10 @@ Nothing here is reached by GET but the page for the login. What is not in the ta
 
 from __future__ import annotations
 
+import asyncio
 import hmac
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import Response
@@ -17,11 +19,12 @@ from aff_hmi.commission.link import Commission
 from aff_hmi.commission.presses import CommissionPresses
 from aff_hmi.counts import Counts
 from aff_hmi.doorkeeper import Doorkeeper
-from aff_hmi.gate import is_by_tls
+from aff_hmi.gate import MAX_BODY_BYTES, is_by_tls
 from aff_hmi.hand import Hand
 from aff_hmi.lesser_presses import LesserPresses
 from aff_hmi.listening import HTTP_PORT, HTTPS_PORT, LOOPBACK, host_and_port
 from aff_hmi.press_request import (
+    BODY_PATIENCE_S,
     DONE,
     SECURE_COOKIE,
     TABLE,
@@ -87,6 +90,7 @@ class HandRoutes:
         self._counts = counts
         self._clock = clock
         self._say_of = say_of
+        self._long = asyncio.Lock()
         self._doorkeeper = Doorkeeper(hand.accounts, clock)
         self._answers: dict[str, Answering] = {
             "/login": self._login,
@@ -135,36 +139,66 @@ class HandRoutes:
         entry, answer = TABLE[path], self._answers[path]
 
         async def endpoint(request: Request) -> Response:
-            say = self._say_of(request)
-            is_short = int(request.headers.get("content-length", 0)) <= entry.most_bytes
-            said = await body(request, entry) if is_short else None
-            if said is None:
-                return refusal(*((400, say(NO_SENSE)) if is_short else (413, say(TOO_MUCH))))
-            token = self.token_of(request)
-            place = place_of(request)
-            session = self._hand.sessions.find(token, place)
-            asked = PressRequest(
-                said=said,
-                session=session,
-                token=token,
-                cookie=self.cookie_name(request),
-                place=place,
-                address=request.client.host if request.client else "",
-                say=say,
-            )
-            needs_login = entry.role is not None and not self._is_free(path, said, place)
-            if session is None and needs_login:
-                return self._refuse(401, Reason(code=Code.LOGGED_OUT), asked)
-            if session is not None and not self._has_token(request, session, entry, said):
-                return self._refuse(403, Reason(code=Code.TOKEN), asked)
-            if session is not None and entry.role is not None:
-                if session.account.role < entry.role:
-                    return self._refuse(403, Reason(code=Code.ROLE), asked)
-                if said.get("action") != Action.BYPASS and not session.presses.take():
-                    return self._refuse(429, Reason(code=Code.FAST), asked)
-            return await answer(asked)
+            length = int(request.headers.get("content-length", 0))
+            asked = self._unread(request)
+            if length > entry.most_bytes:
+                return refusal(413, asked.say(TOO_MUCH))
+            if length <= MAX_BODY_BYTES:
+                said = await body(request, entry)
+                if said is None:
+                    return refusal(400, asked.say(NO_SENSE))
+                asked = replace(asked, said=said)
+                return self._against(path, request, asked) or await answer(asked)
+            against = self._against(path, request, asked)
+            return against or await self._answer_long(request, entry, asked, answer)
 
         return endpoint
+
+    def _unread(self, request: Request) -> PressRequest:
+        """Return what is known of a request before its body is read."""
+        token, place = self.token_of(request), place_of(request)
+        return PressRequest(
+            said={},
+            session=self._hand.sessions.find(token, place),
+            token=token,
+            cookie=self.cookie_name(request),
+            place=place,
+            address=request.client.host if request.client else "",
+            say=self._say_of(request),
+        )
+
+    async def _answer_long(
+        self, request: Request, entry: Entry, asked: PressRequest, answer: Answering
+    ) -> Response:
+        """Read and answer what holds texts, of who may press it: one at a time is in memory."""
+        try:
+            await asyncio.wait_for(self._long.acquire(), BODY_PATIENCE_S)
+        except TimeoutError:
+            return self._refuse(429, Reason(code=Code.FAST), asked)
+        try:
+            said = await body(request, entry)
+            if said is None:
+                return refusal(400, asked.say(NO_SENSE))
+            if self._hand.sessions.find(asked.token, asked.place) is not asked.session:
+                return self._refuse(401, Reason(code=Code.LOGGED_OUT), asked)  # ended meanwhile
+            return await answer(replace(asked, said=said))
+        finally:
+            self._long.release()
+
+    def _against(self, path: str, request: Request, asked: PressRequest) -> Response | None:
+        """Return why who asks may not press this now; None when they may, and it was counted."""
+        entry, said, session = TABLE[path], asked.said, asked.session
+        needs_login = entry.role is not None and not self._is_free(path, said, asked.place)
+        if session is None and needs_login:
+            return self._refuse(401, Reason(code=Code.LOGGED_OUT), asked)
+        if session is not None and not self._has_token(request, session, entry, said):
+            return self._refuse(403, Reason(code=Code.TOKEN), asked)
+        if session is not None and entry.role is not None:
+            if session.account.role < entry.role:
+                return self._refuse(403, Reason(code=Code.ROLE), asked)
+            if said.get("action") != Action.BYPASS and not session.presses.take():
+                return self._refuse(429, Reason(code=Code.FAST), asked)
+        return None
 
     def _refuse(self, status: int, reason: Reason, asked: PressRequest) -> Response:
         """Refuse a request; where it is a press of the hand, that is put on record."""

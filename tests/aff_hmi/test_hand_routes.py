@@ -14,7 +14,7 @@ pytest.importorskip("starlette")
 from starlette.requests import HTTPConnection
 from starlette.routing import Route
 
-from aff_hmi.gate import BURST, MAX_BODY_BYTES, MAX_TEXTS_BYTES
+from aff_hmi.gate import BURST, MAX_TEXTS_BYTES
 from aff_hmi.hand_routes import place_of
 from aff_hmi.press_request import TABLE
 from aff_runtime.app.hand.accounts import Account, secret_of, with_pin, write_accounts
@@ -156,19 +156,6 @@ def test_a_page_of_somebody_else_presses_nothing(
     before = list(at.service.said)
     assert browser.post(path, GOOD[path], **headers).status == status
     assert at.service.said == before
-
-
-@pytest.mark.parametrize("path", TABLE)
-def test_only_what_holds_a_site_file_is_long_and_only_from_a_session(
-    at: Pressed, path: str
-) -> None:
-    long = {"content_length": str(MAX_BODY_BYTES + 1)}
-    browser = armed(at)
-    before = list(at.service.said)
-    texts = ("/settings/diff", "/settings/text", "/settings/try", "/settings/save")
-    assert (browser.post(path, GOOD[path], **long).status == 413) is (path not in texts)
-    assert at.browser("").post(path, GOOD[path], **long).status == 413
-    assert path in texts or at.service.said == before
 
 
 @pytest.mark.parametrize("token", ["", "x", "token of another"])
