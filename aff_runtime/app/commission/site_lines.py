@@ -88,7 +88,8 @@ def not_shown(file_text: str, typed: str) -> tuple[NotShown, ...]:
 def together(former: str, mine: str, theirs: str) -> tuple[str, tuple[Clash, ...]]:
     """Return two edits of a text in one, and where both have changed the same lines.
 
-    In these mine stand. What both have put at one place stands there, theirs first.
+    In these mine stand. What both have put at one place stands there, theirs first; lines that
+    both began or ended it with stand once.
 
     Parameters
     ----------
@@ -111,7 +112,7 @@ def together(former: str, mine: str, theirs: str) -> tuple[str, tuple[Clash, ...
         if len(said) == 1 or said[0] == said[1]:
             lines += said[0]
         elif low == high:
-            lines += [*said[0], *said[1]]
+            lines += _once(said[0], said[1], len(lines), clashes)
         else:
             clashes.append(Clash(line=len(lines) + 1, theirs=tuple(said[0])))
             lines += said[1]
@@ -126,16 +127,49 @@ def _changes(old: Sequence[str], new: Sequence[str], is_mine: bool) -> list[_Cha
 def _groups(changes: Sequence[_Change]) -> list[list[_Change]]:
     """Return changes in groups, of which each stands for itself."""
     groups: list[list[_Change]] = []
-    low = high = -1
+    high = -1
     for one in changes:
-        is_over = one.low < high or (one.low == one.high == low == high)
-        if groups and is_over:
+        if groups and (one.low < high or any(_meet(one, other) for other in groups[-1])):
             groups[-1].append(one)
             high = max(high, one.high)
         else:
             groups.append([one])
-            low, high = one.low, one.high
+            high = one.high
     return groups
+
+
+def _meet(one: _Change, other: _Change) -> bool:
+    """Return whether lines are put where the other side has put some, or has taken some away.
+
+    At an end of what is taken away they would stand in another section, with nobody told.
+    """
+    if one.is_mine is other.is_mine or min(one.high, other.high) < max(one.low, other.low):
+        return False
+    into, where = (one, other) if one.low == one.high else (other, one)
+    if into.low != into.high:
+        return False
+    is_less = where.last - where.first < where.high - where.low
+    return where.low == where.high or is_less
+
+
+def _once(
+    theirs: Sequence[str], mine: Sequence[str], before: int, clashes: list[Clash]
+) -> list[str]:
+    """Return what two people have put at one place, first and last lines of both once.
+
+    Where both began or end alike and something differs in between, that is a clash.
+    """
+    most = min(len(theirs), len(mine))
+    first = next((n for n in range(most) if theirs[n] != mine[n]), most)
+    rest = most - first
+    last = next((n for n in range(rest) if theirs[-1 - n] != mine[-1 - n]), rest)
+    other, own = theirs[first : len(theirs) - last], mine[first : len(mine) - last]
+    if not first and not last:
+        return [*theirs, *mine]
+    if other and own:
+        clashes.append(Clash(line=before + first + 1, theirs=tuple(other)))
+        other = ()
+    return [*mine[:first], *other, *own, *mine[len(mine) - last :]]
 
 
 def _side(

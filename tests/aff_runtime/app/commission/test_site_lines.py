@@ -65,6 +65,42 @@ def test_where_both_changed_the_same_lines_mine_stand_and_theirs_are_told() -> N
     assert kept == ("a\nb\nc\nd\ne2\n", (Clash(line=2, theirs=()),))
 
 
+@pytest.mark.parametrize(
+    ("mine", "theirs", "stands", "clash"),
+    [
+        ("a\nb\nc\nmine\nd\ne\n", "a\nd\ne\n", "a\nb\nc\nmine\nd\ne\n", Clash(line=2, theirs=())),
+        ("a\nmine\nb\nc\nd\ne\n", "a\nd\ne\n", "a\nmine\nb\nc\nd\ne\n", Clash(line=2, theirs=())),
+        (
+            "a\nd\ne\n",
+            "a\nb\nc\ntheirs\nd\ne\n",
+            "a\nd\ne\n",
+            Clash(line=2, theirs=("b", "c", "theirs")),
+        ),
+    ],
+)
+def test_lines_at_an_end_of_what_the_other_has_taken_away_are_a_clash(
+    mine: str, theirs: str, stands: str, clash: Clash
+) -> None:
+    assert together(OLD, mine, theirs) == (stands, (clash,))
+
+
+@pytest.mark.parametrize(
+    ("mine", "theirs", "both", "clashes"),
+    [
+        ("a\nx\ny\nb\n", "a\nx\nb\n", "a\nx\ny\nb\n", ()),
+        ("a\nx\nb\n", "a\nx\ny\nb\n", "a\nx\ny\nb\n", ()),
+        ("a\nx\nm\ny\nb\n", "a\nx\nt\ny\nb\n", "a\nx\nm\ny\nb\n", (Clash(line=3, theirs=("t",)),)),
+        ("a\nm\ny\nb\n", "a\nt\ny\nb\n", "a\nm\ny\nb\n", (Clash(line=2, theirs=("t",)),)),
+        ("a\nx\nx\nb\n", "a\nx\nb\n", "a\nx\nx\nb\n", ()),
+        ("a\nm\nb\n", "a\nt\nb\n", "a\nt\nm\nb\n", ()),
+    ],
+)
+def test_what_both_have_put_at_one_place_stands_once(
+    mine: str, theirs: str, both: str, clashes: tuple[Clash, ...]
+) -> None:
+    assert together("a\nb\n", mine, theirs) == (both, clashes)
+
+
 def test_of_one_edit_alone_nothing_is_lost_and_two_far_apart_are_both_in_it() -> None:
     draw = random.Random(7)
     for _ in range(300):
