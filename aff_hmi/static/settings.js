@@ -30,7 +30,7 @@ function input(one) {
     made.append(...[...written, ...one.choices].map(named));
   } else {
     Object.assign(made, { type: "text", maxLength: 80, autocomplete: "off", spellcheck: false });
-    if (one.written === "") made.placeholder = one.default; // left to it: what is typed is written into the file
+    if (one.written === "") made.placeholder = one.default; // what is typed is written into the file
   }
   made.name = one.path;
   made.value = edits.get(one.path) ?? one.written;
@@ -107,9 +107,9 @@ function mark() {
   }
   said(byId("said"), shown.said.filter((w) => !known.has(w.path)), true);
   byId("difference").hidden = looked === null;
-  const isGood = looked !== null && !looked.refused && looked.changes.length > 0;
-  byId("try").dataset.ready = isGood && !looked.waits ? "yes" : "no";
-  byId("save").dataset.ready = isGood && looked.waits ? "yes" : "no";
+  let way = "";
+  if (looked?.refused === false && looked.lines.length) way = looked.changes.length && !looked.waits ? "try" : "save";
+  for (const name of ["try", "save"]) byId(name).dataset.ready = name === way ? "yes" : "no";
   const count = edits.size ? fill(words.edited, { count: edits.size }) : "";
   put(byId("count"), [typed.text ? words.textEdited : "", count].filter(Boolean).join("; "));
   document.querySelector("[data-edit]").hidden = !isPending();
@@ -119,7 +119,7 @@ function mark() {
 /** What needs an opened commissioner, and an answer that is fresh. */
 function openings() {
   const isFresh = document.documentElement.dataset.settings === "shown";
-  const isSame = view !== null && shown !== null && view.sha256 === shown.sha256;
+  const isSame = shown !== null && view.sha256 === base();
   for (const name of ["try", "save"]) {
     const isReady = byId(name).dataset.ready === "yes";
     byId(name).hidden = !(isOpen && isFresh && isSame && isReady);
@@ -151,7 +151,9 @@ byId("all").onchange = filter;
 const isPending = () => edits.size > 0 || typed.text !== "";
 const lines = () => [...edits].map(([path, value]) => `${path}: ${value}`).join("\n");
 
-const edit = () => ({ base: shown.sha256, edits: lines(), text: typed.text });
+/** Of what is edited: a text is of the file that it came with, whatever has been told since. */
+const base = () => (typed.text ? typed.base : shown.sha256);
+const edit = () => ({ base: base(), edits: lines(), text: typed.text });
 
 /** Ask about what is edited; null where that failed, or something was edited meanwhile. */
 async function answered(path, asked) {
@@ -164,7 +166,6 @@ async function answered(path, asked) {
 
 byId("edit").onsubmit = async (event) => {
   event.preventDefault();
-  put(byId("work-said"), words.sent);
   const answer = await answered("/settings/diff", edit());
   if (answer === null) return;
   looked = answer.difference;
@@ -212,7 +213,7 @@ async function turn(asText) {
 }
 
 function edited(now, asText) {
-  Object.assign(typed, { text: now.text === now.file ? "" : now.text, file: now.file });
+  Object.assign(typed, { text: now.text === now.file ? "" : now.text, file: now.file, base: now.base });
   edits.clear();
   looked = null;
   const isGood = now.sections.length > 0;
@@ -274,7 +275,7 @@ function remember() {
 
 /** Keep what is edited, with the text that it was begun on, for a page that begins anew. */
 function keepEdits() {
-  const all = { ...typed, base: shown.sha256, were: [...were], edits: [...edits] };
+  const all = { ...typed, base: base(), were: [...were], edits: [...edits] };
   keep(DRAFT, isPending() ? JSON.stringify(all) : "");
 }
 
@@ -283,7 +284,7 @@ function takeUp() {
   const found = JSON.parse(kept(DRAFT) || "null");
   for (const [path, value] of found?.edits ?? []) edits.set(path, value);
   if (found !== null && found.base !== view.sha256) dropDone(settingsOf(view)); // kept meanwhile
-  Object.assign(typed, { text: found?.text ?? "", file: found?.file ?? "" });
+  if (found !== null) Object.assign(typed, { text: found.text, file: found.file, base: found.base });
   if (!isPending()) return take();
   shown = { ...view, sha256: found.base };
   were = new Map(found.were);
@@ -335,7 +336,7 @@ async function show(number, focuses = true) {
   byId("version-back").hidden = back === null;
   byId("back-changes").replaceChildren(...(back ? difference(back) : []));
   Object.assign(byId("back").dataset, {
-    ready: back !== null && !back.refused && back.lines.length ? "yes" : "no", // a comment may be all
+    ready: back !== null && !back.refused && back.lines.length ? "yes" : "no",
     measured: back?.sha256 ?? "",
     base: running, // of what the difference is against, and not of what runs by now
   });
@@ -379,7 +380,8 @@ function told(now) {
     text = fill(words.saved, { ...named, time: when(newest) });
   }
   put(byId("changed-said"), text);
-  const isSame = shown !== null && JSON.stringify([shown.sections, shown.said, shown.sha256]) === JSON.stringify([now.sections, now.said, now.sha256]);
+  const of = (one) => JSON.stringify([one.sections, one.said, one.sha256]);
+  const isSame = shown !== null && of(shown) === of(now);
   if (!isSame && !isPending()) take();
   versions();
   openings();

@@ -3,8 +3,8 @@ import { fill } from "/static/fill.js";
 import { byId, part, put, words } from "/static/see.js";
 import { button } from "/static/work.js";
 
-/** What is edited, empty where it is the file's own; and the file's, on which that was begun. */
-export const typed = { text: "", file: "" };
+/** What is edited, empty where it is the file's own; the file's, on which that was begun, and its SHA-256. */
+export const typed = { text: "", file: "", base: "" };
 const box = byId("text");
 
 export const isText = () => !byId("text-view").hidden;

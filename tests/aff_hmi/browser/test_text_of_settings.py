@@ -179,6 +179,50 @@ def test_another_persons_save_is_told_and_the_text_goes_on_top(
     page.close()
 
 
+@pytest.mark.parametrize("meets", ["a text on its way", "a text that does not come"])
+def test_what_is_typed_onto_an_old_text_reverts_nobodys_save(
+    chromium, stage: Stage, where: Paths, meets: str
+) -> None:
+    page = at_settings(chromium, stage)
+    file = turned(page)
+    held: list[Any] = []
+
+    def hold(route: Any) -> None:
+        if meets == "a text on its way":
+            held.append(route)
+        else:
+            route.abort()
+
+    page.page.route("**/settings/text?*", hold)
+    theirs = "# night shift\n" + file
+    with page.page.expect_request("**/settings/text?*"):  # nothing is pending: the page takes it
+        where.site.write_text(theirs, encoding="utf-8")
+    page.page.fill("#text", file + "# mine\n")
+    page.await_selector("#changed:not([hidden])")
+    assert page.page.is_disabled("#edit button[type=submit]")
+    for route in held:
+        route.continue_()
+    page.page.unroute("**/settings/text?*")
+    page.page.click("#rebase")
+    page.page.wait_for_function(
+        "t => document.getElementById('text').value === t", arg=theirs + "# mine\n"
+    )
+    page.page.wait_for_selector("#changed[hidden]", state="attached")
+    assert "# mine" in looked(page)
+    assert "-# night shift" not in page.text("#changes")
+    page.close()
+
+
+def test_a_comment_alone_can_be_saved(chromium, stage: Stage, where: Paths) -> None:
+    page = at_settings(chromium, stage)
+    file = turned(page)
+    page.page.fill("#text", file + "# mine\n")
+    assert "# mine" in looked(page)
+    for name, is_ready in (("try", "no"), ("save", "yes")):
+        assert page.page.get_attribute(f"#{name}", "data-ready") == is_ready
+    page.close()
+
+
 def test_edits_outlive_the_page_over_another_persons_limit(
     chromium, stage: Stage, where: Paths
 ) -> None:
