@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -61,6 +62,27 @@ def judge(
         return evaluate(pool, judged.measured, selection.fit.effects, shifts, find_angles=held_out)
 
 
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """A record judged with the effects selected.
+
+    ``changes`` : what it shows of slow changes of their sizes; looked for once, when asked.
+    """
+
+    judged: RecordWithTwin
+    selection: Selection
+    evaluation: Evaluation
+    workers: int
+    progress: Progress
+
+    @cached_property
+    def changes(self) -> list[Array]:
+        """See `wander_there`."""
+        return wander_there(
+            self.judged, self.selection, self.evaluation, self.workers, self.progress
+        )
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Claimed:
     """What is claimed once effects were left out that the record held out does not confirm.
@@ -108,13 +130,15 @@ def without_imitations(
     of what that record shows than right ones do.
     """
     said: list[str] = []
-    while weak := without_weakest_imitation(judged, selection, evaluation, workers, progress):
+    judgement = Judgement(judged, selection, evaluation, workers, progress)
+    while weak := without_weakest_imitation(judgement):
         if weak.shown:
             break
         said.append(weak.said)
         progress(weak.said)
         selection, evaluation = weak.selection, weak.evaluation
-    beside = weak is not None or has_more(judged, selection, evaluation, workers, progress)
+        judgement = Judgement(judged, selection, evaluation, workers, progress)
+    beside = weak is not None or has_more(judgement)
     if leaves_much(evaluation) and (said or beside):
         stays = stays_unknown(judged, selection, evaluation)
         said.append(f"unknown: what is left on {judged.record.path.name}: {stays.text}")
@@ -123,26 +147,18 @@ def without_imitations(
     return Claimed(selection=selection, evaluation=evaluation, said=tuple(said))
 
 
-def has_more(
-    judged: RecordWithTwin,
-    selection: Selection,
-    evaluation: Evaluation,
-    workers: int,
-    progress: Progress,
-) -> bool:
+def has_more(judgement: Judgement) -> bool:
     """Return whether a record held out has more in it than the effects that are claimed.
 
     They leave most of what it shows, or more of it than right effects do; the latter apart from
     slow changes of effects whose size is never quite constant.
     """
+    selection, evaluation = judgement.selection, judgement.evaluation
     if not selection.accepted or selection.unknown or not leaves_much(evaluation):
         return False
     if shows_something_else(evaluation):
         return True
-    if not leaves_large(evaluation):
-        return False
-    changes = wander_there(judged, selection, evaluation, workers, progress)
-    return leaves_large(apart_from(evaluation, changes))
+    return leaves_large(evaluation) and leaves_large(apart_from(evaluation, judgement.changes))
 
 
 def stays_unknown(judged: RecordWithTwin, selection: Selection, evaluation: Evaluation) -> Unknown:
@@ -182,13 +198,7 @@ class WithoutImitation:
     shown: bool
 
 
-def without_weakest_imitation(
-    judged: RecordWithTwin,
-    selection: Selection,
-    evaluation: Evaluation,
-    workers: int,
-    progress: Progress,
-) -> WithoutImitation | None:
+def without_weakest_imitation(judgement: Judgement) -> WithoutImitation | None:
     """Return what is claimed without the weakest effect, where it can be an imitation, or None.
 
     It can be one where it takes less away on the record held out than all effects leave there,
@@ -197,6 +207,7 @@ def without_weakest_imitation(
     them, and imitates none. A lone effect, or one beside something unknown, is not
     looked at; nor is an event that the record held out does not have: of that it says nothing.
     """
+    judged, selection, evaluation = judgement.judged, judgement.selection, judgement.evaluation
     if selection.unknown or len(selection.accepted) < 2 or not leaves_much(evaluation):
         return None
     shown = [
@@ -206,14 +217,13 @@ def without_weakest_imitation(
     ]
     if not shown:
         return None
-    changes = wander_there(judged, selection, evaluation, workers, progress)
-    seen = apart_from(evaluation, changes)
+    seen = apart_from(evaluation, judgement.changes)
     if not leaves_much(seen):
         return None
     at = min(shown, key=lambda k: selection.accepted[k].score)
     fewer = without_accepted(selection, at)
-    without = judge(judged, fewer, workers, progress, held_out=True)
-    seen_without = apart_from(without, changes)
+    without = judge(judged, fewer, judgement.workers, judgement.progress, held_out=True)
+    seen_without = apart_from(without, judgement.changes)
     if not takes_less_than_left(seen, seen_without):
         return None
     key = selection.accepted[at].hypothesis.key

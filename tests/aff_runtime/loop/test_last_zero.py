@@ -29,6 +29,15 @@ def test_a_plc_that_answers_takes_five_zeros_and_that_is_known() -> None:
     assert ticks <= FADE_TICKS + 10
 
 
+def commands_to_the_end(rig: Rig) -> int:
+    """Tick until the cycle ends, 20 times at most, and return how many commands went out."""
+    before = len(rig.plc.commands)
+    for _ in range(20):
+        if not rig.cycle.tick():
+            break
+    return len(rig.plc.commands) - before
+
+
 @pytest.mark.parametrize("outcome", SILENT)
 def test_zeros_that_nobody_answers_are_tried_for_a_second_and_are_not_called_zero(
     outcome: Outcome,
@@ -46,12 +55,8 @@ def test_a_plc_that_comes_back_within_that_second_takes_the_five_zeros() -> None
     rig.cycle.request_stop()
     rig.run(FADE_TICKS + PATIENCE_TICKS // 2)
     rig.plc.outcome = Outcome.OK
-    before = len(rig.plc.commands)
-    for _ in range(20):
-        if not rig.cycle.tick():
-            break
+    assert commands_to_the_end(rig) == 5
     assert rig.cycle.zero_stands
-    assert len(rig.plc.commands) - before == 5
 
 
 def test_one_zero_that_was_taken_is_a_zero_though_the_others_are_lost() -> None:
@@ -82,12 +87,8 @@ def test_zeros_are_counted_from_the_first_that_was_sent_after_a_read() -> None:
     rig.plc.only_reads = True
     rig.run(10)
     rig.plc.only_reads = False
-    before = len(rig.plc.commands)
-    for _ in range(20):
-        if not rig.cycle.tick():
-            break
+    assert commands_to_the_end(rig) == 5
     assert rig.cycle.zero_stands
-    assert len(rig.plc.commands) - before == 5
 
 
 @pytest.mark.parametrize("outcome", SILENT)

@@ -8,6 +8,7 @@ import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.confirm import (
+    Judgement,
     RecordWithTwin,
     judge,
     without_imitations,
@@ -64,7 +65,7 @@ def of_both(moments, after=2.0**0.5):
 def test_an_event_that_the_record_does_not_have_is_no_imitation_of_what_is_left(there, left_out):
     """R7 explains less of the fitted record than R5; none takes power from this one."""
     evaluation = of_both({f"bearing_drag at {place}": 40.0 for place in there})
-    found = without_weakest_imitation(held_out(), both_drags(), evaluation, 1, quiet)
+    found = without_weakest_imitation(Judgement(held_out(), both_drags(), evaluation, 1, quiet))
     if left_out is None:
         assert found is None
     else:
