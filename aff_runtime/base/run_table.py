@@ -32,7 +32,13 @@ from aff_runtime.base.run_segment import (
     segments_of,
 )
 from aff_runtime.base.run_window import HOW_WRITTEN, MARK, RunWindow
-from aff_runtime.base.site_in_force import SiteInForce, in_force_within, sites_in_force
+from aff_runtime.base.site_in_force import (
+    SiteInForce,
+    changes_noted,
+    in_force_within,
+    sites_in_force,
+    time_of,
+)
 from aff_runtime.base.yaml_section import Section
 
 LONGEST_RUN_S = 1e9
@@ -86,6 +92,11 @@ class RunTable:
     lost: tuple[str, ...]
     run_id: str = ""
     sites: tuple[SiteInForce, ...] = ()
+
+    @property
+    def site_changes(self) -> list[Mapping[str, str]]:
+        """Those events that tell of a change of the site file."""
+        return changes_noted(self.sites, [(time_of(row), row) for row in self.events])
 
 
 def read_table(
@@ -375,14 +386,6 @@ def _events(path: Path) -> tuple[list[dict[str, str]], list[str]]:
     except csv.Error:
         more = True
     return found, [f"{path.name}: cannot be read to its end"] if more else []
-
-
-def time_of(row: Mapping[str, str]) -> float:
-    """Return when an event was, NaN where that cannot be read."""
-    try:
-        return float(row.get("time_s") or "nan")
-    except ValueError:
-        return math.nan
 
 
 def _is_inside(row: Mapping[str, str], window: RunWindow) -> bool:

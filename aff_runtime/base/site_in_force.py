@@ -49,6 +49,14 @@ class SiteInForce:
     said: str = ""
 
 
+def time_of(row: Mapping[str, str]) -> float:
+    """Return when an event was, NaN where that cannot be read."""
+    try:
+        return float(row.get("time_s") or "nan")
+    except ValueError:
+        return math.nan
+
+
 def file_of(site_hash: str) -> str:
     """Return the name of the file that holds a later site file of a run; empty of no hash."""
     short = site_hash[:HASH_DIGITS]

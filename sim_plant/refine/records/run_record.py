@@ -13,16 +13,8 @@ from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.probe_columns import STAGE
-from aff_runtime.base.run_table import (
-    SAME_CYCLE_SHARE,
-    RunTable,
-    few,
-    other_line,
-    read_table,
-    time_of,
-)
+from aff_runtime.base.run_table import SAME_CYCLE_SHARE, RunTable, few, other_line, read_table
 from aff_runtime.base.run_window import run_window
-from aff_runtime.base.site_in_force import changes_noted
 from sim_plant.base.arrays import Array
 from sim_plant.refine.records.recorded_only import Filled, filled
 from sim_plant.refine.records.recording import Recording, RunFacts
@@ -299,7 +291,7 @@ def _edits(table: RunTable) -> list[str]:
     return [
         f"at {row.get('time_s', '?')} s the site file was changed ({row.get('text', '')}): "
         "channels and units are those of the window's beginning, which no live edit changes"
-        for row in changes_noted(table.sites, [(time_of(row), row) for row in table.events])
+        for row in table.site_changes
     ]
 
 

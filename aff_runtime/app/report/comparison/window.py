@@ -21,11 +21,9 @@ from aff_runtime.base.run_table import (
     few,
     other_line,
     read_table,
-    time_of,
 )
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import Outcome, State, StateBits, Status
-from aff_runtime.base.site_in_force import changes_noted
 from aff_runtime.base.units import UnitError, read_number
 from aff_runtime.base.yaml_section import Section
 
@@ -209,10 +207,9 @@ def _odd(window: Window) -> list[str]:
         said.append(
             f"its line speed changes by {100 * _spread(speed):.0f} %: a mean of different ripple"
         )
-    table = window.table
-    edits = changes_noted(table.sites, [(time_of(row), row) for row in table.events])
+    changes = window.table.site_changes
     return said + few(
-        [f"the site file was changed at {r.get('time_s')} s: {r.get('text')}" for r in edits]
+        [f"the site file was changed at {r.get('time_s')} s: {r.get('text')}" for r in changes]
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from dataclasses import replace
 
 import pytest
@@ -18,13 +17,12 @@ from aff_runtime.app.commission.settings_form_jobs import (
     try_edited,
     version,
 )
-from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
 from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.base.errors import ConfigError, RefusedError, WireError
+from tests.aff_runtime.app.commission.judged_site import judged_site
 from tests.aff_runtime.app.commission.said import plain
 from tests.aff_runtime.app.judged_here import judged_here
-from tests.parameter_records import CONFIG
 
 SETTLE = "actuators.unwind.blocks[0].settle_s"
 CHANGED = {"ok": False, "why": "changed", "name": ""}
@@ -83,11 +81,7 @@ class Service:
 
 @pytest.fixture
 def where(tmp_path, monkeypatch):
-    for module in (sources, settings_form_jobs):
-        monkeypatch.setattr(module, "load_parameters", judged_here)
-    site = tmp_path / "site.yaml"
-    shutil.copyfile(CONFIG / "euclid_blocks.yaml", site)
-    return Paths(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path / "card")
+    return judged_site(tmp_path, monkeypatch, sources, settings_form_jobs)
 
 
 @pytest.fixture

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
-
 import pytest
 import yaml
 
@@ -12,12 +10,11 @@ from aff_runtime.app.commission.answers import DifferenceShown, TextShown
 from aff_runtime.app.commission.messages import Refusal, Request, Why
 from aff_runtime.app.commission.settings_form_jobs import difference, save_edited, try_edited
 from aff_runtime.app.commission.site_lines import Clash
-from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.base.errors import ConfigError, RefusedError
+from tests.aff_runtime.app.commission.judged_site import judged_site
 from tests.aff_runtime.app.judged_here import judged_here
-from tests.parameter_records import CONFIG
 
 SETTLE = "actuators.unwind.blocks[0].settle_s"
 ADDED = "actuators.swrap_follower.blocks[1]"
@@ -39,11 +36,7 @@ class Talk:
 
 @pytest.fixture
 def where(tmp_path, monkeypatch):
-    for module in (sources, settings_form_jobs, settings_text_jobs):
-        monkeypatch.setattr(module, "load_parameters", judged_here)
-    site = tmp_path / "site.yaml"
-    shutil.copyfile(CONFIG / "euclid_blocks.yaml", site)
-    return Paths(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path / "card")
+    return judged_site(tmp_path, monkeypatch, sources, settings_form_jobs, settings_text_jobs)
 
 
 @pytest.fixture
