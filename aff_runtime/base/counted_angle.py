@@ -63,6 +63,8 @@ def modulus_rad(channel: Section) -> float:
     counts = WORD_COUNTS.get(str(channel.get("type")))
     if counts is None or channel.get("wraps") is not True:
         return math.inf
+    after = channel.get("wraps_after")
+    counts = after if isinstance(after, int) and after > 0 else counts
     try:
         return counts * abs(read_scale(channel.get("scale"), "rad")) or math.inf
     except UnitError:

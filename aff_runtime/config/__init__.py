@@ -19,6 +19,7 @@ __all__ = [
     "probe_bound",
     "reference",
     "revision",
+    "rules",
     "site_paths",
     "wire_table",
     "x509",

@@ -8,6 +8,7 @@ __all__ = [
     "identified",
     "impulse",
     "laws",
+    "long_gap",
     "monitor",
     "order_status",
     "params",

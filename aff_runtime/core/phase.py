@@ -308,11 +308,15 @@ class RollPhase:
     def _turned_in_gap(self, turned: float, model: float) -> float:
         """Return how far the roll turned since the reading before a long gap, NaN not known."""
         before = self.omega_rad_s
+        now = model if math.isfinite(model) else before
+        if self._p.angle_is_absolute and has_whole_turns(self._modulus):
+            expected = 0.5 * (before + now) * self._raw_gap_s
+            return expected + math.remainder(turned - expected, self._modulus)
         return turned_in_gap(
             turned,
             self._modulus,
             self._raw_gap_s,
-            speeds_rad_s=(before, model if math.isfinite(model) else before),
+            speeds_rad_s=(before, now),
             stands_below_rad_s=self._stands_below_rad_s,
         )
 

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
-from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours, way_of
+from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours, is_signed, way_of
 from aff_runtime.app.setup.decoding import HIGH_FIRST, LOW_FIRST, Decoding
 from aff_runtime.app.setup.reading import Watched
 from aff_runtime.app.setup.turns import CountsPerTurn, counts_per_turn
@@ -44,7 +44,8 @@ class AngleCandidate:
     measured : what the count, line speed and radius say over whole turns, with its interval.
     low_word : wire address of the word that moves.
     why : reasons for and against. ``score`` : without unit; the higher, the likelier.
-    usable : False for a count that starts over within the word.
+    wraps_after : counts after which it starts over, where that is not all that its words hold; 0
+        where it is. ``usable`` : False for a count that starts over after no whole turns.
     leaves_none : another roll that no other word can be then; empty where there is none.
     """
 
@@ -55,6 +56,7 @@ class AngleCandidate:
     why: tuple[str, ...]
     score: float
     usable: bool = True
+    wraps_after: int = 0
     leaves_none: str = ""
 
     @property
@@ -101,7 +103,13 @@ def angle_candidates(
         for counts in _usual(measured):
             signed = round(math.copysign(counts, measured.counts))
             off = abs(counts / abs(measured.counts) - 1.0)
-            for decoding, score, why in _decodings(address, did, seen, taken, word_order):
+            wraps_after = _whole_turns(did, seen, counts)
+            rows = (
+                _starting_over(address, did, seen, wraps_after)
+                if did.restarts_at
+                else _decodings(address, did, seen, taken, word_order)
+            )
+            for decoding, score, why in rows:
                 candidates.append(
                     AngleCandidate(
                         decoding=decoding,
@@ -110,7 +118,8 @@ def angle_candidates(
                         low_word=address,
                         why=(*_said(measured, counts), *why),
                         score=score + _usualness(counts) - 0.5 * (off / _OFF) ** 2,
-                        usable=not did.restarts_at,
+                        usable=not did.restarts_at or wraps_after > 0,
+                        wraps_after=wraps_after,
                     )
                 )
     return _sorted(candidates)
@@ -170,16 +179,33 @@ def _usualness(counts: int) -> float:
     return 0.7 if counts & (counts - 1) == 0 or counts % 1000 == 0 else 0.0
 
 
+def _whole_turns(does: Behaviour, seen: Watched, counts: int) -> int:
+    """Return after how many counts a word starts over, as whole turns; 0 where it is none.
+
+    What was seen of its end is off by what it counts from one reading to the next.
+    """
+    period_s = (seen.times_s[-1] - seen.times_s[0]) / (len(seen.times_s) - 1)
+    turns = round(does.restarts_at / counts)
+    off = abs(does.restarts_at - turns * counts)
+    return turns * counts if off <= 2.0 * abs(does.rate_per_s) * period_s + 1.0 else 0
+
+
+def _starting_over(
+    address: int, does: Behaviour, seen: Watched, wraps_after: int
+) -> list[tuple[Decoding, float, tuple[str, ...]]]:
+    """Return how a count is stored that starts over within its word, its score, and why."""
+    word = "i16" if is_signed(seen.words[address], does.restarts_at) else "u16"
+    decoding = Decoding(address=address, type=word)
+    if wraps_after:
+        return [(decoding, 4.0, (f"starts over after {wraps_after}",))]
+    why = f"starts over at {does.restarts_at}, which is no whole turns. Let the PLC count on"
+    return [(decoding, -5.0, (why,))]
+
+
 def _decodings(
     address: int, does: Behaviour, seen: Watched, taken: frozenset[int], word_order: str
 ) -> list[tuple[Decoding, float, tuple[str, ...]]]:
     """Return how the count may be stored (one word, or two with the carry), its score, and why."""
-    if does.restarts_at:
-        why = (
-            f"starts over at {does.restarts_at}, not at 65536: AFF follows whole words alone. Let "
-            "the PLC count on",
-        )
-        return [(Decoding(address=address, type="u16"), -5.0, why)]
     rows: list[tuple[Decoding, float, tuple[str, ...]]] = []
     carries: Mapping[str, int] = {HIGH_FIRST: address - 1, LOW_FIRST: address + 1}
     proved = False

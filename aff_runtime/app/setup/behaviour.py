@@ -72,7 +72,7 @@ class Behaviour:
 
 def behaviour(times_s: Sequence[float], series: Sequence[int]) -> Behaviour:
     """Return what a word did; ``series`` are its readings as u16."""
-    signed = [word - _FULL if word & 0x8000 else word for word in series]
+    signed = [_signed(word) for word in series]
     changed = 0
     for a, b in pairwise(series):
         changed |= a ^ b
@@ -109,15 +109,14 @@ def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) ->
     if len(nonzero) < _LEAST_STEPS or times_s[-1] <= times_s[0]:
         return None
     usual = statistics.median(nonzero)
-    back = [step for step in nonzero if step * usual < 0]
-    spans = {round(abs(usual - step)) for step in back}
+    back = [step for step in nonzero if step * usual < 0 or abs(step - usual) > _FULL // 4]
+    spans = {round(abs(usual - step) if step * usual < 0 else _FULL - abs(step)) for step in back}
     least_restart = _LEAST_RESTART * abs(usual)
     if len(back) > max(1, len(nonzero) // 10) or (back and min(spans) < least_restart):
         return None  # to and fro
-    restarts_at = 0
-    if back:
-        largest = max(series) + 1
-        restarts_at = largest if min(series) < least_restart + 1 else round(min(spans))
+    restarts_at = min(spans, default=0)
+    if back and min(series) < least_restart + 1 and not is_signed(series, restarts_at):
+        restarts_at = max(series) + 1
     path = way_of(series, restarts_at)
     rate, unevenness = _line(times_s, path)
     way = abs(path[-1])
@@ -146,11 +145,22 @@ def way_of(series: Sequence[int], restarts_at: int = 0) -> list[int]:
     restarts_at : counts after which it starts over, where that is not 65536; 0 where it is.
     """
     steps = [_short_way(b - a) for a, b in pairwise(series)]
-    usual = statistics.median([step for step in steps if step] or [0])
-    onward = restarts_at if usual > 0 else -restarts_at
-    return list(
-        accumulate((step + onward if step * usual < 0 else step for step in steps), initial=0)
-    )
+    if restarts_at:
+        usual = round(statistics.median([step for step in steps if step] or [0]))
+        words = [_signed(word) for word in series] if is_signed(series, restarts_at) else series
+        half = restarts_at // 2
+        turned = (b - a - usual for a, b in pairwise(words))
+        steps = [(step + half) % restarts_at - half + usual for step in turned]
+    return list(accumulate(steps, initial=0))
+
+
+def is_signed(series: Sequence[int], restarts_at: int) -> bool:
+    """Return whether a word that starts over after so many counts goes below zero in between."""
+    return max(series) - min(series) > restarts_at + _FULL // 8
+
+
+def _signed(word: int) -> int:
+    return word - _FULL if word & 0x8000 else word
 
 
 def _short_way(step: int) -> int:

@@ -45,7 +45,8 @@ class FoundWord(BaseModel):
     """Where a quantity was found, and how it is stored.
 
     ``order`` : which of two words comes first. ``scale`` : SI units of one count, or such as
-    ``4096 counts/turn``, as the site file writes it.
+    ``4096 counts/turn``, as the site file writes it. ``wraps_after`` : counts after which an angle
+    starts over, where that is not all that its words hold; else 0.
     """
 
     model_config = STRICT
@@ -54,6 +55,7 @@ class FoundWord(BaseModel):
     type: Literal["u16", "i16", "u32", "i32"]
     order: Literal["", "high_first", "low_first"]
     scale: ScaleText
+    wraps_after: int = Field(default=0, ge=0, le=65536, strict=True)
 
     @property
     def decoding(self) -> Decoding:

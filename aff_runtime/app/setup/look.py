@@ -64,10 +64,16 @@ class Look:
         self.dialogue.say(f"  {wanted.channel}: {known.decoding}, scale {known.scale} (kept)")
         return True
 
-    def keep_word(self, channel: str, decoding: Decoding, scale: str) -> None:
-        """Keep where a quantity was found."""
+    def keep_word(
+        self, channel: str, decoding: Decoding, scale: str, *, wraps_after: int = 0
+    ) -> None:
+        """Keep where a quantity was found, and after how many counts an angle starts over."""
         word = FoundWord(
-            address=decoding.address, type=decoding.type, order=decoding.order, scale=scale
+            address=decoding.address,
+            type=decoding.type,
+            order=decoding.order,
+            scale=scale,
+            wraps_after=wraps_after,
         )
         self.dialogue.keep(self.dialogue.draft.with_word(channel, word))
 

@@ -108,6 +108,7 @@ def _rows(draft: Draft, channels: Iterable[str]) -> Iterator[str]:
             continue
         register = register_number(draft, word.address)
         wraps = ", wraps: true" if channel.endswith("_rad") else ""
+        wraps += f", wraps_after: {word.wraps_after}" if word.wraps_after else ""
         said = f"{{ register: {register}, type: {word.type}, scale: {word.scale}{wraps} }}"
         yield f"      {channel}: {said}"
 

@@ -114,7 +114,9 @@ class Steps(DisplaySteps):
                 )
                 if pick != AGAIN and rows[int(pick) - 1].usable:
                     one = rows[int(pick) - 1]
-                    self.keep_word(wanted.channel, one.decoding, one.scale_text)
+                    self.keep_word(
+                        wanted.channel, one.decoding, one.scale_text, wraps_after=one.wraps_after
+                    )
                     return
             else:
                 self.dialogue.complain(

@@ -110,6 +110,14 @@ class Channel(Section):
     wraps: Flag = key(
         "true when the count starts over after its largest value (encoder angles).", default=False
     )
+    wraps_after: Annotated[int, Whole("counts")] | None = key(
+        "On Modbus, counts after which it starts over, where its word holds more: 4096 for an "
+        "encoder of one turn, 3600 for an axis in tenths of a degree. On CAN the range of the "
+        "signal says it.",
+        default=None,
+        ge=8,
+        le=4294967296,
+    )
 
 
 class Applied(Section):

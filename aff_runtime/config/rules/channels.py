@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from aff_runtime.base.channel_units import ENDINGS, suffix_of_unit, unit_of_channel
+from aff_runtime.base.counted_angle import WORD_COUNTS
 from aff_runtime.base.suggest import meant
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Channel, PlausibleRange, Site
@@ -34,6 +35,22 @@ def _channel(name: str, channel: Channel) -> Iterator[Issue]:
     if channel.wraps and unit not in ("rad", None):
         text = f"only an angle starts over; {name} is in {unit}. Remove wraps."
         yield Issue(path=(*path, "wraps"), text=text)
+    if channel.wraps_after is not None:
+        yield from _wraps_after((*path, "wraps_after"), channel, channel.wraps_after)
+
+
+def _wraps_after(path: KeyPath, channel: Channel, counts: int) -> Iterator[Issue]:
+    """Yield what is wrong with the range of a count that starts over early."""
+    if channel.type is None:
+        text = "on CAN the range of the signal says after how much it starts over. Remove it."
+        yield Issue(path=path, text=text, at_key=True)
+        return
+    if not channel.wraps:
+        text = "needs wraps: true. Add it, or remove wraps_after."
+        yield Issue(path=path, text=text, at_key=True)
+    if counts > (most := WORD_COUNTS[channel.type]):
+        text = f"{counts} is more than {channel.type} holds, {most}. Correct it, or leave it out."
+        yield Issue(path=path, text=text)
 
 
 def _uses(site: Site) -> Iterator[Issue]:

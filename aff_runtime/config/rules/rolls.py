@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
+from aff_runtime.base.counted_angle import WORD_COUNTS, is_whole_turns
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.meetings import frequency_Hz, meetings_of
 from aff_runtime.config.models import Actuator, Roll, Site
 from aff_runtime.config.rules.issue import Issue
 
 MIN_SAMPLES_PER_PERIOD = 20
+NOT_WHOLE_TURNS = (
+    "the range of its angle is not whole turns, so that its word says another angle each time. "
+    "Correct wraps_after (on CAN the range of the signal) or the scale, or write false."
+)
 
 
 def issues(site: Site) -> Iterator[Issue]:
     """Yield what is wrong with rolls, and what their orders will meet."""
     for name, roll in site.rolls.items():
         yield from _radius(("rolls", name), roll)
+        yield from _angle(("rolls", name), roll, site)
         is_judged = roll.radius is not None and roll.resets_on == "splice"
         if is_judged and roll.winding is None and not name.startswith(("unwind", "rewind")):
             yield _assumed(("rolls", name))
@@ -34,6 +41,27 @@ def issues(site: Site) -> Iterator[Issue]:
             text = f"{'; '.join(map(str, meetings))}. {met}"
             path: KeyPath = ("actuators", name, "blocks")
             yield Issue(path=path, text=text, warning=True, at_key=True)
+
+
+def _angle(path: KeyPath, roll: Roll, site: Site) -> Iterator[Issue]:
+    """Yield what an encoder's range cannot be: within a cycle of its roll, or no whole turns."""
+    channel = site.gateway.read.channels.get(roll.angle or "")
+    if roll.angle_is_absolute and roll.angle is None:
+        text = "needs angle: without an encoder nothing says where the roll is. Remove it."
+        yield Issue(path=(*path, "angle_is_absolute"), text=text, at_key=True)
+    if channel is None or channel.type is None or not channel.wraps or roll.smallest_radius_m == 0:
+        return
+    range_rad = (channel.wraps_after or WORD_COUNTS[channel.type]) * abs(channel.scale)
+    turned_rad = _speed_max_m_s(site) / roll.smallest_radius_m * site.cycle_s
+    if 2.0 * turned_rad >= range_rad:
+        text = (
+            f"{roll.angle} starts over after {math.degrees(range_rad):.4g} degrees; its roll "
+            f"turns {math.degrees(turned_rad):.3g} within a cycle, and half the range is what can "
+            "be followed. Let the PLC count further, or shorten cycle_ms."
+        )
+        yield Issue(path=(*path, "angle"), text=text)
+    if roll.angle_is_absolute and not is_whole_turns(range_rad):
+        yield Issue(path=(*path, "angle_is_absolute"), text=NOT_WHOLE_TURNS)
 
 
 def _assumed(path: KeyPath) -> Issue:

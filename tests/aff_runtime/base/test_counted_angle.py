@@ -105,6 +105,15 @@ def test_the_range_of_a_word_is_its_counts_times_what_one_is(word, scale, turns)
     assert is_whole_turns(turns * math.tau) == (turns in (1.0, 16.0))
 
 
+def test_a_count_that_starts_over_within_its_word_has_the_range_that_is_given():
+    channel = {"type": "u16", "scale": "3600 counts/turn", "wraps": True, "wraps_after": 7200}
+    assert modulus_rad(Section(channel)) == pytest.approx(2.0 * math.tau)
+    for said in (0, -1, "x"):
+        assert modulus_rad(Section(channel | {"wraps_after": said})) == pytest.approx(
+            65536 / 3600 * math.tau
+        )
+
+
 @pytest.mark.parametrize(
     "given",
     [

@@ -202,6 +202,20 @@ def test_a_word_of_a_turn_or_two_that_began_anew_is_seldom_taken_for_known(secon
     assert kept <= CHANCE * places + 1  # of a range that ends between two places
 
 
+@pytest.mark.parametrize("omega", [OMEGA, -OMEGA])
+@pytest.mark.parametrize("turns", [1, 16])
+@pytest.mark.parametrize(("seconds", "share"), [(3.0, 1.0), (3.0, 0.5), (60.0, 1.3)])
+def test_an_absolute_encoder_keeps_the_frame_over_any_gap(seconds, share, turns, omega):
+    params = replace(ROLL, angle_modulus_rad=turns * math.tau, angle_is_absolute=True)
+    roll = Turning(params, word_of(turns), start=3.0)
+    roll.run(2.0, omega)
+    before = roll.frame_rad
+    roll.gap((seconds, share * omega))
+    roll.run(1.0, share * omega)
+    assert roll.phase.origin_losses == 0
+    assert roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
+
+
 def test_a_word_that_wraps_within_a_turn_tells_nothing_where_it_can_have_wrapped():
     half = replace(ROLL, angle_modulus_rad=math.pi)
     for seconds, omega, losses in ((2.0, 0.0, 0), (2.0, OMEGA, 1)):

@@ -54,8 +54,34 @@ def test_counting_against_the_web_is_negative() -> None:
     assert found(seen, 1.0, 0.2)[0].counts_per_turn == -1024
 
 
-def test_a_count_that_starts_over_each_turn_is_said_to_be_no_use() -> None:
-    seen = watched([Item(3, "u16", 1.0, lambda t_s: (4096 * 0.8 * t_s) % 4096)], 6.0)
+@pytest.mark.parametrize(
+    ("counts", "turns", "lowest", "word"),
+    [
+        (4096, 1, 0, "u16"),
+        (3600, 1, -1800, "i16"),
+        (36000, 1, 0, "u16"),
+        (36000, 1, -18000, "i16"),
+        (1000, 3, 0, "u16"),
+        (4096, 4, -8192, "i16"),
+    ],
+)
+@pytest.mark.parametrize("turns_per_s", [0.8, -0.8])
+def test_a_count_that_starts_over_after_whole_turns_says_after_how_many(
+    counts: int, turns: int, lowest: int, word: str, turns_per_s: float
+) -> None:
+    whole = counts * turns
+    seen = watched(
+        [Item(3, word, 1.0, lambda t_s: lowest + (counts * turns_per_s * t_s + 100) % whole)], 12.0
+    )
+    best = found(seen, 1.0, 1.0 / (2.0 * math.pi * 0.8))[0]
+    assert best.usable
+    assert best.decoding == Decoding(address=3, type=word)
+    assert best.counts_per_turn == math.copysign(counts, turns_per_s)
+    assert best.wraps_after == whole
+
+
+def test_a_count_that_starts_over_after_no_whole_turns_is_said_to_be_no_use() -> None:
+    seen = watched([Item(3, "u16", 1.0, lambda t_s: (4096 * 0.8 * t_s) % 6144)], 8.0)
     best = found(seen, 1.0, 1.0 / (2.0 * math.pi * 0.8))[0]
     assert not best.usable
     assert any("Let the PLC count on" in reason for reason in best.why)

@@ -47,6 +47,14 @@ def test_a_small_line_is_a_valid_site(tmp_path: Path) -> None:
     assert "For the record alone, under" not in path.read_text(encoding="utf-8")
 
 
+def test_a_count_that_starts_over_early_says_after_how_many_counts(tmp_path: Path) -> None:
+    word = FoundWord(address=11, type="u16", order="", scale="3600 counts/turn", wraps_after=3600)
+    path = tmp_path / "line2.yaml"
+    path.write_text(site_text(DRAFT.with_word("unwind_angle_rad", word), file="line2"))
+    channel = load_site(path).gateway.read.channels["unwind_angle_rad"]
+    assert (channel.wraps, channel.wraps_after) == (True, 3600)
+
+
 def test_a_further_channel_that_was_named_and_not_found_is_left_out(tmp_path: Path) -> None:
     named = DRAFT.with_answer("further.1", "r3_tension_N").with_answer(
         "further.2", "rewind_tension_N"
