@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
+from types import MappingProxyType
 
 FOLDER = Path(__file__).parent
 STATIC = FOLDER / "static"
@@ -55,6 +56,7 @@ def source(name: str) -> str:
     return VENDORED.get(name, STATIC / name).read_text(encoding="utf-8")
 
 
+@cache
 def served(*, has_hand: bool) -> Mapping[str, tuple[bytes, str]]:
     """Return every file that a browser may ask for by its name: what is in it, and its kind."""
     files = {
@@ -66,7 +68,7 @@ def served(*, has_hand: bool) -> Mapping[str, tuple[bytes, str]]:
         more = (HAND,) if has_hand else ()
         first, *rest = modules
         files[f"{page}.js"] = (joined((first, *more, *rest)).encode(), SCRIPT)
-    return files
+    return MappingProxyType(files)
 
 
 def joined(modules: Iterable[str]) -> str:
@@ -80,10 +82,17 @@ def joined(modules: Iterable[str]) -> str:
 def _add(name: str, done: dict[str, str]) -> None:
     if name in done:
         return
+    imports, wrapped = _wrapped(name)
+    for other in imports:
+        _add(other, done)
+    done[name] = wrapped
+
+
+@cache
+def _wrapped(name: str) -> tuple[tuple[str, ...], str]:
+    """Return what a module imports from, and the module inside a function of its own."""
     text = source(name)
     imports = _IMPORT.findall(text)
-    for _, other in imports:
-        _add(other, done)
     exported = ", ".join(_EXPORT.findall(text))
     taken = [(names.replace(" as ", ": "), other) for names, other in imports]
     head = "".join(f"const {{{names}}} = {_variable(other)};\n" for names, other in taken)
@@ -91,7 +100,8 @@ def _add(name: str, done: dict[str, str]) -> None:
     tail = f"return {{ {exported} }};\n" if exported else ""
     inside = f"// {name}\n{head}{body}{tail}"
     call = f"(() => {{\n{inside}}})();"
-    done[name] = f"const {_variable(name)} = {call}" if exported else call
+    whole = f"const {_variable(name)} = {call}" if exported else call
+    return tuple(other for _, other in imports), whole
 
 
 def _variable(name: str) -> str:

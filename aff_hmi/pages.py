@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from starlette.applications import Starlette
 from starlette.requests import HTTPConnection, Request
@@ -32,6 +34,18 @@ COMMISSIONED = {
 }
 
 
+@cache
+def _templates() -> Environment:
+    """Return the templates: each is compiled once in a process."""
+    return Environment(
+        loader=FileSystemLoader(FOLDER / "templates"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+
+
 class Pages:
     """Serves the overview, and what can be pressed where the hub has a hand.
 
@@ -55,13 +69,7 @@ class Pages:
                 commission=hub.commission,
             )
         self._files = served(has_hand=hub.hand is not None)
-        self._templates = Environment(
-            loader=FileSystemLoader(FOLDER / "templates"),
-            autoescape=True,
-            undefined=StrictUndefined,
-            trim_blocks=True,
-            lstrip_blocks=True,
-        )
+        self._templates = _templates()
 
     def app(self) -> Starlette:
         """Return the routes."""
