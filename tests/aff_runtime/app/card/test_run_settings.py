@@ -65,11 +65,11 @@ def run_of(folder, rows):
     return path
 
 
-@pytest.fixture
-def edited(tmp_path):
-    """A run in which A was exchanged for B."""
+@pytest.fixture(scope="module")
+def edited(tmp_path_factory):
+    """A run in which A was exchanged for B; nobody writes to it."""
     edit = [f"{EDIT_S},,,EDIT,,settle_s\n", applied(EDIT_S + 0.1, B)]
-    return run_of(tmp_path, [applied(0.0, A), *edit])
+    return run_of(tmp_path_factory.mktemp("edited"), [applied(0.0, A), *edit])
 
 
 def gathered(run, span, record, *, on_service):

@@ -1,6 +1,7 @@
 """Which edits undo which steps: none that the card itself asks for."""
 
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -54,6 +55,7 @@ def site_record(text):
     return made.model_copy(update={"responses": {"unwind": "{}"}}).with_shapes({})
 
 
+@cache
 def inputs(text=TEXT, plc="7"):
     """Return what a measurement on this site file rests on."""
     return inputs_of(Sources(parameters=site_record(text), checked=None, plc=plc))

@@ -56,8 +56,8 @@ def steady(seconds):
     return found
 
 
-LOOKED_AT = 50
-"""Rows that the recorder takes at a time."""
+LOOKED_AT = 1000
+"""Rows that are written at a time; the recorder takes some 50, and flushes after each."""
 RIPPLE_N, LEFT_N, SETTLE_S, NOISE_N = 1.9, 0.15, 4.0, 0.25
 
 

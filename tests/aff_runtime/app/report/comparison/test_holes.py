@@ -2,6 +2,8 @@
 
 import math
 import re
+import shutil
+from functools import cache
 
 import numpy as np
 import pytest
@@ -86,20 +88,40 @@ def test_a_counter_that_starts_over_has_the_turns_of_one_that_never_does(modulus
     assert got[0].turns == math.floor(1.91 * 60.0) - 1  # the first is left out
 
 
+def first_order(path):
+    """Return the follower's first order of a run, compared with itself."""
+    rows = compare(RunWindow(folder=path), RunWindow(folder=path)).rows
+    (row,) = [r for r in rows if (r.signal, r.roll, r.order) == (SIGNAL, ROLL, 1)]
+    return row
+
+
+def without_segments(path, folder, gone):
+    """Return a copy of a run in ``folder`` that lacks these segments."""
+    lost = [f"signals-{number:04d}.csv.gz" for number in gone]
+    assert all((path / name).exists() for name in lost)
+    return shutil.copytree(path, folder / path.name, ignore=lambda *_: lost)
+
+
+@pytest.fixture(scope="module")
+def drifting(tmp_path_factory):
+    """By modulus a run whose roll turns 2 % faster at the end, and what is said of all of it."""
+
+    @cache
+    def made(modulus):
+        found, text = columns(60.0, modulus, drift=0.02), site_text(modulus)
+        folder = tmp_path_factory.mktemp("drifting")
+        path = recorded(folder, found, site_text=text, segment_s=SEGMENT_S)
+        return path, first_order(path)
+
+    return made
+
+
 @pytest.mark.parametrize("modulus", WORDS)
 @pytest.mark.parametrize("gone", [(2,), (2, 3), (2, 4)], ids=["one", "two in a row", "two"])
-def test_lost_segments_change_neither_size_nor_frequency(gone, modulus, tmp_path):
+def test_lost_segments_change_neither_size_nor_frequency(gone, modulus, drifting, tmp_path):
     """The roll turns 2 % faster at the end: over a hole its motion is not known to a turn."""
-    text = site_text(modulus)
-    path = recorded(
-        tmp_path, columns(60.0, modulus, drift=0.02), site_text=text, segment_s=SEGMENT_S
-    )
-    whole = compare(RunWindow(folder=path), RunWindow(folder=path)).rows
-    (whole,) = [r for r in whole if (r.signal, r.roll, r.order) == (SIGNAL, ROLL, 1)]
-    for number in gone:
-        (path / f"signals-{number:04d}.csv.gz").unlink()
-    found = compare(RunWindow(folder=path), RunWindow(folder=path)).rows
-    (row,) = [r for r in found if (r.signal, r.roll, r.order) == (SIGNAL, ROLL, 1)]
+    path, whole = drifting(modulus)
+    row = first_order(without_segments(path, tmp_path, gone))
     assert whole.before.low <= row.before.amplitude <= whole.before.high
     assert row.before.low <= RIPPLE_N <= row.before.high
     assert row.frequency_Hz[0] == pytest.approx(1.91 * 1.01, rel=5e-3)
@@ -177,11 +199,8 @@ def test_a_counter_that_counts_down_has_the_same_turns(tmp_path):
     assert_true(of(tmp_path, found, 13.1072))
 
 
-def facts_of(folder, found, gone=()):
-    """Return what is said of a record, without these of its segments."""
-    path = recorded(folder, found, segment_s=SEGMENT_S)
-    for number in gone:
-        (path / f"signals-{number:04d}.csv.gz").unlink()
+def facts_of(path):
+    """Return what is said of a run."""
     return compare(RunWindow(folder=path), RunWindow(folder=path)).windows[0]
 
 
@@ -197,11 +216,23 @@ def skipped(seconds, missed):
     return found
 
 
+@pytest.fixture(scope="module")
+def skipping(tmp_path_factory):
+    """By number of ticks that were missed a run of 60 s."""
+
+    @cache
+    def made(missed):
+        folder = tmp_path_factory.mktemp("skipping")
+        return recorded(folder, skipped(60.0, missed), segment_s=SEGMENT_S)
+
+    return made
+
+
 @pytest.mark.parametrize("missed", [1, 3, 400])
 @pytest.mark.parametrize("gone", [(), (4,), (4, 5)])
-def test_rows_that_lack_are_no_ticks_that_were_missed(missed, gone, tmp_path):
+def test_rows_that_lack_are_no_ticks_that_were_missed(missed, gone, skipping, tmp_path):
     """Lost segments lie beyond the ticks that were missed."""
-    found = facts_of(tmp_path, skipped(60.0, missed), gone)
+    found = facts_of(without_segments(skipping(missed), tmp_path, gone))
     assert found.missed == missed + 1
     assert found.rows_lost == pytest.approx(len(gone) * SEGMENT_S / CYCLE_S, abs=60)
     assert bool(found.rows_lost) == bool(gone)
@@ -212,4 +243,4 @@ def test_without_the_count_ticks_are_missed_by_the_periods_between_rows(lacks, t
     found = skipped(60.0, 3)
     for name in lacks:
         del found[name]
-    assert facts_of(tmp_path, found).missed == 4
+    assert facts_of(recorded(tmp_path, found, segment_s=SEGMENT_S)).missed == 4
