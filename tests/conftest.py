@@ -11,6 +11,7 @@ import os
 from collections import Counter
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from tests.failed_tries import (  # noqa: F401  (hooks of this suite)
     pytest_runtest_makereport,
@@ -25,6 +26,12 @@ for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
 os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 gc.disable()  # until all tests are collected: else it takes as long as everything else about them
+
+# a machine that paused is no defect of what is tested: hypothesis measures no time
+settings.register_profile(
+    "aff", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
+)
+settings.load_profile("aff")
 
 LONGEST_FIRST = (
     "hil/test_faults.py",
