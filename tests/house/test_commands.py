@@ -20,6 +20,7 @@ from aff_runtime.cli.main import build_parser as runtime_parser
 from aff_runtime.cli.main import main as runtime
 from sim_plant.cli.main import build_parser as plant_parser
 from tests.aff_runtime.app.judged_here import judged_here
+from tests.each_case import each_case
 from tests.house.commands import (
     OTHERS,
     OURS,
@@ -39,7 +40,7 @@ RUN = {"aff-runtime check", "aff-runtime", "cp", "mkdir", "sed", "cd"}
 RUN |= {f"aff-runtime card {word}" for word in ("new", "step", "sign", "show", "page", "verify")}
 """What `test_cheap_commands_do_what_the_page_says` runs as it stands."""
 
-IDS = {"argvalues": every_command(), "ids": str}
+COMMANDS = every_command()
 _ROW = re.compile(r"^\| `([^`]+)` \| ([^|]+) \| (?:\[[^]]*\]\(([^)]+)\))? ?\|$", re.MULTILINE)
 ROWS = {key: (needs, test) for key, needs, test in _ROW.findall(text(TABLE))}
 MAKEFILE = text(ROOT / "Makefile")
@@ -85,7 +86,7 @@ def unknown_for_make(words):
     ]
 
 
-@pytest.mark.parametrize("command", **IDS)
+@each_case("command", COMMANDS)
 def test_a_command_is_taken_by_its_program(command):
     words = plain(command.without_sudo())
     if words[0] == "make":
@@ -103,7 +104,7 @@ def test_a_command_is_taken_by_its_program(command):
         assert words[0] in {*OTHERS, "systemctl"}, "not known here: tests/house/commands.py"
 
 
-@pytest.mark.parametrize("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
+@each_case("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
 def test_a_command_in_running_text_has_its_name_and_its_options(path):
     wrong = []
     for command in inline(path):
@@ -146,12 +147,12 @@ def unmade_files(taken):
     return wrong
 
 
-@pytest.mark.parametrize("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
+@each_case("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
 def test_files_that_commands_name_are_there_or_made_before(path):
     assert unmade_files(commands(path)) == []
 
 
-@pytest.mark.parametrize("command", **IDS)
+@each_case("command", COMMANDS)
 def test_a_command_is_run_here_or_is_in_the_table_of_those_that_need_more(command):
     assert (command.key in RUN) != (command.key in ROWS), f"{command.key}: see {TABLE.name}"
 
@@ -171,7 +172,7 @@ def test_the_tests_of_the_table_speak_of_the_command(key):
         assert re.search(rf"\b{word.replace('-', '.')}", found), f"{test} says nothing of {word}"
 
 
-@pytest.mark.parametrize("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
+@each_case("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
 def test_a_block_says_what_language_it_is_in(path):
     for language, block in fences(path):
         assert language, block[:60]

@@ -2,8 +2,7 @@
 
 import re
 
-import pytest
-
+from tests.each_case import each_case
 from tests.house.documents import ROOT, anchors, documents, links, prose, text
 
 README = ROOT / "README.md"
@@ -20,7 +19,7 @@ DIARY = (
 COMMIT = re.compile(r"\bcommits? +`?[0-9a-f]{7,40}\b")
 
 
-@pytest.mark.parametrize("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
+@each_case("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
 def test_every_relative_link_leads_somewhere(path):
     wrong = []
     for target in links(path):
@@ -33,7 +32,7 @@ def test_every_relative_link_leads_somewhere(path):
     assert wrong == []
 
 
-@pytest.mark.parametrize("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
+@each_case("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
 def test_no_document_is_a_diary(path):
     flat = " ".join(prose(path).lower().split())
     assert [words for words in DIARY if words in flat] == []
@@ -63,7 +62,7 @@ def test_every_page_can_be_reached_from_the_readme():
 PATH = re.compile(r"`((?:docs|deploy|config|tests|data)/[\w./-]+\.\w+)`")
 
 
-@pytest.mark.parametrize("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
+@each_case("path", documents(), ids=lambda p: str(p.relative_to(ROOT)))
 def test_files_named_in_documents_are_there(path):
     if "notes" in path.parts or path.name == "CHANGELOG.md":
         return

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.each_case import each_case
+
 TESTS = Path(__file__).parents[1] / "sim_plant" / "refine"
 
 
@@ -29,7 +31,7 @@ def private_patches(tree):
     return found
 
 
-@pytest.mark.parametrize("path", sorted(TESTS.rglob("*.py")), ids=lambda p: p.stem)
+@each_case("path", sorted(TESTS.rglob("*.py")), ids=lambda p: p.stem)
 def test_no_private_name_of_refine_is_patched(path):
     found = private_patches(ast.parse(path.read_text(encoding="utf-8")))
     assert not found, f"{path}: {found}; build a small real record (tests/sim_plant/refine/small)"

@@ -7,19 +7,20 @@ import sys
 
 import pytest
 
+from tests.each_case import each_case
 from tests.house.public_names import KNOWN, declared, packages, tree, used
 
 AGAIN = "run: python -m tests.house.public_names, then ruff format"
 HEAVY = ("numba", "scipy", "matplotlib", "jinja2", "pandas", "pyarrow", "asammdf")
 
 
-@pytest.mark.parametrize("package", packages())
+@each_case("package", packages())
 def test_a_package_names_what_others_use_of_it(package):
     assert declared(package) is not None, AGAIN
     assert sorted(declared(package)) == sorted(used(package)), AGAIN
 
 
-@pytest.mark.parametrize("package", packages())
+@each_case("package", packages())
 def test_every_public_name_is_there(package):
     module = importlib.import_module(package)
     for name in declared(package) or ():
@@ -28,7 +29,7 @@ def test_every_public_name_is_there(package):
         assert hasattr(module, name), name
 
 
-@pytest.mark.parametrize("package", packages())
+@each_case("package", packages())
 def test_a_package_says_what_it_is(package):
     assert len(ast.get_docstring(tree(package)) or "") >= 10
 

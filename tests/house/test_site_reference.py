@@ -10,6 +10,7 @@ from aff_runtime.config.declared import keys_of, walk
 from aff_runtime.config.models import Site
 from aff_runtime.config.reference import PAGE, SCHEMA, json_schema, reference_page
 from tests.aff_runtime.config.shipped import ROOT
+from tests.each_case import each_case
 
 KEYS = dict(walk(Site))
 SHIPPED = ROOT / "config" / "euclid.yaml"
@@ -42,14 +43,14 @@ def test_walk_reaches_every_section():
     assert set(_sections()) - {Site} == reached - {None}
 
 
-@pytest.mark.parametrize("path", KEYS)
+@each_case("path", KEYS)
 def test_key_has_a_sentence(path):
     description = KEYS[path].description
     assert len(description) >= 20
     assert description[-1] in ".)"
 
 
-@pytest.mark.parametrize("path", KEYS)
+@each_case("path", KEYS)
 def test_number_has_a_unit_and_two_bounds(path):
     declared = KEYS[path]
     while declared.item is not None and declared.item.section is None:
@@ -62,7 +63,7 @@ def test_number_has_a_unit_and_two_bounds(path):
     assert kinds & {annotated_types.Le, annotated_types.Lt}, "no upper bound"
 
 
-@pytest.mark.parametrize("path", KEYS)
+@each_case("path", KEYS)
 def test_float_key_spells_its_unit(path):
     declared = KEYS[path]
     if declared.leaf is not float or declared.unit == "":

@@ -22,6 +22,7 @@ from releasing.pages.outside import link_in_site, pages_outside
 from releasing.pages.pictures import asked_for, pictured
 from releasing.pages.reference import offered, reference_pages
 from tests import quick_yaml
+from tests.each_case import each_case
 
 # a build takes some 15 s of a core, on a busy machine minutes
 pytestmark = pytest.mark.timeout(600)
@@ -45,7 +46,7 @@ NAV = menu(quick_yaml.safe_load((ROOT / "mkdocs.yml").read_text(encoding="utf-8"
 PAGES = sorted(str(p.relative_to(ROOT / "docs")) for p in (ROOT / "docs").rglob("*.md"))
 
 
-@pytest.mark.parametrize("page", PAGES)
+@each_case("page", PAGES)
 def test_every_page_is_in_the_menu(page):
     assert [name for name in NAV if fnmatch(page, name)] != []
 

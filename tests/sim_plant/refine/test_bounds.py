@@ -13,6 +13,7 @@ from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.model.hypotheses import hypothesis, library
 from sim_plant.refine.search.screening import linear_candidate
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import formula_twin, objective_of, white
 
 LINE = load_declaration(Path(__file__).parents[3] / "config/lines/euclid.yaml")
@@ -56,7 +57,7 @@ def test_what_cannot_be_negative_is_not():
             assert BY_NAME[effect].accepts[name].low >= 0.0, (effect, name)
 
 
-@pytest.mark.parametrize("h", LIBRARY, ids=lambda h: f"{h.effect.name}@{h.location}{h.fixed}")
+@each_case("h", LIBRARY, ids=lambda h: f"{h.effect.name}@{h.location}{h.fixed}")
 def test_a_line_narrows_bounds_and_never_widens_them(h):
     for name, low, high, absent, start in zip(
         h.names, h.low, h.high, h.absent, h.start, strict=True

@@ -8,13 +8,14 @@ import pytest
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.criteria.criterion import NOT_RECORDED, reasons
+from tests.each_case import each_case
 
 REFINE = Path(__file__).parents[4] / "sim_plant/refine"
 REASONS = list(reasons(CRITERIA))
 NOT_WRITTEN_DOWN = 99
 
 
-@pytest.mark.parametrize("reason", REASONS, ids=lambda r: r.name)
+@each_case("reason", REASONS, ids=lambda r: r.name)
 def test_a_criterion_says_its_unit_its_meaning_and_its_origin(reason):
     assert reason.unit.strip()
     assert len(reason.meaning) > 8
