@@ -32,7 +32,7 @@ from aff_runtime.base.printable import printable
 MOST_S = 60.0
 MOST_TICKS = 20_000
 LOST_SHARE = 0.1
-"""Of the longest window: how much of its beginning may be gone while a person types its name."""
+"""Of the window asked for: how much of its beginning may be gone while a person types its name."""
 LEAST_NAME, LONGEST_NAME, LONGEST_NOTE = 2, 60, 500
 NO_NAME = N_("give it a name of two characters or more")
 NO_TICKS = N_("these ticks are not kept any more, or are more than a minute or 20 000 ticks")
@@ -151,9 +151,11 @@ class WindowDesk:
         most = min(MOST_TICKS, round(MOST_S / cycle_s) + 1)
         if last - first >= most:
             return None
-        cut = self.scope.ticks.cut(first, last - first + 1)
+        asked_ticks = last - first + 1
+        allowed_lost_ticks = LOST_SHARE * asked_ticks
+        cut = self.scope.ticks.cut(first, asked_ticks)
         inside = cut.part(0, int((cut.ticks <= last).sum()))
-        is_whole = len(inside) > 1 and inside.ticks[0] - first < LOST_SHARE * most + 2
+        is_whole = len(inside) > 1 and inside.ticks[0] - first <= allowed_lost_ticks
         return inside if is_whole else None
 
     def _tell(self, text: str, name: str, who: str) -> None:

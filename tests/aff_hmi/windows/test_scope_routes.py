@@ -225,6 +225,17 @@ def test_what_cannot_be_kept_is_told(keeping: Pressed, more: dict[str, Any], why
     assert windows(keeping) == []
 
 
+def test_a_tenth_of_what_is_asked_for_may_be_gone(keeping: Pressed) -> None:
+    play(keeping, 0)
+    assert keeping.hub.sources is not None
+    keeping.hub.sources.listen(news(range(500, 1000)))
+    anna = keeping.browser("anna")
+    assert keep(anna, first=0, last=502).said["text"] == NO_TICKS  # three ticks of 503 are left
+    assert keep(anna, first=459, last=859).said["text"] == NO_TICKS  # 41 of 401 are gone
+    assert keep(anna, first=460, last=859).status == 200  # 40 of 400
+    assert [(one["first"], one["last"]) for one in windows(keeping)] == [(500, 859)]
+
+
 @pytest.mark.parametrize(
     "spoil",
     [
