@@ -66,6 +66,19 @@ def test_a_slow_machine_fails_and_a_short_window_too(tmp_path):
     assert machine_step(tmp_path / "b", np.array([50.0]), seconds=30.0).verdict is Verdict.FAIL
 
 
+@pytest.mark.parametrize(
+    ("step", "seconds"),
+    [(machine, 58.9), (machine, 59.5), (shadow, 598.9), (shadow, 599.5)],
+    ids=["machine, short", "machine", "shadow, short", "shadow"],
+)
+def test_the_length_of_a_window_is_judged_by_the_limit_that_is_printed(tmp_path, step, seconds):
+    columns = {"time_s": np.array([0.0, seconds]), "state": np.full(2, State.SHADOW)}
+    found = step.measure(evidence(in_memory(tmp_path, columns), rights=(FIFO,), machine=TWO))
+    length = figure(found, "length of the window")
+    printed_s = float(length.limit.removeprefix("at least ").removesuffix(" s"))
+    assert length.good is (seconds >= printed_s)
+
+
 def test_without_fifo_it_fails_and_without_a_word_on_it_it_stays_open(tmp_path):
     refused = Right(granted=False, text="SCHED_FIFO: not permitted")
     found = machine_step(tmp_path / "a", np.array([50.0]), rights=(refused,))
