@@ -110,7 +110,7 @@ def _undone(one: StepView, say: Say) -> str:
         stand = say(N_("{stand}, not signed")).replace("{stand}", stand)
     why = [*one.why]
     if one.stand == Stand.OPEN and one.entry is not None:
-        why += one.entry.missing
+        why += one.entry.waits_for
     said = say(N_("step {number}, {title}: {stand}")).replace("{number}", str(one.number))
     said = said.replace("{title}", say(one.title)).replace("{stand}", stand)
     reasons = "; ".join(figures_in(sentence(text, say), say) for text in why)

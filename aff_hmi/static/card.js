@@ -62,7 +62,7 @@ function entry(step) {
     ...listed(words.again, step.why),
     ...listed(words.reason, one.reason ? [one.reason] : []),
     ...figures(one.figures),
-    ...listed(words.missing, one.missing, "en"),
+    ...listed(words.missing, one.waits_for, "en"),
     ...listed(words.proposed, one.proposals, "en"),
     ...listed(words.remarks, one.remarks, "en"),
     ...listed(words.typed, one.typed),

@@ -189,7 +189,7 @@ def sign(card: CardFile, number: int, now: Inputs, *, name: str, reason: str, by
     standing = card.standing(number, now)
     if standing.stand not in SIGNABLE or standing.last is None:
         why = "; ".join(
-            (*standing.why, *(standing.measured.result.missing if standing.measured else ()))
+            (*standing.why, *(standing.measured.result.waits_for if standing.measured else ()))
         )
         raise RefusedError(
             f"step {number} is {standing.stand}{f' ({why})' if why else ''}: nothing to sign"

@@ -88,7 +88,7 @@ def _entry(entry: Entry, measurement: Measured) -> EntryView:
         release=measurement.release,
         reason=measurement.reason,
         figures=tuple(_figure(figure) for figure in measurement.result.figures),
-        missing=measurement.result.waits_for,
+        waits_for=measurement.result.waits_for,
         proposals=measurement.result.proposals,
         remarks=measurement.result.remarks,
         typed=tuple(f"{typed.name} = {typed.text}" for typed in measurement.typed),

@@ -63,7 +63,7 @@ class EntryView:
     Attributes
     ----------
     sha256 : what a signature below it names. ``by`` : who had it made. ``reason`` : why the step
-        does not apply. ``missing`` : what it waits for.
+        does not apply. ``waits_for`` : in sentences.
     typed : values read from displays.
     """
 
@@ -74,7 +74,7 @@ class EntryView:
     release: str
     reason: str
     figures: tuple[FigureView, ...]
-    missing: tuple[str, ...]
+    waits_for: tuple[str, ...]
     proposals: tuple[str, ...]
     remarks: tuple[str, ...]
     typed: tuple[str, ...]

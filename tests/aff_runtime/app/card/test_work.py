@@ -7,7 +7,7 @@ import pytest
 
 from aff_runtime.app.card import work
 from aff_runtime.app.card.evidence import CheckedSite
-from aff_runtime.app.card.figures import Verdict
+from aff_runtime.app.card.figures import Figure, Verdict
 from aff_runtime.app.card.gather import Sources, inputs_of
 from aff_runtime.app.card.lines import signed_line
 from aff_runtime.app.card.page import page
@@ -94,6 +94,15 @@ def test_two_who_add_at_once_are_told(begun):
     work.leave_out(one, 4, "the gateway has no watchdog", inputs, "root")
     with pytest.raises(RefusedError, match="added to it meanwhile"):
         work.leave_out(other, 4, "the gateway has no watchdog", inputs, "root")
+
+
+def test_an_open_step_is_not_signed_and_the_figure_that_is_not_there_is_told(begun):
+    card = work.CardFile.of(begun)
+    inputs = inputs_of(sources())
+    lacking = Figure(name="wake-up", value=float("nan"), limit="at most 500 us")
+    add(card.book, measured(4, [lacking], inputs=inputs))
+    with pytest.raises(RefusedError, match=r"step 4 is open \(no figure: wake-up\)"):
+        work.sign(work.CardFile.of(begun), 4, inputs, name="Ada Miller", reason=WHY, by="root")
 
 
 def test_a_signature_says_what_could_not_be_compared(begun):

@@ -60,7 +60,7 @@ ENTRY = views.EntryView(
     release="1",
     reason="",
     figures=(views.FigureView(name="a", value="1 N", span="", limit="", good=None),),
-    missing=("b",),
+    waits_for=("b",),
     proposals=(),
     remarks=("\u00e9",),
     typed=("reaction = ramp",),
