@@ -7,6 +7,7 @@ from math import tau
 
 from aff_runtime.app.report.block_status import RESTS
 from aff_runtime.app.wiring.law_slot import LawSlot
+from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from aff_runtime.config.models import Site
@@ -88,8 +89,7 @@ class LawWatch:
             if name not in self._unbelieved:
                 self._unbelieved.add(name)
                 signal = site.actuators[name].error.signal
-                before, now = watch.reference, ripple[1]
-                self._say(f"RIPPLE_ROSE {name}: {signal} {before:.3g} before, {now:.3g} now")
+                self._say(f"RIPPLE_ROSE {name}: {_rise(signal, watch.reference, ripple[1])}")
         return rose
 
     def _forget_unbelieved(self, controller: Controller, site: Site, quiet: bool) -> None:
@@ -122,6 +122,12 @@ class LawWatch:
             event = EVENT_OF[state]
             self._event(event.code)
             self._say(f"{event.name} {block}: {event.text}; {event.action}")
+
+
+def _rise(signal: str, expected: float, now: float) -> str:
+    """Return what rose; both are ripple in the signal's unit."""
+    unit = unit_of_channel(signal) or ""
+    return f"{signal} {expected:.3g} {unit} expected without correction, {now:.3g} {unit} now"
 
 
 class HeldBlocks:
