@@ -13,7 +13,6 @@ from scipy.interpolate import make_interp_spline
 from sim_plant.base.arrays import Array
 from sim_plant.refine.report.announce import announce, holdout_caveats
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
-from sim_plant.refine.report.verdict import ChannelError
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.without_line.free_spectral_lines import (
     SpectralLine,
@@ -33,7 +32,13 @@ from sim_plant.refine.without_line.record_filter import (
     view_of,
 )
 from sim_plant.refine.without_line.stamps import Stamped
-from sim_plant.refine.without_line.verdict import OutputModel, RecordVerdict, headline, next_step
+from sim_plant.refine.without_line.verdict import (
+    OutputError,
+    OutputModel,
+    RecordVerdict,
+    headline,
+    next_step,
+)
 from sim_plant.refine.without_line.wording import effect_text, line_text
 
 if TYPE_CHECKING:
@@ -176,14 +181,10 @@ def _output(
     )
 
 
-def _error(o: _Output, left: Array) -> ChannelError:
+def _error(o: _Output, left: Array) -> OutputError:
     """Return the error of an output; spectral lines count only where they make it smaller."""
     without_lines = _least_rms(o.judged)
-    return ChannelError(
-        before=o.judged.declared_rms,
-        after=min(rms(left), without_lines),
-        noise_floor=float(np.std(left)),
-    )
+    return OutputError(before=o.judged.declared_rms, after=min(rms(left), without_lines))
 
 
 def _least_rms(judged: Judged) -> float:

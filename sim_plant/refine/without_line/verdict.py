@@ -11,13 +11,24 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sim_plant.refine.report.plain import plain
-from sim_plant.refine.report.verdict import VERSION, Answer, ChannelError, rms_rows
+from sim_plant.refine.report.verdict import VERSION, Answer
 from sim_plant.refine.without_line.free_spectral_lines import SpectralLine
 from sim_plant.refine.without_line.general.findings import Finding
 from sim_plant.refine.without_line.general.judging import Row
 from sim_plant.refine.without_line.wording import effect_text, line_text
 
 SCHEMA = "record-verdict/1"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OutputError:
+    """Error of one output, rms in its unit: of the declared filter, and of all that is used.
+
+    No noise is declared without a line: there is no noise floor to compare it with.
+    """
+
+    before: float
+    after: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -67,7 +78,7 @@ class RecordVerdict:
     unknown: tuple[SpectralLine, ...]
     clocks: tuple[SpectralLine, ...]
     not_claimed: tuple[str, ...]
-    residual_rms: Mapping[str, ChannelError]
+    residual_rms: Mapping[str, OutputError]
     holdout: str
     general: tuple[Finding, ...] = ()
     models: Mapping[str, OutputModel] = field(default_factory=dict)
@@ -89,7 +100,10 @@ class RecordVerdict:
             "unknown": [_line_row(x) for x in self.unknown],
             "clocks": [{**_line_row(x), "why": x.clock} for x in self.clocks],
             "not_claimed": self.not_claimed,
-            "residual_rms": rms_rows(self.residual_rms),
+            "residual_rms": {
+                name: {"before": e.before, "after": e.after}
+                for name, e in self.residual_rms.items()
+            },
             "holdout": self.holdout,
             "general_effects": [_finding(x) for x in self.general],
             "models": {name: _model(x) for name, x in self.models.items()},

@@ -1,5 +1,7 @@
 """A line is claimed for the speeds at which it is there; orders of a turn are orders."""
 
+import json
+
 import numpy as np
 import pytest
 
@@ -111,6 +113,8 @@ def test_without_inputs_and_without_a_speed_lines_are_still_found(tmp_path):
     (line,) = result.unknown
     assert (line.axis, line.presence.scope) == ("time", "every record")
     assert result.residual_rms["torque_N_m"].after == pytest.approx(1.0, rel=0.01)
+    written = json.loads((plan.out / "verdict.json").read_text())["residual_rms"]
+    assert written["torque_N_m"].keys() == {"before", "after"}  # no noise is declared: no floor
     assert any("no inputs are declared" in text for text in result.not_claimed)
     assert "a constant" in (plan.out / "report.html").read_text()
 
