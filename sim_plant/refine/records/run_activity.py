@@ -14,7 +14,10 @@ from sim_plant.base.arrays import Array
 
 RAMP_LOOK_S = 1.0
 RAMP_SHARE = 0.01
-"""A speed that changes by more than this share of its highest in ``RAMP_LOOK_S`` is a ramp."""
+"""A mean speed that changes by more than this share of its highest in ``RAMP_LOOK_S`` is a ramp.
+
+The mean is over ``RAMP_LOOK_S`` too, so a ramp reaches up to ``RAMP_LOOK_S`` beyond its ends.
+"""
 LIMITED_SHARE = 0.999
 """A correction of which a smaller share goes out is cut by a limit."""
 LARGEST_STATE_BITS = 2.0**32 - 1.0
@@ -30,7 +33,7 @@ class Activity:
     Attributes
     ----------
     on_s, off_s, probing_s : corrections went out, none did, the probe's excitation did.
-    ramp_s : the line speed changed.
+    ramp_s : the line speed changed, with up to ``RAMP_LOOK_S`` before and after each ramp.
     saturated_s : a limit of the service cut the correction.
     shadow_s : of ``off_s``, the law computed and nothing was sent.
     """
@@ -51,7 +54,10 @@ class Activity:
                 f"off in shadow, computed and not sent: {self.shadow_s:.3g} s of the time off"
             )
         if self.ramp_s > 0.0:
-            said.append(f"the line speed changes for {self.ramp_s:.3g} s")
+            said.append(
+                f"the line speed changes in {self.ramp_s:.3g} s, "
+                f"up to {RAMP_LOOK_S:g} s before and after each ramp included"
+            )
         if self.saturated_s > 0.0:
             said.append(
                 f"AFF was at a limit for {self.saturated_s:.3g} s: the record holds what went out"
@@ -62,12 +68,17 @@ class Activity:
 def activity_of(
     columns: Mapping[str, Array], acted: Sequence[Array], speed_m_s: Array, step_s: float
 ) -> Activity:
-    """Return how long each lasted; ``columns`` and ``acted`` (per actuator) are (samples,)."""
+    """Return how long each lasted; ``columns`` and ``acted`` are (samples,).
+
+    Parameters
+    ----------
+    acted : the correction of each actuator, in its own unit: only whether it is 0 counts.
+    """
     stage = columns.get(STAGE, np.full(speed_m_s.shape, np.nan))
-    going = np.zeros(speed_m_s.shape, dtype=np.bool_)
+    is_correcting = np.zeros(speed_m_s.shape, dtype=np.bool_)
     for values in acted:
-        going |= values != 0.0
-    probing = (stage == EXCITING) & going
+        is_correcting |= values != 0.0
+    probing = (stage == EXCITING) & is_correcting
     shadow = columns["state"] == State.SHADOW
     words = np.clip(np.nan_to_num(columns["state_bits"]), 0.0, LARGEST_STATE_BITS)
     limited = (words.astype(np.int64) & int(StateBits.SATURATED)) != 0
@@ -75,17 +86,21 @@ def activity_of(
         if name.startswith("limit_ratio_"):
             limited |= values < LIMITED_SHARE
     return Activity(
-        on_s=step_s * float(np.sum(going & ~probing)),
-        off_s=step_s * float(np.sum(~going & ~probing)),
+        on_s=step_s * float(np.sum(is_correcting & ~probing)),
+        off_s=step_s * float(np.sum(~is_correcting & ~probing)),
         probing_s=step_s * float(np.sum(probing)),
         ramp_s=step_s * float(np.sum(ramps(speed_m_s, step_s))),
-        saturated_s=step_s * float(np.sum(limited & going)),
-        shadow_s=step_s * float(np.sum(shadow & ~going)),
+        saturated_s=step_s * float(np.sum(limited & is_correcting)),
+        shadow_s=step_s * float(np.sum(shadow & ~is_correcting)),
     )
 
 
 def ramps(speed_m_s: Array, step_s: float) -> Flags:
-    """Return where the line speed (samples,) changes, judged over a second about each sample."""
+    """Return where the line speed (samples,) changes.
+
+    The mean of the second (``RAMP_LOOK_S``) after a sample is compared with that of the second
+    before. The first and the last half second of a record never count.
+    """
     reach = max(1, round(0.5 * RAMP_LOOK_S / step_s))
     if speed_m_s.size <= 2 * reach:
         return np.zeros(speed_m_s.shape, dtype=np.bool_)

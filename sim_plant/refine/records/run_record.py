@@ -228,9 +228,9 @@ def _piece_on_grid(
     gridded |= {name: gridded[name] - zero for name, zero in zeros.items()}
     said = _missing_samples(taken_s, max(scans.scan_s, scans.step_s))
     unseen = sent_unseen(columns, rows)
-    going = {}
+    corrections = {}
     for name, correction in acted.items():
-        going[f"{CORRECTION}{name}_{site.actuators[name].suffix}"] = on_grid(
+        corrections[f"{CORRECTION}{name}_{site.actuators[name].suffix}"] = on_grid(
             correction.values, taken_s, grid_s, scan_s=scans.scan_s, unseen=unseen
         )
         said.append(f"corrections of {name}: {correction.how}")
@@ -241,12 +241,12 @@ def _piece_on_grid(
     newest = np.searchsorted(taken_s, grid_s + 1e-9, side="right") - 1
     activity = activity_of(
         {n: v[rows][newest] for n, v in columns.items() if _of_service(n)},
-        list(going.values()),
+        list(corrections.values()),
         np.zeros(grid_s.size) if speed is None else speed,
         scans.step_s,
     )
     return _Grid(
-        columns=gridded | going,
+        columns=gridded | corrections,
         zeros_rad=zeros,
         activity=activity,
         said=[*said, *activity.sentences()],
