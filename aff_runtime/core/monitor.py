@@ -14,14 +14,14 @@ SETTLED = 0.3  # ripple over that before, up to which an order is settled
 SLOWEST_RAD_S = 1e-3  # below this a roll stands still
 
 
-class Trend(IntEnum):
-    """State of a block, for telemetry."""
+class OrderState(IntEnum):
+    """State of an order, for telemetry; under the shape law one that is RISING rests."""
 
     IDLE = 0
     CONVERGING = 1
     SETTLED = 2
     STALLED = 3
-    DIVERGING = 4
+    RISING = 4
     HELD_PHASE = 5
     HELD_FREQUENCY = 6
     CLAMPED = 7
@@ -69,12 +69,12 @@ class OrderMonitor:
         if not correcting or not math.isfinite(self.before):
             self.before = amplitude
 
-    def trend(self) -> Trend:
+    def state(self) -> OrderState:
         """Return where the order is going, from now against before and against its slow mean."""
         if not (math.isfinite(self.now) and math.isfinite(self.before)):
-            return Trend.IDLE
+            return OrderState.IDLE
         if self.now > ROSE * self.before and self.now > FELL * self._slow:
-            return Trend.DIVERGING
+            return OrderState.RISING
         if self.now <= SETTLED * self.before:
-            return Trend.SETTLED
-        return Trend.CONVERGING if self.now < FELL * self._slow else Trend.STALLED
+            return OrderState.SETTLED
+        return OrderState.CONVERGING if self.now < FELL * self._slow else OrderState.STALLED

@@ -14,7 +14,7 @@ from itertools import chain
 from typing import Generic, TypeVar
 
 from aff_runtime.base.order_columns import IMBALANCE, OrderColumns, order_columns
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 
 Owner = TypeVar("Owner")
 
@@ -57,7 +57,7 @@ class OrderStatus:
     roll: str
     order: int
     law: str
-    state: Trend | None
+    state: OrderState | None
     size: float
     size_unit: str
     phase_deg: float
@@ -88,7 +88,7 @@ def _status(record: Mapping[str, float | None], order: OrderColumns) -> OrderSta
         roll=order.roll,
         order=order.order,
         law=order.law,
-        state=_trend(at(order.state)),
+        state=_state(at(order.state)),
         size=at(order.size),
         size_unit=order.size_unit,
         phase_deg=at(order.phase_deg),
@@ -99,9 +99,9 @@ def _status(record: Mapping[str, float | None], order: OrderColumns) -> OrderSta
     )
 
 
-def _trend(value: float) -> Trend | None:
+def _state(value: float) -> OrderState | None:
     """Return the state that a number stands for; None when it is none."""
-    return _TRENDS.get(int(value)) if math.isfinite(value) else None
+    return _STATES.get(int(value)) if math.isfinite(value) else None
 
 
-_TRENDS: Mapping[int, Trend] = {int(one): one for one in Trend}
+_STATES: Mapping[int, OrderState] = {int(one): one for one in OrderState}

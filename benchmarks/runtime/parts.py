@@ -22,7 +22,7 @@ from aff_runtime.base.order_columns import STATE
 from aff_runtime.base.python_child import module_command
 from aff_runtime.core.compiled.binary import COMPILED, NUMPY, VARIABLE, chosen
 from aff_runtime.core.impulse import from_taps
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
@@ -104,7 +104,7 @@ class Watcher(Listener):
         found = self._watch.take()
         if record[1] > 2 * CONNECT_TICKS:  # armed for a while
             self.parts.append(found)
-            self.learned += law_values[self._state] not in (Trend.IDLE, Trend.FROZEN)
+            self.learned += law_values[self._state] not in (OrderState.IDLE, OrderState.FROZEN)
 
 
 def runtime_end(site: Path, seconds: float) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from aff_runtime.app.report.line_facts import LineFacts, OutputFacts, RollFacts
 from aff_runtime.app.report.status_answer import ComingMeeting, StatusAnswer
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 
 LINE = LineFacts(
@@ -70,7 +70,7 @@ def row(state: State = State.ACTIVE, **more: float) -> dict[str, float]:
     for order, before in ((1, 3.0), (2, 4.0)):
         name = f"unwind.unwind_{order}x"
         found[f"{name}.shape_mm"] = 1.0
-        found[f"{name}.state"] = float(Trend.SETTLED)
+        found[f"{name}.state"] = float(OrderState.SETTLED)
         found[f"{name}.ripple_before"] = before
         found[f"{name}.ripple"] = 0.01 * before
     return found | more

@@ -13,7 +13,7 @@ pytest.importorskip("starlette")
 
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from tests.aff_hmi.asgi import HOST
 from tests.aff_hmi.pressed import Pressed, onlooker
 from tests.aff_hmi.pseudo import BEGIN, END, LONGER, pseudo, speaks
@@ -103,7 +103,7 @@ def test_no_sentence_of_a_frame_is_beside_the_catalogue(speaking: Pressed, topic
     speaking.show(
         State.ACTIVE,
         blocked="WEB_INTACT=0",
-        **{"unwind.unwind_2x.state": float(Trend.CLAMPED), "unwind.omega_rad_s": 5.0},
+        **{"unwind.unwind_2x.state": float(OrderState.CLAMPED), "unwind.omega_rad_s": 5.0},
     )
     frame = json.loads("{" + hub._frames["en", topic].lstrip("{"))
     texts = [text for text in words_of(frame, WORDS) if text] + list(frame["notes"].values())

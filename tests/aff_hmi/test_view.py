@@ -21,7 +21,7 @@ from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.events import BY_NAME, TABLE, Event
 from aff_runtime.base.signals import State
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.phase import Source
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_hmi.moments import LINE, facts, row, seen
@@ -222,14 +222,14 @@ def test_the_state_names_the_signal_too_when_its_cause_is_over() -> None:
 
 
 def test_orders_that_rest_are_told_together() -> None:
-    clamped = {k: float(Trend.CLAMPED) for k in row() if k.endswith(".state")}
+    clamped = {k: float(OrderState.CLAMPED) for k in row() if k.endswith(".state")}
     (notice,) = shown(seen(row(**clamped))).alarms
     assert notice.name == "unwind: unwind_1x, unwind_2x"
     assert "limit is used up" in notice.text
 
 
 def test_what_waits_for_its_delay_is_told_once_it_stands() -> None:
-    clamped = seen(row(**{k: float(Trend.CLAMPED) for k in row() if k.endswith(".state")}))
+    clamped = seen(row(**{k: float(OrderState.CLAMPED) for k in row() if k.endswith(".state")}))
     (resting,) = conditions_of(clamped, "ACTIVE")
     assert notices_of(clamped, "ACTIVE", SAY, standing={}) == ()
     assert len(notices_of(clamped, "ACTIVE", SAY, standing={resting.key: "unwind"})) == 1

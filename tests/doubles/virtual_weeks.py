@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from aff_runtime.base.signals import State
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.loop.record import record_columns
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
@@ -105,7 +105,7 @@ def write_run(
             rows["correction_unwind_m_s"] = rows["correction_unwind_m_s"] + 0.001
             wander = 1.0 + 0.002 * rng.standard_normal(n + tail)
             rows[f"{name}.amplitude_m_s"] = omega * sizes_m[roll] * wander
-            rows[f"{name}.state"] = np.full(n + tail, Trend.SETTLED)
+            rows[f"{name}.state"] = np.full(n + tail, OrderState.SETTLED)
     rows["unwind_tension_N"] = tension
     folder.add([tuple(row) for row in np.stack([rows[c] for c in columns], axis=1).tolist()])
     folder.finish(ring_overruns=0)

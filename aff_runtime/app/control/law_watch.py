@@ -12,16 +12,18 @@ from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
 from aff_runtime.config.models import Site
 from aff_runtime.core.controller import Controller
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.order_status import OrderStatus
 from aff_runtime.core.ripple_watch import RippleWatch
 from aff_runtime.loop.seams import Advice
 
 STEADY_ASKS = 10  # looks that must agree before a block counts as held, or as free again
-EVENT_OF = {Trend.CLAMPED: BY_NAME["BLOCK_CLAMPED"], Trend.HELD_PHASE: BY_NAME["PHASE_UNSURE"]}
-RESTING = Trend.DIVERGING
+EVENT_OF = {
+    OrderState.CLAMPED: BY_NAME["BLOCK_CLAMPED"],
+    OrderState.HELD_PHASE: BY_NAME["PHASE_UNSURE"],
+}
 RESTS_IN = "shape"  # the law whose orders rest when they do harm
-REPORTED = {*EVENT_OF, RESTING}
+REPORTED = {*EVENT_OF, OrderState.RISING}
 
 
 class LawWatch:
@@ -115,7 +117,7 @@ class LawWatch:
     def _note_blocks(self, controller: Controller, is_open: bool) -> None:
         for order, state in self._held.step(controller.order_statuses(), is_open=is_open):
             block = f"{order.actuator}.{order.name}"
-            if state is RESTING:
+            if state is OrderState.RISING:
                 if order.law == RESTS_IN:
                     self._say(f"{block} {RESTS}")
                 continue
@@ -135,13 +137,13 @@ class HeldBlocks:
 
     def __init__(self) -> None:
         self._count: dict[tuple[str, str], int] = {}
-        self._reported: dict[tuple[str, str], Trend | None] = {}
+        self._reported: dict[tuple[str, str], OrderState | None] = {}
 
     def step(
         self, orders: Sequence[OrderStatus], *, is_open: bool = True
-    ) -> list[tuple[OrderStatus, Trend]]:
+    ) -> list[tuple[OrderStatus, OrderState]]:
         """Return the blocks newly held or resting, with their state; none unless ``is_open``."""
-        news: list[tuple[OrderStatus, Trend]] = []
+        news: list[tuple[OrderStatus, OrderState]] = []
         for order in orders:
             block = (order.actuator, order.name)
             reported = self._reported.get(block)

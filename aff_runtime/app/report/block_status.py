@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.numbers import finite_or_none
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.order_status import OrderStatus
 from aff_runtime.core.params import IMBALANCE_N_M_PER_M
 from aff_runtime.core.phase import Source
@@ -18,32 +18,34 @@ if TYPE_CHECKING:
     from aff_runtime.config.models import Actuator, Block, Site
 
 WORDS = {
-    Trend.IDLE: "idle",
-    Trend.CONVERGING: "adapting",
-    Trend.SETTLED: "settled",
-    Trend.STALLED: "stalled",
-    Trend.DIVERGING: "RISING",
-    Trend.HELD_PHASE: "HELD phase",
-    Trend.HELD_FREQUENCY: "HELD Hz",
-    Trend.CLAMPED: "CLAMPED",
-    Trend.FROZEN: "frozen",
+    OrderState.IDLE: "idle",
+    OrderState.CONVERGING: "adapting",
+    OrderState.SETTLED: "settled",
+    OrderState.STALLED: "stalled",
+    OrderState.RISING: "RISING",
+    OrderState.HELD_PHASE: "HELD phase",
+    OrderState.HELD_FREQUENCY: "HELD Hz",
+    OrderState.CLAMPED: "CLAMPED",
+    OrderState.FROZEN: "frozen",
 }
 SHAPE = "shape"
 N_M_PER_MM = 1e-3 * IMBALANCE_N_M_PER_M
 WHY = {
-    Trend.DIVERGING: "ripple is larger than without it",
-    Trend.HELD_PHASE: "its response is not sure to 60 deg here; probe at this speed and radius",
-    Trend.HELD_FREQUENCY: "too fast for the loop or the sample rate; it fades",
-    Trend.CLAMPED: "its limit is reached; raise it when the cause is known",
-    Trend.FROZEN: "learning holds; see the state of the service",
+    OrderState.RISING: "ripple is larger than without it",
+    OrderState.HELD_PHASE: (
+        "its response is not sure to 60 deg here; probe at this speed and radius"
+    ),
+    OrderState.HELD_FREQUENCY: "too fast for the loop or the sample rate; it fades",
+    OrderState.CLAMPED: "its limit is reached; raise it when the cause is known",
+    OrderState.FROZEN: "learning holds; see the state of the service",
 }
 RESTS = (
     "makes ripple larger than without, or does nothing to it (does the drive take the "
     "correction?); it fades and rests for 20 turns"
 )
 SHAPE_WHY = {
-    Trend.DIVERGING: RESTS,
-    Trend.CLAMPED: "the actuator's limit is used up; it gives way to orders that help more",
+    OrderState.RISING: RESTS,
+    OrderState.CLAMPED: "the actuator's limit is used up; it gives way to orders that help more",
 }
 
 
@@ -186,7 +188,7 @@ def _benefit_dB(before: float, now: float) -> float:
     return 20.0 * math.log10(before / now) if before > 0.0 and now > 0.0 else math.nan
 
 
-def _why(state: Trend | None, law: str) -> str:
+def _why(state: OrderState | None, law: str) -> str:
     """Return why a block is held or faded, empty when it is not."""
     if state is None:
         return ""

@@ -12,7 +12,7 @@ from aff_runtime.core.blocks.sharing import gain_share
 from aff_runtime.core.blocks.slot import Slot
 from aff_runtime.core.gate import ANGLE_FADE_S, RAMP_S, AngleGate, SpeedGate
 from aff_runtime.core.law import ActuatorLaw, Inputs
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.order_status import Column, column_names, column_values
 from aff_runtime.core.params import ActuatorParams
 from aff_runtime.core.phase import Quality, RollPhase
@@ -308,19 +308,19 @@ class Bank:
         """Return five columns per block."""
         return column_names([slot.name for slot in self.slots], self._columns)
 
-    def state_of(self, slot: Slot) -> Trend:
+    def state_of(self, slot: Slot) -> OrderState:
         """Return the state of a block, for the record."""
         if self._gate.share == 0.0:
-            return Trend.IDLE
+            return OrderState.IDLE
         if slot.fade < 1.0:
-            return Trend.HELD_FREQUENCY
+            return OrderState.HELD_FREQUENCY
         if slot.bound_rad > MAX_PHASE_ERROR_RAD:
-            return Trend.HELD_PHASE
+            return OrderState.HELD_PHASE
         if slot.block.clamped:
-            return Trend.CLAMPED
+            return OrderState.CLAMPED
         if self._angles[slot.at].share < 1.0:
-            return Trend.FROZEN
-        return slot.monitor.trend() if self._adapting else Trend.FROZEN
+            return OrderState.FROZEN
+        return slot.monitor.state() if self._adapting else OrderState.FROZEN
 
 
 def _columns(unit: str) -> tuple[Column[Bank], ...]:

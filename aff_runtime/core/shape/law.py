@@ -15,7 +15,7 @@ from aff_runtime.core.bandwidth import band_of
 from aff_runtime.core.gate import RAMP_S, SpeedGate
 from aff_runtime.core.impulse import LoopModel
 from aff_runtime.core.law import ActuatorLaw, Inputs
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.order_status import Column, column_names, column_values
 from aff_runtime.core.params import ActuatorParams, DriveParams
 from aff_runtime.core.phase import RollPhase
@@ -350,18 +350,18 @@ class ShapeLaw:
         """Return the state of every column as the record keeps it."""
         return [float(self._state(at)) for at in range(self.state.count)]
 
-    def _state(self, at: int) -> Trend:
+    def _state(self, at: int) -> OrderState:
         if self._gate.share == 0.0:
-            return Trend.IDLE
+            return OrderState.IDLE
         if self.basis.fade[at] < 1.0:
-            return Trend.HELD_FREQUENCY
+            return OrderState.HELD_FREQUENCY
         if self.confidence.held[at]:
-            return Trend.HELD_PHASE
+            return OrderState.HELD_PHASE
         if self.allocation.share[at] < GIVES_WAY:
-            return Trend.CLAMPED
+            return OrderState.CLAMPED
         if not self.adapting:
-            return Trend.FROZEN
-        return self.monitor.trend(at)
+            return OrderState.FROZEN
+        return self.monitor.state(at)
 
 
 COLUMNS: tuple[Column[ShapeLaw], ...] = (

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.core.compiled.binary import chosen, holding
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.shape.columns import ColumnState
 
 Complexes = npt.NDArray[np.complex128]
@@ -254,13 +254,17 @@ class ShapeMonitor:
         self._ticks, self._passed_s = old._ticks, old._passed_s
         self.calm = not self._rest.any() and bool((self.share == 1.0).all())
 
-    def trend(self, at: int) -> Trend:
+    def state(self, at: int) -> OrderState:
         """Return where a column stands."""
         now, without = float(self.now[at]), float(self.without[at])
         if not (math.isfinite(now) and math.isfinite(without)) or self._judged[at] < TURNS:
-            return Trend.IDLE
+            return OrderState.IDLE
         if self._rest[at] > 0.0 or self._bad[at] > 1.0:
-            return Trend.DIVERGING
+            return OrderState.RISING
         if now <= SETTLED_RATIO * without:
-            return Trend.SETTLED
-        return Trend.CONVERGING if now < CONVERGING_RATIO * self._slow[at] else Trend.STALLED
+            return OrderState.SETTLED
+        return (
+            OrderState.CONVERGING
+            if now < CONVERGING_RATIO * self._slow[at]
+            else OrderState.STALLED
+        )

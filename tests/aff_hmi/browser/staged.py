@@ -22,7 +22,7 @@ from aff_runtime.app.report.line_facts import OutputFacts
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from sim_plant.demo.wires import free_port
 from tests.aff_hmi.moments import LINE, facts, row, seen
 from tests.processes import until
@@ -152,7 +152,7 @@ def moment(name: str, **more: Any) -> Observed:
     blocked = ""
     age_s = 0.1
     if name == "RESTING":
-        values |= {k: float(Trend.CLAMPED) for k in values if k.endswith("1x.state")}
+        values |= {k: float(OrderState.CLAMPED) for k in values if k.endswith("1x.state")}
     elif name == "SILENT":
         age_s = 7.0
     elif state in (State.FAULT, State.OFF):

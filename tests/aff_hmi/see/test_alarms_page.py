@@ -21,7 +21,7 @@ from aff_hmi.watch import News
 from aff_hmi.words import say_in
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_hmi.asgi import HOST
 from tests.aff_hmi.moments import facts, row, seen
@@ -113,7 +113,7 @@ def test_an_alarm_of_the_ring_leads_to_its_ticks_five_seconds_before_and_after(
 
 
 def test_an_order_that_rests_leads_to_its_roll_and_a_lost_record_to_the_machine() -> None:
-    resting = row() | {"unwind.unwind_2x.state": float(Trend.CLAMPED)}
+    resting = row() | {"unwind.unwind_2x.state": float(OrderState.CLAMPED)}
     lossy = RecorderReport(folder="/r", rows=5, rows_lost=3, alive=True)
     moment = seen(resting, facts=facts(recorder=lossy))
     pages = {one.key.partition(":")[0]: one.page for one in conditions_of(moment, "ACTIVE")}
@@ -127,7 +127,7 @@ def test_the_overview_has_the_alarms_of_the_book_and_not_what_comes_and_goes(
     keeping: Pressed,
 ) -> None:
     keeping.hub._viewers.add(onlooker())
-    resting = {"unwind.unwind_2x.state": float(Trend.CLAMPED)}
+    resting = {"unwind.unwind_2x.state": float(OrderState.CLAMPED)}
 
     def told(**more: float) -> list[str]:
         keeping.clock.advance_ns(500_000_000)

@@ -14,7 +14,7 @@ from aff_hmi.watch import News, Observed
 from aff_runtime.app.report.status_answer import OperatorNote
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from tests.aff_hmi.moments import facts, row, seen
 from tests.doubles.virtual_clock import VirtualClock
 
@@ -119,7 +119,7 @@ def test_another_roll_is_told(told: Told) -> None:
 
 
 def test_an_order_that_rests_is_told_with_its_roll_and_so_is_its_return(told: Told) -> None:
-    resting = row(**{"unwind.unwind_2x.state": float(Trend.HELD_PHASE)})
+    resting = row(**{"unwind.unwind_2x.state": float(OrderState.HELD_PHASE)})
     told.look()
     for after_s in (0.5, 4.0, 2.0):
         told.look(seen(resting), after_s=after_s)
@@ -132,7 +132,7 @@ def test_an_order_that_rests_is_told_with_its_roll_and_so_is_its_return(told: To
 
 
 def test_an_order_that_rests_for_a_moment_is_not(told: Told) -> None:
-    resting = row(**{"unwind.unwind_2x.state": float(Trend.HELD_PHASE)})
+    resting = row(**{"unwind.unwind_2x.state": float(OrderState.HELD_PHASE)})
     for _ in range(20):
         told.look(seen(resting), after_s=3.0)
         told.look(after_s=3.0)

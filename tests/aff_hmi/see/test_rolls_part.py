@@ -13,7 +13,7 @@ from aff_hmi.watch import Observed
 from aff_hmi.words import say_in
 from aff_runtime.app.report.line_facts import RollFacts
 from aff_runtime.base.signals import State
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.phase import Source
 from tests.aff_hmi.moments import LINE, facts, row, seen
 
@@ -24,7 +24,7 @@ FIXED = replace(LINE, rolls=(*LINE.rolls, RollFacts(name="swrap", radius_m=0.063
 
 def order(name: str, number: int, mm: float, deg: float, **more: float) -> dict[str, float]:
     """Return the columns of one order."""
-    values = {"shape_mm": mm, "phase_deg": deg, "state": float(Trend.SETTLED)}
+    values = {"shape_mm": mm, "phase_deg": deg, "state": float(OrderState.SETTLED)}
     values |= {"ripple_before": 2.0, "ripple": 0.02, "gain_of_P": 1.1, "share": 1.0}
     return {f"unwind.{name}_{number}x.{key}": v for key, v in (values | more).items()}
 
@@ -116,7 +116,7 @@ def test_what_is_not_known_is_none_and_never_zero() -> None:
 
 
 def test_what_rests_stands_first_with_its_reason() -> None:
-    held = order("unwind", 3, 0.1, 0.0, state=float(Trend.HELD_FREQUENCY))
+    held = order("unwind", 3, 0.1, 0.0, state=float(OrderState.HELD_FREQUENCY))
     roll = shown(order("unwind", 1, 0.1, 0.0), order("unwind", 2, 0.1, 0.0), held)
     assert [line.name for line in roll.orders] == ["3×", "1×", "2×"]
     assert "too fast" in roll.orders[0].why

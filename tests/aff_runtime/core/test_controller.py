@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Permission
 from aff_runtime.core.controller import Controller
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.params import BlockParams
 from tests.aff_runtime.core.plants import (
     ACTUATOR,
@@ -155,7 +155,7 @@ def test_a_block_stops_at_its_amplitude_limit_and_comes_back():
     line, law = Line(plant(), {("unwind", 1): 3.0 + 0j}), controller(with_blocks(blocks))
     line.run(law, 20.0)
     assert column(law, "unwind.unwind_1x.amplitude_m_s") == pytest.approx(0.002, rel=0.01)
-    assert column(law, "unwind.unwind_1x.state") == Trend.CLAMPED
+    assert column(law, "unwind.unwind_1x.state") == OrderState.CLAMPED
     line.ripple = {("unwind", 1): 0.3 + 0j}
     line.run(law, 12.0)
     assert rms(line.run(law, 2.0)) < 0.02
@@ -181,14 +181,14 @@ def test_output_fades_and_learning_stops_on_a_slow_line():
     line.run(law, 2.0)
     (step,) = law.step(snapshot(line.tick, *line.read()), CYCLE_S, FREE)
     assert step.value == step.peak_bound == 0.0
-    assert column(law, "unwind.unwind_1x.state") == Trend.IDLE
+    assert column(law, "unwind.unwind_1x.state") == OrderState.IDLE
 
 
 def test_order_above_a_twentieth_of_the_sample_rate_is_held_and_silent():
     blocks = BlockParams(roll="unwind", orders=(13,), settle_s=4.0, amp_limit=0.01)
     line, law = Line(plant(), {}, omega=5.0), controller(with_blocks(blocks))
     line.run(law, 5.0)  # 10.3 Hz at 200 samples per second
-    assert column(law, "unwind.unwind_13x.state") == Trend.HELD_FREQUENCY
+    assert column(law, "unwind.unwind_13x.state") == OrderState.HELD_FREQUENCY
     assert any("1/20" in text for text in law.arming_objections()["unwind"])
 
 
@@ -197,7 +197,7 @@ def test_block_outside_the_probed_band_is_held():
     params = site()
     law = Controller(params, {"unwind": measured(plant().at, [4.0, 5.0])})
     line.run(law, 5.0)
-    assert column(law, "unwind.unwind_1x.state") == Trend.HELD_PHASE
+    assert column(law, "unwind.unwind_1x.state") == OrderState.HELD_PHASE
     assert column(law, "unwind.unwind_1x.amplitude_m_s") == 0.0
     assert law.arming_objections()["unwind"]
 
@@ -281,7 +281,7 @@ def test_ripple_before_and_now_tell_success_from_harm():
     line.run(wrong, 6.0)
     ((before, now),) = wrong.ripple()
     assert now > 1.5 * before
-    assert column(wrong, "unwind.unwind_1x.state") == Trend.DIVERGING
+    assert column(wrong, "unwind.unwind_1x.state") == OrderState.RISING
 
 
 def test_noise_leaves_the_cancelled_orders_near_the_floor():

@@ -9,7 +9,7 @@ import pytest
 
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.long_gap import CHANCE, NOISE_RAD, NOISE_S, STEADY_SPEED
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.params import BlockParams
 from aff_runtime.core.phase import PREDICT_MAX_S, Quality, RollPhase, Source
 from tests.aff_runtime.core.plants import (
@@ -333,4 +333,4 @@ def test_a_roll_that_is_exchanged_while_its_angle_is_lost_is_learned_anew():
     line.run(controller, 25.0, roll_id=2)
     states = {order.name: order for order in controller.order_statuses()}
     assert states["unwind_1x"].share == 1.0
-    assert states["unwind_1x"].state is Trend.SETTLED
+    assert states["unwind_1x"].state is OrderState.SETTLED

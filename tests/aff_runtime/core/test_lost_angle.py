@@ -9,7 +9,7 @@ import pytest
 
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.gate import ANGLE_FADE_S, AngleGate
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.params import BlockParams
 from aff_runtime.core.phase import PREDICT_MAX_S
 from tests.aff_runtime.core.plants import (
@@ -95,7 +95,7 @@ def test_a_roll_without_an_angle_leaves_the_others_alone():
     orders = {order.name: order for order in controller.order_statuses()}
     assert step.peak_bound == pytest.approx(orders["swrap_1x"].size)
     assert orders["unwind_1x"].size > 0.0
-    assert orders["unwind_1x"].state is Trend.FROZEN
+    assert orders["unwind_1x"].state is OrderState.FROZEN
 
 
 @pytest.mark.parametrize("law", ["blocks", "iterative"])

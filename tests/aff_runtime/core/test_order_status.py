@@ -7,7 +7,7 @@ import math
 import pytest
 
 from aff_runtime.core.controller import Controller
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.order_status import Column, column_names, column_values, order_statuses
 from tests.aff_runtime.core.plants import ACTUATOR, site
 from tests.aff_runtime.core.shape_site import Rig
@@ -38,7 +38,7 @@ def test_every_order_of_the_plain_law_comes_back_from_its_columns():
     orders = law.order_statuses()
     assert [(o.roll, o.order) for o in orders] == list(ACTUATOR.orders)
     assert {(o.actuator, o.law, o.size_unit) for o in orders} == {(ACTUATOR.name, "blocks", "m/s")}
-    assert all(o.state is Trend.IDLE for o in orders)
+    assert all(o.state is OrderState.IDLE for o in orders)
 
 
 def test_every_order_of_a_shape_and_its_imbalance_come_back_from_the_columns():

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from aff_runtime.core.controller import Controller
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from tests.aff_runtime.core.plants import (
     ACTUATOR,
     CYCLE_S,
@@ -54,23 +54,25 @@ class SlowPlc:
 def test_an_order_that_learns_is_frozen_in_no_tick(law):
     plc = SlowPlc(law)
     plc.states(400)  # the gate opens, two turns are seen
-    assert not any(Trend.FROZEN in states for states in plc.states(40 * EVERY))
+    assert not any(OrderState.FROZEN in states for states in plc.states(40 * EVERY))
 
 
 @pytest.mark.parametrize("law", LAW_WORDS)
 def test_without_permission_it_is_frozen_at_once_and_until_the_next_reading(law):
     plc = SlowPlc(law)
     plc.states(401)
-    assert set(map(frozenset, plc.states(2, FROZEN))) == {frozenset({Trend.FROZEN})}
+    assert set(map(frozenset, plc.states(2, FROZEN))) == {frozenset({OrderState.FROZEN})}
     plc = SlowPlc(law)
     plc.states(400)
     plc.states(EVERY, FROZEN)
-    assert all(Trend.FROZEN not in states for states in plc.states(EVERY))
+    assert all(OrderState.FROZEN not in states for states in plc.states(EVERY))
 
 
 @pytest.mark.parametrize("law", LAW_WORDS)
 def test_a_reading_that_is_no_number_freezes_it_until_the_next_one(law):
     plc = SlowPlc(law)
     plc.states(400)
-    assert set(map(frozenset, plc.states(EVERY, signal=math.nan))) == {frozenset({Trend.FROZEN})}
-    assert all(Trend.FROZEN not in states for states in plc.states(EVERY))
+    assert set(map(frozenset, plc.states(EVERY, signal=math.nan))) == {
+        frozenset({OrderState.FROZEN})
+    }
+    assert all(OrderState.FROZEN not in states for states in plc.states(EVERY))

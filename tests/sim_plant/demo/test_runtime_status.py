@@ -2,7 +2,7 @@
 
 from aff_runtime.app.report.block_status import WORDS
 from aff_runtime.app.report.status_answer import Alarm, Live, StatusAnswer
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from sim_plant.demo.runtime_status import CLAMPED, HELD_PHASE, RuntimeStatus
 
 
@@ -23,8 +23,8 @@ def test_orders_that_rest_for_their_phase_and_that_give_way_are_named():
 
 
 def test_the_words_are_the_services_own():
-    assert WORDS[Trend.HELD_PHASE] == HELD_PHASE
-    assert WORDS[Trend.CLAMPED] == CLAMPED
+    assert WORDS[OrderState.HELD_PHASE] == HELD_PHASE
+    assert WORDS[OrderState.CLAMPED] == CLAMPED
 
 
 def test_the_keys_are_those_of_the_services_own_answer():

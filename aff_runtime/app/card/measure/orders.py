@@ -9,10 +9,10 @@ from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Figure, StepResult
 from aff_runtime.app.report.block_status import WORDS, BlockStatus
 from aff_runtime.base.signals import State
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 
 HELD = frozenset(
-    WORDS[trend] for trend in (Trend.HELD_PHASE, Trend.HELD_FREQUENCY, Trend.DIVERGING)
+    WORDS[state] for state in (OrderState.HELD_PHASE, OrderState.HELD_FREQUENCY, OrderState.RISING)
 )
 
 

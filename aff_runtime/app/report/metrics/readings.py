@@ -20,16 +20,16 @@ from aff_runtime.app.report.watch_notes import WatchNotes
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.signals import State, Status
 from aff_runtime.config.revision import SHORT
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.order_status import OrderStatus
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 
 TICK_PATIENCE_S = 1.0  # where the newest tick is older, the control process does not tick
 RESTING = {
-    Trend.DIVERGING: "rising",
-    Trend.HELD_PHASE: "phase",
-    Trend.HELD_FREQUENCY: "frequency",
-    Trend.CLAMPED: "limit",
+    OrderState.RISING: "rising",
+    OrderState.HELD_PHASE: "phase",
+    OrderState.HELD_FREQUENCY: "frequency",
+    OrderState.CLAMPED: "limit",
 }
 
 

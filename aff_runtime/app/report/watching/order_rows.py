@@ -23,7 +23,7 @@ from aff_runtime.base.order_columns import OrderColumns, order_columns
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.yaml_section import Section
 from aff_runtime.config.models import Actuator
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 
 MOST_ROWS = 2000
 """Rows of one stretch; a site file that somebody sent may list any number of orders."""
@@ -31,7 +31,7 @@ SETTLED_SHARE = 0.5
 """Share of the later half of a stretch in which an order must be settled for its learned size to
 count. Near the noise it is settled and stalled by turns."""
 SHAPE_LIMIT_M: float = Actuator.model_fields["shape_limit_m"].default
-LEARNED = (Trend.CONVERGING, Trend.SETTLED, Trend.STALLED)
+LEARNED = (OrderState.CONVERGING, OrderState.SETTLED, OrderState.STALLED)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -151,7 +151,7 @@ def _is_settled(state: Array) -> bool:
     """Return whether an order never went back to rest, and was settled for most of the time."""
     if not np.all(np.isin(state, LEARNED)):
         return False
-    return bool(np.mean(state == Trend.SETTLED) >= SETTLED_SHARE)
+    return bool(np.mean(state == OrderState.SETTLED) >= SETTLED_SHARE)
 
 
 def _largest(actuator: Section, at: tuple[str, int]) -> float:

@@ -12,7 +12,7 @@ from aff_runtime.app.control.law_watch import STEADY_ASKS, HeldBlocks, LawWatch
 from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.base.signals import State, Status
 from aff_runtime.core.controller import Controller
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.order_status import OrderStatus, order_statuses
 from aff_runtime.safety.guard import Guard
 from aff_runtime.safety.params import ActuatorLimits, GuardParams, PermissiveParams
@@ -37,37 +37,37 @@ def orders(first: float, second: float, law: str = "blocks") -> tuple[OrderStatu
     return order_statuses(record)
 
 
-def named(news: list[tuple[OrderStatus, Trend]]) -> list[tuple[str, Trend]]:
+def named(news: list[tuple[OrderStatus, OrderState]]) -> list[tuple[str, OrderState]]:
     return [(order.name, state) for order, state in news]
 
 
 def test_a_held_block_is_told_once_and_by_its_name() -> None:
     held = HeldBlocks()
-    told = [named(held.step(orders(Trend.CLAMPED, Trend.SETTLED))) for _ in range(100)]
-    assert [news for news in told if news] == [[("unwind_1x", Trend.CLAMPED)]]
+    told = [named(held.step(orders(OrderState.CLAMPED, OrderState.SETTLED))) for _ in range(100)]
+    assert [news for news in told if news] == [[("unwind_1x", OrderState.CLAMPED)]]
     assert told[STEADY_ASKS - 1]
 
 
 def test_flicker_is_not_told() -> None:
     held = HeldBlocks()
     for k in range(200):
-        state = Trend.CLAMPED if k % (STEADY_ASKS - 1) else Trend.CONVERGING
-        assert held.step(orders(state, Trend.CONVERGING)) == []
+        state = OrderState.CLAMPED if k % (STEADY_ASKS - 1) else OrderState.CONVERGING
+        assert held.step(orders(state, OrderState.CONVERGING)) == []
 
 
 def test_a_block_that_was_free_in_between_is_told_again() -> None:
     held = HeldBlocks()
     count = 0
-    for state in (Trend.HELD_PHASE, Trend.SETTLED, Trend.HELD_PHASE):
+    for state in (OrderState.HELD_PHASE, OrderState.SETTLED, OrderState.HELD_PHASE):
         for _ in range(2 * STEADY_ASKS):
-            count += len(held.step(orders(Trend.SETTLED, state)))
+            count += len(held.step(orders(OrderState.SETTLED, state)))
     assert count == 2
 
 
 def test_nothing_is_told_while_no_output_is_open() -> None:
     held = HeldBlocks()
     for _ in range(5 * STEADY_ASKS):
-        assert held.step(orders(Trend.CLAMPED, math.nan), is_open=False) == []
+        assert held.step(orders(OrderState.CLAMPED, math.nan), is_open=False) == []
 
 
 class Loop:
@@ -166,7 +166,7 @@ def test_a_shape_that_rests_is_told_and_a_plain_block_that_rises_is_not() -> Non
     said: list[str] = []
     for kind in ("shape", "blocks"):
         watch = LawWatch(lambda code: None, said.append)
-        rising = orders(Trend.DIVERGING, Trend.SETTLED, kind)
+        rising = orders(OrderState.RISING, OrderState.SETTLED, kind)
         law = SimpleNamespace(order_statuses=lambda rising=rising: rising)
         for _ in range(3 * STEADY_ASKS):
             watch._note_blocks(law, is_open=True)  # type: ignore[arg-type]

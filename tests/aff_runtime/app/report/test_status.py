@@ -20,7 +20,7 @@ from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State, Status
 from aff_runtime.config.models import Block, Site
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from tests.parameter_records import EUCLID
 
 NEED = ["LINE_RUN", "WEB_INTACT", "AFF_ENABLE_REQUEST"]
@@ -147,7 +147,7 @@ def test_a_block_is_told_in_words_with_units_limit_and_frequency() -> None:
         "unwind.quality": 0.0,
         "unwind.unwind_2x.amplitude_m_s": 0.004,
         "unwind.unwind_2x.phase_deg": -71.0,
-        "unwind.unwind_2x.state": float(Trend.CLAMPED),
+        "unwind.unwind_2x.state": float(OrderState.CLAMPED),
         "unwind.unwind_2x.ripple_before": 1.5,
         "unwind.unwind_2x.ripple": math.nan,
     }
@@ -186,7 +186,7 @@ SHAPE_SITE = site_with(
 )
 
 
-def shape_record(name: str, state: Trend, **more: float) -> dict[str, float]:
+def shape_record(name: str, state: OrderState, **more: float) -> dict[str, float]:
     said = {"shape_mm": 0.8, "phase_deg": 30.0, "ripple_before": 1.0, "ripple": 0.01}
     said |= {"state": float(state), "gain_of_P": 1.1, "share": 1.0, **more}
     return {f"unwind.{name}.{key}": value for key, value in said.items()}
@@ -203,7 +203,7 @@ def shapes(*rows: dict[str, float], swrap_Hz: float = 1.05) -> dict[str, dict[st
 
 
 def test_an_order_of_a_shape_is_told_in_mm_with_its_benefit() -> None:
-    block = shapes(shape_record("unwind_3x", Trend.SETTLED))["unwind_3x"]
+    block = shapes(shape_record("unwind_3x", OrderState.SETTLED))["unwind_3x"]
     assert (block["law"], block["amplitude"], block["unit"]) == ("shape", 0.8, "mm")
     assert block["limit"] == pytest.approx(15.0)
     assert block["benefit_dB"] == pytest.approx(40.0)
@@ -215,22 +215,22 @@ def test_an_order_of_a_shape_is_told_in_mm_with_its_benefit() -> None:
 def test_what_goes_out_of_an_order_is_its_share_of_what_the_guard_lets_out(
     applied: float, out: float
 ) -> None:
-    row = shape_record("unwind_3x", Trend.SETTLED, share=0.4)
+    row = shape_record("unwind_3x", OrderState.SETTLED, share=0.4)
     block = shapes(row | {"applied_ratio_unwind_m_s": applied})["unwind_3x"]
     assert block["out"] == pytest.approx(out)
 
 
 def test_a_held_order_says_why() -> None:
     told_of = shapes(
-        shape_record("unwind_1x", Trend.DIVERGING, share=0.0),
-        shape_record("unwind_3x", Trend.HELD_PHASE, share=0.0),
+        shape_record("unwind_1x", OrderState.RISING, share=0.0),
+        shape_record("unwind_3x", OrderState.HELD_PHASE, share=0.0),
     )
     assert "rests for 20 turns" in str(told_of["unwind_1x"]["why"])
     assert "probe" in str(told_of["unwind_3x"]["why"])
 
 
 def test_an_imbalance_is_told_as_a_torque() -> None:
-    block = shapes(shape_record("imbalance", Trend.SETTLED))["imbalance"]
+    block = shapes(shape_record("imbalance", OrderState.SETTLED))["imbalance"]
     assert (block["unit"], block["order"], block["roll"]) == ("N m", 1, "unwind")
     assert block["amplitude"] == pytest.approx(0.08)  # 100 N m per metre
 
@@ -239,10 +239,13 @@ def test_an_imbalance_is_told_as_a_torque() -> None:
 def test_orders_that_the_memory_cannot_tell_apart_are_said_to_meet(
     swrap_Hz: float, meets: bool
 ) -> None:
-    rows = (shape_record("unwind_1x", Trend.STALLED), shape_record("swrap_1x", Trend.STALLED))
+    rows = (
+        shape_record("unwind_1x", OrderState.STALLED),
+        shape_record("swrap_1x", OrderState.STALLED),
+    )
     told_of = shapes(*rows, swrap_Hz=swrap_Hz)
     assert ("meets swrap_1x" in str(told_of["unwind_1x"]["why"])) is meets
 
 
 def test_every_state_of_a_block_has_a_word() -> None:
-    assert set(WORDS) == set(Trend)
+    assert set(WORDS) == set(OrderState)

@@ -16,13 +16,13 @@ from aff_runtime.app.report.status_answer import (
 )
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.base.signals import State
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_runtime.app.report.test_status import SHAPE_SITE, record, shape_record
 
 RECORDER = RecorderReport(folder="/r/x", rows=10, rows_lost=2, ring_overruns=1, alive=True)
 LIVE = live_status(
-    TickRow(record(State.FAULT, 0, 15) | shape_record("unwind_3x", Trend.SETTLED)),
+    TickRow(record(State.FAULT, 0, 15) | shape_record("unwind_3x", OrderState.SETTLED)),
     ["LINE_RUN"],
     SHAPE_SITE,
 )[1]

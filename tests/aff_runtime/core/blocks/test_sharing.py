@@ -7,7 +7,7 @@ import pytest
 
 from aff_runtime.core.blocks.sharing import gain_share
 from aff_runtime.core.gate import SpeedGate
-from aff_runtime.core.monitor import OrderMonitor, Trend
+from aff_runtime.core.monitor import OrderMonitor, OrderState
 from aff_runtime.core.residual import Residual
 
 
@@ -71,7 +71,7 @@ def test_monitor_reads_amplitude_and_keeps_the_one_before():
             correcting=k >= 3000,
         )
         if k == 3100:
-            assert monitor.trend() is Trend.CONVERGING
+            assert monitor.state() is OrderState.CONVERGING
     assert monitor.before == pytest.approx(2.0, rel=0.05)
     assert monitor.now == pytest.approx(0.2, rel=0.1)
-    assert monitor.trend() is Trend.SETTLED
+    assert monitor.state() is OrderState.SETTLED

@@ -35,7 +35,7 @@ from aff_runtime.base.events import TABLE
 from aff_runtime.base.signals import State, Status
 from aff_runtime.cli.main import main
 from aff_runtime.cli.metrics import write
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.header import Right, RunMeta
 from aff_runtime.telemetry.recorder_messages import RecorderReport
@@ -82,7 +82,7 @@ def answer(*, age_s: float = 0.004, state: State = State.ACTIVE) -> StatusAnswer
         "unwind.omega_rad_s": 5.0,
     }
 
-    tick = TickRow(row | shape_record("unwind_3x", Trend.CLAMPED))
+    tick = TickRow(row | shape_record("unwind_3x", OrderState.CLAMPED))
     _, live = live_status(tick, NEED, SHAPE_SITE)
     meta = RunMeta(start_ns=START_NS, rights=(Right(granted=False, text="SCHED_FIFO 80: no"),))
     meeting = ComingMeeting(

@@ -17,7 +17,7 @@ from aff_runtime.app.report.watching.tables import ORDER_FIELDS, HourRow
 from aff_runtime.base.run_table import RunTable
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.yaml_section import Section
-from aff_runtime.core.monitor import Trend
+from aff_runtime.core.monitor import OrderState
 
 CYCLE_S, SECONDS, SPEED_M_S, RADIUS_M = 0.01, 60.0, 0.5, 0.05
 TIME_S = np.arange(round(SECONDS / CYCLE_S)) * CYCLE_S
@@ -80,7 +80,7 @@ def test_ripple_frequency_and_radius_are_those_of_the_record_and_set_points_are_
 
 
 def test_the_plain_laws_amplitude_is_a_stroke_over_its_angular_frequency():
-    once = rows(**law(Trend.SETTLED, amplitude_m_s=0.003))["roller", 1]
+    once = rows(**law(OrderState.SETTLED, amplitude_m_s=0.003))["roller", 1]
     assert once.stroke_m == pytest.approx(0.003 / OMEGA, rel=1e-3)
     assert once.limit_m == pytest.approx(0.1 / OMEGA, rel=1e-3)  # the actuator's: no amp_limit
     assert math.isnan(once.shape_m)
@@ -92,30 +92,30 @@ def test_the_limit_is_that_of_the_block_that_has_the_order():
         "[{ roll: roller, orders: [2], settle_s: 4, amp_limit_m_s: 0.02 }, "
         "{ roll: roller, orders: [1], settle_s: 4, amp_limit_m_s: 0.03 }]",
     )
-    once = rows(site, **law(Trend.SETTLED, amplitude_m_s=0.003))["roller", 1]
+    once = rows(site, **law(OrderState.SETTLED, amplitude_m_s=0.003))["roller", 1]
     assert once.limit_m == pytest.approx(0.03 / OMEGA, rel=1e-3)
 
 
 def test_a_limit_of_law_shape_that_the_file_leaves_out_is_the_models_default():
     site = SITE.replace("    shape_limit_m: 15 mm\n", "")
-    assert rows(site, **law(Trend.SETTLED, shape_mm=0.25))["roller", 1].limit_m == 0.015
+    assert rows(site, **law(OrderState.SETTLED, shape_mm=0.25))["roller", 1].limit_m == 0.015
 
 
 def test_law_shapes_deviation_and_response_ratio_are_taken_with_their_limit():
-    once = rows(**law(Trend.SETTLED, shape_mm=0.25, gain_of_P=0.8))["roller", 1]
+    once = rows(**law(OrderState.SETTLED, shape_mm=0.25, gain_of_P=0.8))["roller", 1]
     assert (once.shape_m, once.response_ratio) == pytest.approx((2.5e-4, 0.8))
     assert once.limit_m == pytest.approx(0.015)
     assert math.isnan(once.stroke_m)
 
 
 def test_at_the_noise_an_order_is_settled_and_stalled_by_turns_and_still_learned():
-    state = np.where(np.arange(TIME_S.size) % 5 < 3, Trend.SETTLED, Trend.STALLED)
+    state = np.where(np.arange(TIME_S.size) % 5 < 3, OrderState.SETTLED, OrderState.STALLED)
     assert rows(**law(state, shape_mm=0.25))["roller", 1].shape_m == pytest.approx(2.5e-4)
 
 
 def test_what_was_learned_in_the_first_half_counts_as_it_is_in_the_later_one():
     later = TIME_S >= 30.0
-    state = np.where(later, Trend.SETTLED, Trend.IDLE)
+    state = np.where(later, OrderState.SETTLED, OrderState.IDLE)
     once = rows(**law(state, shape_mm=np.where(later, 0.25, 0.0)))["roller", 1]
     assert once.shape_m == pytest.approx(2.5e-4)
 
@@ -123,10 +123,17 @@ def test_what_was_learned_in_the_first_half_counts_as_it_is_in_the_later_one():
 @pytest.mark.parametrize("at", [0.6, 0.9])
 @pytest.mark.parametrize(
     "state",
-    [Trend.IDLE, Trend.DIVERGING, Trend.HELD_PHASE, Trend.HELD_FREQUENCY, Trend.CLAMPED, 77.0],
+    [
+        OrderState.IDLE,
+        OrderState.RISING,
+        OrderState.HELD_PHASE,
+        OrderState.HELD_FREQUENCY,
+        OrderState.CLAMPED,
+        77.0,
+    ],
 )
 def test_a_law_that_was_held_or_at_a_limit_for_a_moment_has_no_size(state, at):
-    states = Trend.SETTLED * ONES
+    states = OrderState.SETTLED * ONES
     states[round(at * TIME_S.size)] = state
     assert math.isnan(rows(**law(states, shape_mm=0.25))["roller", 1].shape_m)
 
@@ -138,7 +145,7 @@ def test_rows_of_no_known_speed_or_place_are_no_readings():
 
 
 def test_an_order_that_is_learned_all_along_but_never_settled_has_no_size():
-    assert math.isnan(rows(**law(Trend.CONVERGING, shape_mm=0.25))["roller", 1].shape_m)
+    assert math.isnan(rows(**law(OrderState.CONVERGING, shape_mm=0.25))["roller", 1].shape_m)
 
 
 def test_web_is_marked_with_the_plcs_counter_and_has_no_trend():
