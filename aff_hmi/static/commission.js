@@ -191,8 +191,8 @@ function bound(row, seconds) {
   const size = { amplitude: short(row.amplitude), limit: short(row.limit), unit: row.unit };
   const said = fill(words.bound, { actuator: row.actuator, seconds: number(seconds, 0), ...size });
   const isFirst = row.ripple === null;
-  const moved = !isFirst ? words.ripple : row.first_N === null ? words.first : words.firstKnown;
-  const by = { ripple: short(isFirst ? row.first_N : row.ripple), speed: short(row.speed_m_s) };
+  const moved = !isFirst ? words.ripple : row.expected_ripple_N === null ? words.first : words.firstKnown;
+  const by = { ripple: short(isFirst ? row.expected_ripple_N : row.ripple), speed: short(row.speed_m_s) };
   const lacks = row.lacks.map((one) => words[LACKING[one]] ?? one).join(", ");
   const parts = [
     said,

@@ -106,7 +106,9 @@ def _bounds(site: Site, responses: dict[str, Response], speed_m_s: float) -> Pro
                 ripple=finite_or_none(
                     ripple if bound.bound_N is None else min(ripple, bound.bound_N)
                 ),
-                first_N=min(expected.ripple_N, most_N) if expected.ripple_N is not None else None,
+                expected_ripple_N=min(expected.ripple_N, most_N)
+                if expected.ripple_N is not None
+                else None,
                 speed_m_s=expected.speed_m_s,
                 lacks=expected.lacks,
                 is_chosen=bound.given is None,

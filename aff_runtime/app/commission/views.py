@@ -154,8 +154,8 @@ class ProbeRow:
     bound_N : by how much it may move ``signal`` beyond what that does without it, N.
     bound_share : the same as a share of the signal. None: no such bound.
     ripple : of ``signal`` at that amplitude by the last probe, ``signal_unit``; None before one.
-    first_N : of ``signal`` at most, before a first one, by what the web is and ``speed_m_s``; None
-        where ``lacks`` says what would tell it.
+    expected_ripple_N : of ``signal`` at most, before a first one, by what the web is and
+        ``speed_m_s``; None where ``lacks`` says what would tell it.
     sent : the amplitude of the last probe.
     louder : what a louder one would send; None where all is heard, or the bound is reached.
     """
@@ -167,7 +167,7 @@ class ProbeRow:
     signal: str
     signal_unit: str
     ripple: float | None
-    first_N: float | None = None
+    expected_ripple_N: float | None = None
     speed_m_s: float | None = None
     lacks: tuple[str, ...] = ()
     is_chosen: bool = False

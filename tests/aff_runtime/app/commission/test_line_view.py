@@ -59,13 +59,13 @@ def first_of(where, monkeypatch, web, status):
 def test_before_the_first_probe_the_web_bounds_how_far_it_moves_the_tension(where, monkeypatch):
     row = first_of(where, monkeypatch, WEB, AT_2_M_S)
     # E w h = 2e9 * 0.5 * 1e-4 = 1e5 N: a speed off by a strains the web by a / v
-    assert row["first_N"] == pytest.approx(row["amplitude"] * 1e5 / 2.0)
+    assert row["expected_ripple_N"] == pytest.approx(row["amplitude"] * 1e5 / 2.0)
     assert (row["speed_m_s"], row["lacks"]) == (2.0, [])
 
 
 def test_no_more_than_the_bound_at_which_a_probe_ends(where, monkeypatch):
     row = first_of(where, monkeypatch, WEB + "  bound_N: 3\n", AT_2_M_S)
-    assert row["first_N"] == 3.0
+    assert row["expected_ripple_N"] == 3.0
 
 
 @pytest.mark.parametrize(
@@ -82,7 +82,7 @@ def test_what_is_not_known_before_a_first_probe_says_what_is_lacking(
     where, monkeypatch, web, status, lacks
 ):
     row = first_of(where, monkeypatch, web, status)
-    assert (row["first_N"], row["speed_m_s"], row["lacks"]) == (None, None, lacks)
+    assert (row["expected_ripple_N"], row["speed_m_s"], row["lacks"]) == (None, None, lacks)
 
 
 def test_after_one_the_ripple_is_amplitude_times_the_largest_gain(where):
