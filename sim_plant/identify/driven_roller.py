@@ -96,9 +96,9 @@ def fit_driven_roller(runs: Sequence[Run], inertia_kg_m2: float | None = None) -
 
 
 def coast_downs(run: Run) -> list[Run]:
-    """Return the stretches without torque in which the speed falls.
+    """Return the parts without torque in which the speed falls.
 
-    Without torque: below 1 % of the largest, so that a noisy torque signal has stretches too.
+    Without torque: below 1 % of the largest, so that a noisy torque signal has parts too.
     """
     size = np.abs(run.torque_N_m)
     quiet = size <= 0.01 * float(np.max(size))
@@ -269,7 +269,7 @@ def _require_coast(coasts: Sequence[Run]) -> None:
 
 
 def _nominal(runs: Sequence[Run]) -> float:
-    """Return tau_n t_n / w_n of the first powered stretch (2.29), NaN without one."""
+    """Return tau_n t_n / w_n of the first powered part (2.29), NaN without one."""
     for run in runs:
         powered = run.torque_N_m > 0.0
         if np.any(powered):

@@ -97,8 +97,8 @@ def fit_drive(phasors: Phasors, *, cycle_s: float, roll: str, radius_m: float) -
     if best.misfit > WORST_MISFIT:
         raise RefusedError(
             f"no simple web path explains what was heard (misfit {best.misfit:.1f}, at most "
-            f"{WORST_MISFIT:g}): is line.speed that of the driven roller that ends this stretch "
-            "of web, and the tension this stretch's?"
+            f"{WORST_MISFIT:g}): is line.speed that of the driven roller that ends this zone, "
+            "and the tension this zone's?"
         )
     return _numbers(fits, roll, radius_m)
 

@@ -89,7 +89,7 @@ class DriveModel:
 
         V = A T_end + B V_end                                        (``web_chain``)
 
-    with V_end the measured line speed: of the driven roller that ends this stretch of web. T_cell
+    with V_end the measured line speed: of the driven roller that ends this zone. T_cell
     is the reading with the lag of its amplifier taken out; it gives T_end, and that T_roll. Only
     ``pull_per_kg`` = r^2/J has a mass in it, so inertia is known as well as the tension is.
 
