@@ -133,7 +133,7 @@ class EventCriteria:
     lasts_sd: float = criterion(
         3.0,
         "standard deviations",
-        "by which what begins is louder than before it without its loudest stretch of the length "
+        "by which what begins is louder than before it without its loudest part of the length "
         "of the noise filter",
         "whitened, a spike of 1000 standard deviations is 25 samples of five and more; of 200 "
         "seeded sets with one, 1 is told as an event with 3 channels, none with 6",

@@ -74,15 +74,15 @@ class LikeIdlers:
         """
         if len({name for group in self.idlers for name in group}) <= SCREENING.few_idlers:
             return list(hypotheses)
-        rows = [(self._stretch(h), h) for h in hypotheses]
+        rows = [(self._group_of(h), h) for h in hypotheses]
         kept = {
-            stretch: self._standing({h.location for s, h in rows if s == stretch}, stretch[1])
-            for stretch, _ in rows
-            if stretch is not None
+            group: self._standing({h.location for s, h in rows if s == group}, group[1])
+            for group, _ in rows
+            if group is not None
         }
-        return [h for stretch, h in rows if stretch is None or h.location in kept[stretch]]
+        return [h for group, h in rows if group is None or h.location in kept[group]]
 
-    def _stretch(self, h: Hypothesis) -> tuple[str, tuple[str, ...]] | None:
+    def _group_of(self, h: Hypothesis) -> tuple[str, tuple[str, ...]] | None:
         """Return effect and idlers among which a hypothesis is thinned; None: it is not."""
         idlers = self.beside(h)
         return (h.effect.name, idlers) if idlers else None

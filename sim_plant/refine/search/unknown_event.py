@@ -93,7 +93,7 @@ def _lasts(power: Array, quiet: float, step_s: float) -> bool:
     """Return whether power (channels, samples from where it is loud on) is no spike.
 
     A spike is there for as long as the noise filter, with the one of its colour. Without the
-    loudest stretch of that length the next ``quiet_s`` are louder than ``quiet``, by ``lasts_sd``.
+    loudest part of that length the next ``quiet_s`` are louder than ``quiet``, by ``lasts_sd``.
     """
     reach = filter_taps(step_s) + CRITERIA.noise.colour_taps + 1
     part = power[:, : max(round(EVENTS.quiet_s / step_s), 2 * reach)].mean(axis=0) - quiet
