@@ -31,7 +31,7 @@ Candidates = Literal[
 ]
 Value = float | str
 Apply = Callable[[LineArrays, int, Mapping[str, Value]], LineArrays]
-Limits = Callable[[LineArrays, int], Mapping[str, tuple[float, float]]]
+Bounds = Callable[[LineArrays, int], Mapping[str, tuple[float, float]]]
 Beside = Callable[[Mapping[str, Value], Mapping[str, Value]], str]
 Refusal = Callable[[LineArrays, int, Mapping[str, Value]], str]
 Starts = Callable[[LineArrays, int, "Demand"], Sequence["Start"]]
@@ -199,7 +199,7 @@ class Effect:
     pairs : what they stand for. ``orders``: the orders 1, 2, 3 ... of a body. ``cells``: where the
         location is ``all``, the first is what the first load cell that the line declares has, each
         further one what the next cell has *more* than the first.
-    limits : returns narrower bounds (low, high) of some parameters at an index of its place on a
+    bounds : returns narrower bounds (low, high) of some parameters at an index of its place on a
         given line, where physics knows them; None where the line says nothing.
     refuses : says why an index of its place on a given line cannot have it in this form, "" where
         it can; None: every place can have every form.
@@ -232,7 +232,7 @@ class Effect:
     cancel_orders: tuple[int, ...] | str = ()
     quadratures: tuple[Quadrature, ...] = ()
     pairs: Literal["orders", "cells"] = "orders"
-    limits: Limits | None = None
+    bounds: Bounds | None = None
     refuses: Refusal | None = None
     beside: Beside | None = None
     starts: Starts | None = None

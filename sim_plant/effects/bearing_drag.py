@@ -28,7 +28,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
-def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
+def bounds(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
     """Return 0..T R: web at tension T cannot drag a harder bearing round, it slips.
 
     T is the tension the roll was wound at. A bearing easier than declared is a tolerance of the
@@ -71,7 +71,7 @@ EFFECT = Effect(
     },
     fitted=("constant_N_m",),
     apply=apply,
-    limits=limits,
+    bounds=bounds,
     text="a bearing turns hard: tension steps across the roller, with a slope over speed",
     shows=None,
     onset=begins("constant_N_m"),

@@ -34,7 +34,7 @@ def beside(there: Mapping[str, Value], more: Mapping[str, Value]) -> str:
     return ""
 
 
-def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
+def bounds(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
     """Return the lag at which no filter would be left: less than none is impossible."""
     tau_s = 1.0 / (2.0 * math.pi * float(arrays.cells["corner_Hz"][place]))
     return {"lag_s": (min(0.0, SHORTEST_TIME_S - tau_s), 2.0)}
@@ -50,7 +50,7 @@ EFFECT = Effect(
     },
     fitted=("lag_s",),
     apply=apply,
-    limits=limits,
+    bounds=bounds,
     beside=beside,
     text="a load-cell amplifier filters more than declared: readings and loop lag",
     shows=None,

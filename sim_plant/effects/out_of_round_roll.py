@@ -197,7 +197,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return add_mean(add_shape(arrays, place, shape), place, mean_m)
 
 
-def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
+def bounds(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
     """Return that a roll which unwinds was never smaller, and one which winds up never larger."""
     kind = int(arrays.bodies[place]["kind"])
     if kind == UNWIND:
@@ -380,7 +380,7 @@ EFFECT = Effect(
     fitted=tuple(name for pair in PAIRS[:TRACED_ORDER] for name in (pair.cos, pair.sin)),
     quadratures=PAIRS,
     apply=apply,
-    limits=limits,
+    bounds=bounds,
     text="the roll is not round: ripple at its turning frequency and several harmonics",
     shows=whole(*range(1, TRACED_ORDER + 1)),
     remedy="look how {place} was stored and clamped; the next roll brings a shape of its own",

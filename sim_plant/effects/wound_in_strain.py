@@ -20,7 +20,7 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
-def limits(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
+def bounds(arrays: LineArrays, place: int) -> dict[str, tuple[float, float]]:
     """Return the change at which the roll would have been wound with no strain at all."""
     return {"strain": (-float(arrays.web["supply_strain"][0]), 0.02)}
 
@@ -49,7 +49,7 @@ EFFECT = Effect(
     },
     fitted=("strain",),
     apply=apply,
-    limits=limits,
+    bounds=bounds,
     text="the roll was wound tighter or looser: it turns at another speed for the same web",
     shows=None,
     remedy="ask how tight the roll at {place} was wound; put web.wound_in_tension_N right",

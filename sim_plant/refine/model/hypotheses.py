@@ -230,12 +230,12 @@ def onset_library(
 
 def limits_at(line: Declaration, effect: Effect, location: str) -> dict[str, tuple[float, float]]:
     """Return the bounds that this place of this line sets, the tightest of all it names."""
-    if effect.limits is None:
+    if effect.bounds is None:
         return {}
     arrays = build_arrays(line, timing_of(line, line.sample_time_s))
     limits: dict[str, tuple[float, float]] = {}
     for place in places_of(line, effect, location, effect.name):
-        for name, (low, high) in effect.limits(arrays, place).items():
+        for name, (low, high) in effect.bounds(arrays, place).items():
             old = limits.get(name, (low, high))
             limits[name] = max(low, old[0]), min(high, old[1])
     return limits
