@@ -20,17 +20,24 @@ HIDDEN = EffectEntry(
     parameters={"eccentricity_m": 2.5e-4, "angle_rad": 1.0},
 )
 """What the records have and the line file lacks."""
+FIRST_TENSION_N, SECOND_TENSION_N = 88.96, 95.0
 PLANS = {"a": (0.9, 1.3, 1), "b": (1.2, 0.8, 2)}
 """Per record: speeds before and after a ramp, m/s, and the seed of its noise."""
 
 
-def references(samples: int, step_s: float, slow: float, fast: float) -> tuple[Array, Array]:
-    """Return speed and tension references: two plateaus with a ramp, one tension step."""
+def references(
+    samples: int, step_s: float, first_m_s: float, second_m_s: float
+) -> tuple[Array, Array]:
+    """Return speed (m/s) and tension (N) references: two plateaus with a ramp, one tension step.
+
+    The tension steps from 20 lbf up.
+    """
     time_s = np.arange(samples) * step_s
     end = time_s[-1]
-    speed = np.interp(time_s, [0.0, 0.55 * end, 0.62 * end, end], [slow, slow, fast, fast])
-    tension = np.where(time_s < 0.8 * end, 88.96, 95.0)
-    return speed, tension
+    plateaus_m_s = [first_m_s, first_m_s, second_m_s, second_m_s]
+    speed_m_s = np.interp(time_s, [0.0, 0.55 * end, 0.62 * end, end], plateaus_m_s)
+    tension_N = np.where(time_s < 0.8 * end, FIRST_TENSION_N, SECOND_TENSION_N)
+    return speed_m_s, tension_N
 
 
 def simulated(
@@ -42,10 +49,10 @@ def simulated(
 ) -> dict[str, Array]:
     """Return the columns of a record of ``line`` with the effect ``hidden``, if there is one."""
     machine = line.model_copy(update={"effects": (hidden,)}) if hidden else line
-    slow, fast = speeds_m_s
+    first_m_s, second_m_s = speeds_m_s
     samples = round(duration_s / line.sample_time_s)
-    speed, tension = references(samples, line.sample_time_s, slow, fast)
-    run = make_line(machine, seed=seed, speed_m_s=slow, tension_N=float(tension[0]))
+    speed, tension = references(samples, line.sample_time_s, first_m_s, second_m_s)
+    run = make_line(machine, seed=seed, speed_m_s=first_m_s, tension_N=float(tension[0]))
     run.settle()
     out = run.simulate(speed, tension)
     columns: dict[str, Array] = {
