@@ -114,11 +114,11 @@ def counted_angle(time_s: Array, count_rad: Array, modulus_rad: float) -> Counte
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Steps:
-    """From each reading to the next: ``doubt_rad`` is by how much ``expected_rad`` may be off."""
+    """From each reading to the next; ``expected_rad`` may be off by ``tolerance_rad``."""
 
     moved_rad: Array
     expected_rad: Array
-    doubt_rad: Array
+    tolerance_rad: Array
     is_hole: Flags
     is_jump: Flags
 
@@ -138,11 +138,11 @@ def _steps(time_s: Array, count_rad: Array, modulus_rad: float) -> _Steps:
     mean = np.interp(at, *rate)
     expected = mean * gaps_s
     moved = _unfolded(turned, expected, modulus_rad)
-    doubt = UNSEEN_SHARE * np.abs(expected) + 0.5 * np.abs(after - before) * gaps_s
+    tolerance = UNSEEN_SHARE * np.abs(expected) + 0.5 * np.abs(after - before) * gaps_s
     return _Steps(
         moved_rad=moved,
         expected_rad=expected,
-        doubt_rad=doubt + LATE_CYCLES * cycle_s * np.abs(mean),
+        tolerance_rad=tolerance + LATE_CYCLES * cycle_s * np.abs(mean),
         is_hole=is_hole,
         is_jump=~is_hole & (np.abs(moved - expected) > LARGEST_MISS_RAD),
     )
@@ -194,6 +194,6 @@ def _is_lost(steps: _Steps, modulus_rad: float) -> Flags:
     """Return over which holes the phase is lost: the count may stand for more than one motion."""
     if is_whole_turns(modulus_rad) or not math.isfinite(modulus_rad):
         return np.zeros(steps.is_hole.shape, dtype=np.bool_)
-    is_near = np.abs(steps.moved_rad - steps.expected_rad) <= steps.doubt_rad
-    is_one = is_near & (2.0 * steps.doubt_rad < modulus_rad)
+    is_near = np.abs(steps.moved_rad - steps.expected_rad) <= steps.tolerance_rad
+    is_one = is_near & (2.0 * steps.tolerance_rad < modulus_rad)
     return steps.is_hole & ~is_one & (4.0 * np.abs(steps.expected_rad) > modulus_rad)

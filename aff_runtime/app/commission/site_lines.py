@@ -36,7 +36,10 @@ class Clash:
 
 
 class _Change(NamedTuple):
-    """Lines ``low`` to ``high`` of the former text, for which ``first`` to ``last`` stand now."""
+    """Lines ``low`` to ``high`` of the former text, for which ``first`` to ``last`` stand now.
+
+    Lines count from 0; ``high`` and ``last`` are the lines behind the last ones.
+    """
 
     low: int
     high: int

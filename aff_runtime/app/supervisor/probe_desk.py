@@ -20,7 +20,7 @@ MEASURED = "measured"
 NOT_HEARD = "nothing was heard of the probe in its time; probe again"
 
 
-class Probes:
+class ProbeDesk:
     """Begins a probe and looks after it.
 
     Parameters

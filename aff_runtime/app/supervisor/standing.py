@@ -14,7 +14,7 @@ from aff_runtime.app.report.status_answer import NOT_SAID, SILENT, StatusAnswer
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.hand.desk import HandDesk
 from aff_runtime.app.supervisor.meeting_forecast import MeetingForecast
-from aff_runtime.app.supervisor.probe_desk import Probes
+from aff_runtime.app.supervisor.probe_desk import ProbeDesk
 from aff_runtime.app.supervisor.processes import FRESH_S, Processes
 from aff_runtime.app.supervisor.response_ledger import learned_sentences
 from aff_runtime.app.supervisor.settings.desk import SettingsDesk
@@ -34,7 +34,7 @@ class Standing:
         processes: Processes,
         edits: EditSession,
         settings: SettingsDesk,
-        probes: Probes,
+        probes: ProbeDesk,
         forecast: MeetingForecast,
         counts: CommandTally,
         hand: HandDesk | None,

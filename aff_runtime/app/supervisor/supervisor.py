@@ -38,7 +38,7 @@ from aff_runtime.app.supervisor.file_watch import FileWatch
 from aff_runtime.app.supervisor.hand.opening import open_hand
 from aff_runtime.app.supervisor.meeting_forecast import MeetingForecast
 from aff_runtime.app.supervisor.pending import AnswerOf, Pending
-from aff_runtime.app.supervisor.probe_desk import Probes
+from aff_runtime.app.supervisor.probe_desk import ProbeDesk
 from aff_runtime.app.supervisor.processes import DIED, STOPS, Processes
 from aff_runtime.app.supervisor.request_desk import RequestDesk
 from aff_runtime.app.supervisor.run_options import RunOptions
@@ -101,7 +101,7 @@ class Supervisor:
         self._settings = SettingsDesk(
             self._processes, self._edits, options, self._clock, self._circumstances
         )
-        self._probes = Probes(
+        self._probes = ProbeDesk(
             self._processes, self._pending, self._edits, self._settings, self._clock
         )
         self._counts = CommandTally()

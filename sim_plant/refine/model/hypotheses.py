@@ -188,7 +188,7 @@ def hypothesis(
     rows = [effect.accepts[n] for n in names]
     start = [float(picked.get(n, r.typical)) for n, r in zip(names, rows, strict=True)]
     strengths = [r for r in rows if r.role == "strength"]
-    bounds = limits_at(line, effect, location) if line is not None else {}
+    bounds = bounds_at(line, effect, location) if line is not None else {}
     low = [max(r.low, bounds.get(n, (r.low,))[0]) for n, r in zip(names, rows, strict=True)]
     high = [min(r.high, bounds.get(n, (r.high,))[-1]) for n, r in zip(names, rows, strict=True)]
     return Hypothesis(
@@ -228,17 +228,17 @@ def onset_library(
     return library
 
 
-def limits_at(line: Declaration, effect: Effect, location: str) -> dict[str, tuple[float, float]]:
+def bounds_at(line: Declaration, effect: Effect, location: str) -> dict[str, tuple[float, float]]:
     """Return the bounds that this place of this line sets, the tightest of all it names."""
     if effect.bounds is None:
         return {}
     arrays = build_arrays(line, timing_of(line, line.sample_time_s))
-    limits: dict[str, tuple[float, float]] = {}
+    bounds: dict[str, tuple[float, float]] = {}
     for place in places_of(line, effect, location, effect.name):
         for name, (low, high) in effect.bounds(arrays, place).items():
-            old = limits.get(name, (low, high))
-            limits[name] = max(low, old[0]), min(high, old[1])
-    return limits
+            old = bounds.get(name, (low, high))
+            bounds[name] = max(low, old[0]), min(high, old[1])
+    return bounds
 
 
 def library(

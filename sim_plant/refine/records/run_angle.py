@@ -64,9 +64,9 @@ def _starts_over(values: Array, taken_s: Array, step_s: float, register_rad: flo
         odd = np.abs(off) > 0.5 * period_rad
         over_rad = period_rad * np.rint(off / period_rad)
         within_rad = min(_scatter_rad(off[~odd]), 0.5 * period_rad)
-        told = odd & (np.abs(off - over_rad) <= within_rad)
-        found = np.where(told | ends, over_rad, 0.0)
-        if 2 * np.count_nonzero(told & ~ends) > np.count_nonzero(odd & ~ends):
+        is_wrap = odd & (np.abs(off - over_rad) <= within_rad)
+        found = np.where(is_wrap | ends, over_rad, 0.0)
+        if 2 * np.count_nonzero(is_wrap & ~ends) > np.count_nonzero(odd & ~ends):
             break
     return found
 

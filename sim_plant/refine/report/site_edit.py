@@ -124,11 +124,11 @@ def proposed(
     same = data == {"rolls": site.rolls, "actuators": site.actuators}
     text = site.text if same else with_keys(site.text, data, short=True)
     if lost := lost_comments(site.text, text):
-        told = (
+        reason = (
             f"no {FILE}: {len(lost)} comments of the file would be lost, the first is "
             f"{printable(lost[0], 60)!r}; put the entries of aff_block.yaml in by hand"
         )
-        return Proposal(text=site.text, said=(told,), adds=False)
+        return Proposal(text=site.text, said=(reason,), adds=False)
     return Proposal(text=text, said=tuple(said), adds=text != site.text)
 
 

@@ -15,7 +15,7 @@ from aff_runtime.app.report.command_counts import CommandTally
 from aff_runtime.app.supervisor.hand.desk import HandDesk, HandRules
 from aff_runtime.app.supervisor.hand.entries import ServiceState
 from aff_runtime.app.supervisor.pending import Pending
-from aff_runtime.app.supervisor.probe_desk import Probes
+from aff_runtime.app.supervisor.probe_desk import ProbeDesk
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.run_options import RunOptions
 from aff_runtime.app.supervisor.settings.history import kept_folder
@@ -34,7 +34,7 @@ class ServiceEnd:
     probes : begins a probe, and says whether one is under way.
     """
 
-    def __init__(self, processes: Processes, pending: Pending, probes: Probes) -> None:
+    def __init__(self, processes: Processes, pending: Pending, probes: ProbeDesk) -> None:
         self._probes = probes
         self._processes = processes
         self._pending = pending
@@ -109,7 +109,7 @@ def open_hand(
     clock: Clock,
     processes: Processes,
     pending: Pending,
-    probes: Probes,
+    probes: ProbeDesk,
     counts: CommandTally,
 ) -> HandDesk | None:
     """Return the hand of a service; None unless it was asked for and its audit can be kept.
