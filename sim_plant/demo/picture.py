@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from sim_plant.base.svg import svg
 from sim_plant.demo.evaluation import Row, window
-from sim_plant.demo.figures import AFTER, BEFORE
+from sim_plant.demo.plots import AFTER, BEFORE
 from sim_plant.demo.session import Session
 
 BEFORE_ARMED_S, AFTER_ARMED_S = 7.0, 33.0  # the probe ends some 9 s before

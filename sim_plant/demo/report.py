@@ -11,9 +11,9 @@ from jinja2 import Environment, PackageLoader
 
 from sim_plant.base.arrays import Array
 from sim_plant.demo.evaluation import Row, more_orders, window
-from sim_plant.demo.figures import block_figure, spectrum_figure, tension_figure, timing_figure
 from sim_plant.demo.picture import write_picture
-from sim_plant.demo.roll_figure import learned_orders, roll_figure
+from sim_plant.demo.plots import block_plot, spectrum_plot, tension_plot, timing_plot
+from sim_plant.demo.roll_plot import learned_orders, roll_plot
 from sim_plant.demo.session import Session
 from sim_plant.line.record_file import read_columns
 
@@ -59,13 +59,13 @@ def write_report(session: Session, rows: list[Row], noise_N: float) -> Path:
         after=session.after_s,
         rms=rms,
         rows=rows,
-        tension=tension_figure(session),
-        spectra=spectrum_figure(session),
-        roll=roll_figure(learned),
+        tension=tension_plot(session),
+        spectra=spectrum_plot(session),
+        roll=roll_plot(learned),
         learned=learned,
         more=more,
-        blocks=block_figure(columns),
-        timing=timing_figure(columns),
+        blocks=block_plot(columns),
+        timing=timing_plot(columns),
         probe=session.probe_text,
     )
     write_picture(session, [*rows, *more], out / "picture.svg")

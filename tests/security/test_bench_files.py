@@ -19,8 +19,8 @@ from aff_runtime.base.errors import AffError
 from sim_plant.base.svg import as_written, svg
 from sim_plant.cli.main import main
 from sim_plant.cli.output import say
-from sim_plant.demo.figures import block_figure
-from sim_plant.demo.roll_figure import LearnedOrder, roll_figure
+from sim_plant.demo.plots import block_plot
+from sim_plant.demo.roll_plot import LearnedOrder, roll_plot
 from sim_plant.refine.report.folder import FILES, FRESH, check_folder, publish
 from sim_plant.refine.report.outcome import Plan
 from sim_plant.refine.report.plots import overlay, spectrum, wavenumber_map
@@ -122,7 +122,7 @@ def test_a_folder_that_is_none_is_refused_in_words(tmp_path, monkeypatch, where)
     assert Path("file").read_text() == "mine"
 
 
-def test_a_word_of_a_file_is_no_formula_in_any_figure():
+def test_a_word_of_a_file_is_no_formula_in_any_plot():
     """A formula of 2000 levels ends matplotlib's reader of formulas by recursion."""
     word = "$" + "{" * 2000 + "}" * 2000 + "$"
     rows = np.sin(0.1 * np.arange(4000)).reshape(1, -1)
@@ -152,8 +152,8 @@ def test_a_word_of_a_file_is_no_formula_in_any_figure():
         *overlay(judged, 0.01, slice(None)),
         spectrum([line], [line], 100.0),
         *wavenumber_map(judged, 0.01),
-        block_figure(columns),
-        roll_figure(learned),
+        block_plot(columns),
+        roll_plot(learned),
     )
     assert all(page.startswith("<svg") for page in drawn)
 

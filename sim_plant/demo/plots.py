@@ -1,4 +1,4 @@
-"""The report's figures as inline SVG."""
+"""The report's plots as inline SVG."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SIZE_AXES = {
 """By the unit of an order's size: factor and name of the axis."""
 
 
-def tension_figure(session: Session) -> str:
+def tension_plot(session: Session) -> str:
     """Tension over the whole session, both zones, thinned to what a screen can show."""
     record = session.record
     step = max(1, record["time_s"].size // 6000)
@@ -43,7 +43,7 @@ def tension_figure(session: Session) -> str:
     return svg(figure)
 
 
-def spectrum_figure(session: Session) -> str:
+def spectrum_plot(session: Session) -> str:
     """Order spectra before and after, each on its roll's own angle."""
     figure = Figure(figsize=(11, 3.6))
     axes = figure.subplots(1, 2)
@@ -65,7 +65,7 @@ def spectrum_figure(session: Session) -> str:
     return svg(figure)
 
 
-def block_figure(columns: Mapping[str, Array]) -> str:
+def block_plot(columns: Mapping[str, Array]) -> str:
     """Amplitude and phase of every block over the run, from the runtime's own record."""
     time = columns["time_s"]
     step = max(1, time.size // 800)
@@ -92,7 +92,7 @@ def block_figure(columns: Mapping[str, Array]) -> str:
     return svg(figure)
 
 
-def timing_figure(columns: Mapping[str, Array]) -> str:
+def timing_plot(columns: Mapping[str, Array]) -> str:
     """How late ticks woke, how long the wire took, and the whole tick."""
     figure = Figure(figsize=(11, 3))
     axis = figure.subplots()

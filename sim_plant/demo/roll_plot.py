@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from aff_runtime.base.order_columns import order_columns
 from sim_plant.base.arrays import Array
 from sim_plant.base.svg import as_written, svg
-from sim_plant.demo.figures import AFTER, BEFORE
+from sim_plant.demo.plots import AFTER, BEFORE
 
 POINTS = 720
 FEWEST_ORDERS = 3
@@ -55,7 +55,7 @@ def deviation_mm(orders: list[LearnedOrder], angle_rad: Array) -> Array:
     return total
 
 
-def roll_figure(orders: list[LearnedOrder]) -> str:
+def roll_plot(orders: list[LearnedOrder]) -> str:
     """Return one polar plot per roll with several learned orders; empty without any."""
     rolls: dict[tuple[str, str], list[LearnedOrder]] = {}
     for one in orders:

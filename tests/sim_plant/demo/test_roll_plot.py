@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim_plant.demo.evaluation import more_orders
-from sim_plant.demo.roll_figure import LearnedOrder, deviation_mm, learned_orders, roll_figure
+from sim_plant.demo.roll_plot import LearnedOrder, deviation_mm, learned_orders, roll_plot
 
 TIME_S = np.arange(0.0, 20.0, 0.005)
 
@@ -33,7 +33,7 @@ def test_the_plain_law_has_no_roll_to_show() -> None:
     plain = {"time_s": TIME_S, "unwind.unwind_1x.amplitude_m_s": TIME_S}
     plain["unwind.unwind_1x.state"] = np.ones(TIME_S.size)
     assert learned_orders(plain) == []
-    assert roll_figure([]) == ""
+    assert roll_plot([]) == ""
 
 
 def test_orders_add_up_to_the_arm_around_the_turn() -> None:
@@ -48,11 +48,11 @@ def test_orders_add_up_to_the_arm_around_the_turn() -> None:
 
 def test_a_roll_with_several_orders_is_drawn_and_a_single_order_is_not() -> None:
     learned = learned_orders(columns(4))
-    drawn = roll_figure(learned)
+    drawn = roll_plot(learned)
     assert drawn.startswith("<svg")
     assert "moment arm over the roll" in drawn or "<path" in drawn
-    assert roll_figure(learned) == drawn  # the same data, the same bytes
-    assert roll_figure(learned[:1]) == ""
+    assert roll_plot(learned) == drawn  # the same data, the same bytes
+    assert roll_plot(learned[:1]) == ""
 
 
 def test_orders_above_those_with_a_target_are_judged_on_the_true_tension() -> None:
