@@ -96,7 +96,7 @@ def lines(answer: StatusAnswer) -> Iterator[str]:
             yield f"{sent.name:32} {_number(sent.value)}"
     yield from block_lines(answer.blocks)
     yield from why_lines(answer.blocks)
-    for text in answer.crossings:
+    for text in answer.meeting_sentences:
         yield f"next     {text}"
     for text in answer.shapes:
         yield f"shape    {text}"

@@ -63,7 +63,7 @@ def screen(answer: StatusAnswer) -> list[str]:
         if channel.is_of(*SHOWN)
     ]
     rows += map(_correction_row, tick.corrections)
-    rows += [f"next {text}" for text in answer.crossings]
+    rows += [f"next {text}" for text in answer.meeting_sentences]
     rows += block_lines(_fitting(answer.blocks, HEIGHT - 3 - len(rows)))
     rows = rows[: HEIGHT - 1]
     rows.append("other terminal: aff-runtime arm | bypass | stop          ctrl-c leaves")

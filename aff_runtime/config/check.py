@@ -139,5 +139,5 @@ def _fact_lines(facts: Facts, bus: tuple[str, ...]) -> Iterator[str]:
     yield from (str(order) for order in facts.orders)
     yield from (str(shape) for shape in facts.shapes)
     yield from (str(limit) for limit in facts.limits)
-    yield from (f"crossing on {name}: {meeting}" for name, meeting in facts.meetings)
+    yield from (f"meeting on {name}: {meeting}" for name, meeting in facts.meetings)
     yield from (f"default  {line}" for line in facts.defaults)

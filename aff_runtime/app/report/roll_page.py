@@ -31,7 +31,7 @@ def page(answer: StatusAnswer) -> str:
     blocks = answer.blocks
     shapes = [b for b in blocks if b.law == "shape" and b.amplitude is not None]
     parts = [f"<h1>{escape(answer.line)}: {escape(headline(answer))}</h1>"]
-    parts += [f"<p>next: {escape(text)}</p>" for text in answer.crossings]
+    parts += [f"<p>next: {escape(text)}</p>" for text in answer.meeting_sentences]
     parts += [
         plot(actuator, roll, rows)
         for (actuator, roll), rows in _by_roll(shapes).items()

@@ -111,8 +111,9 @@ class StatusAnswer:
         screen may do anything. ``commands`` : what was commanded since the service began.
     operators : the last commands of the console with their time, the newest last.
     probes : how good and how old the responses in force are.
-    shapes, crossings : sentences: what became of shapes, and when orders of two rolls will meet.
-    meetings : the same meetings as numbers. ``facts`` : what a screen needs of the site.
+    shapes : what became of shapes, as sentences. ``meeting_sentences`` : when orders of two rolls
+        will meet, key ``crossings`` of the answer. ``meetings`` : the same as numbers.
+    facts : what a screen needs of the site.
     live : None while there is no record yet. ``tick_age_s`` : of the tick that it is; `NOT_SAID`
         without one.
     """
@@ -137,7 +138,7 @@ class StatusAnswer:
     operators: tuple[OperatorNote, ...] = ()
     probes: tuple[ProbeFacts, ...] = ()
     shapes: tuple[str, ...] = ()
-    crossings: tuple[str, ...] = ()
+    meeting_sentences: tuple[str, ...] = ()
     meetings: tuple[ComingMeeting, ...] = ()
     facts: LineFacts | None = None
     tick_age_s: float = NOT_SAID
@@ -161,6 +162,7 @@ class StatusAnswer:
         """Return plain values for JSON: what is live is added to the rest."""
         plain = asdict(self)
         live = plain.pop("live")
+        plain["crossings"] = plain.pop("meeting_sentences")
         plain["recorder"] = plain["recorder"] or {}
         return {"ok": True, **plain, **(live or {})}
 
@@ -189,7 +191,7 @@ def read_answer(said: Any) -> StatusAnswer:
         operators=tuple(OperatorNote(**one) for one in said.get("operators", ())),
         probes=tuple(ProbeFacts(**one) for one in said.get("probes", ())),
         shapes=tuple(said.get("shapes", ())),
-        crossings=tuple(said.get("crossings", ())),
+        meeting_sentences=tuple(said.get("crossings", ())),
         meetings=tuple(ComingMeeting(**one) for one in said.get("meetings", ())),
         facts=LineFacts.from_json(facts) if facts else None,
         tick_age_s=said.get("tick_age_s", NOT_SAID),

@@ -101,7 +101,7 @@ class Standing:
             operators=tuple(processes.operators),
             probes=tuple(probes_of(parameters.responses)),
             shapes=tuple(processes.shapes.sentences),
-            crossings=tuple(self._forecast.sentences()),
+            meeting_sentences=tuple(self._forecast.sentences()),
             meetings=self._forecast.meetings(),
             facts=line_facts(parameters.site, parameters.permissives),
         )

@@ -43,7 +43,7 @@ LIVE = live_status(
             probing=True,
             recorder=RECORDER,
             shapes=("s",),
-            crossings=("c",),
+            meeting_sentences=("c",),
             operators=(OperatorNote(utc_s=1.8e9, did="arm", who="login anna"),),
             tick_age_s=0.004,
             live=LIVE,
