@@ -4,7 +4,7 @@ __all__ = [
     "gauss_newton",
     "objective",
     "projection",
-    "real_covariance",
+    "robust_covariance",
     "roll_synchronisation",
     "spread",
     "start_angles",

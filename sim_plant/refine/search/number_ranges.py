@@ -17,7 +17,7 @@ from sim_plant.base.signatures import Frequency
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, jacobian
 from sim_plant.refine.fit.objective import Objective
-from sim_plant.refine.fit.real_covariance import MANY, moved_by_declared, real_covariance
+from sim_plant.refine.fit.robust_covariance import MANY, moved_by_declared, robust_covariance
 from sim_plant.refine.fit.spread import SPREAD, model_errors
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.likely_range import LikelyRange, likely_range, values_of
@@ -77,7 +77,7 @@ def with_covariance(
     """Return the fit with a covariance of noise, tolerances, model error, and wander.
 
     ``SPREAD`` of its standard deviations hold a number with the stated confidence: a variance of
-    few degrees of freedom (`real_covariance`) is widened to Student's t of the whole variance.
+    few degrees of freedom (`robust_covariance`) is widened to Student's t of the whole variance.
     The response to an effect may be wrong by the share e: that moves any number of it by up to
     e sqrt(X) of its deviation in noise, where X is the chi-square that the effect explains; a
     size by e of itself (``model_errors``, not part of this covariance). A declared number that
@@ -85,16 +85,17 @@ def with_covariance(
     that move (`moved_by_declared`).
     Equation: v = sum v_i, freedom v^2 / sum (v_i^2 / f_i)  [Satterthwaite 1946].
     """
-    real = real_covariance(objective, columns, fit.residual)
-    plain = np.maximum(real.noise.diagonal(), 0.0)
+    robust = robust_covariance(objective, columns, fit.residual)
+    plain = np.maximum(robust.noise.diagonal(), 0.0)
     counts = [len(row) for row in fit.values]
     share = REPORT.model_share * np.sqrt(np.repeat(np.maximum(explained, 0.0), counts))
     wrong = np.where(np.array(model_errors(fit)) > 0.0, 0.0, share**2 * plain)
     part = np.where(plain > 0.0, plain, 1.0)
-    moved = np.sqrt((real.variance + wrong) / part)
-    covariance = real.noise * np.outer(moved, moved) + real.tolerances
+    moved = np.sqrt((robust.variance + wrong) / part)
+    covariance = robust.noise * np.outer(moved, moved) + robust.tolerances
     total = np.maximum(covariance.diagonal(), 1e-300) + np.square(model_errors(fit))
-    freedom = np.minimum(real.freedom * (total / np.maximum(real.variance, 1e-300)) ** 2, MANY)
+    grown = total / np.maximum(robust.variance, 1e-300)
+    freedom = np.minimum(robust.degrees_of_freedom * grown**2, MANY)
     wide = stdtrit(freedom, 0.5 + 0.5 * REPORT.confidence) / SPREAD
     taken = moved_by_declared(objective, fit.residual, columns) / SPREAD
     wider = covariance * np.outer(wide, wide) + np.outer(taken, taken)

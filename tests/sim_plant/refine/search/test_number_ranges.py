@@ -9,7 +9,7 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, jacobian, nominal_fit
-from sim_plant.refine.fit.real_covariance import real_covariance
+from sim_plant.refine.fit.robust_covariance import robust_covariance
 from sim_plant.refine.fit.spread import SPREAD
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.twin import Case
@@ -94,9 +94,9 @@ def test_a_variance_of_twelve_runs_counts_by_students_t():
     objective = replace(objective, whitening=whitening)
     low, high = with_number_ranges(objective, selection).ranges[0]["constant_N_m"]
     column = jacobian(objective, (drag,), selection.fit.values, selection.fit.shifts)
-    real = real_covariance(objective, column, selection.fit.residual)
-    assert real.freedom[0] == 11.0
-    sd = math.sqrt(real.variance[0] + real.tolerances[0, 0])
+    robust = robust_covariance(objective, column, selection.fit.residual)
+    assert robust.degrees_of_freedom[0] == 11.0
+    sd = math.sqrt(robust.variance[0] + robust.tolerances[0, 0])
     own = 0.002 * CRITERIA.report.model_share
     # 0.975 quantile of Student's t of 11 degrees of freedom
     assert 0.5 * (high - low) == pytest.approx(math.hypot(2.201 * sd, SPREAD * own), rel=0.01)

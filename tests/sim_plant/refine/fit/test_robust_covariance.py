@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.real_covariance import interval_sums, real_covariance
+from sim_plant.refine.fit.robust_covariance import block_sums, robust_covariance
 from tests.sim_plant.refine.small import STEP_S, formula_twin, objective_of, white
 
 CHANNELS, SAMPLES = ("unwind_tension_N", "rewind_tension_N"), 6000
@@ -40,14 +40,14 @@ def test_of_noise_as_it_is_weighed_it_is_the_covariance_of_noise_and_tolerances(
     column = rows_of(objective, np.stack([fast, -fast]))[:, None]
     expected = objective.projector.linear_fit(column[:, 0], column).covariance[0, 0]
     found = [
-        real_covariance(objective, column, rows_of(objective, white((2, judged), seed)))
+        robust_covariance(objective, column, rows_of(objective, white((2, judged), seed)))
         for seed in range(20)
     ]
     assert found[0].noise[0, 0] + found[0].tolerances[0, 0] == pytest.approx(expected, rel=1e-6)
     # blocks are larger by chance in one record of twenty
-    plain = [real for real in found if real.freedom[0] == math.inf]
+    plain = [robust for robust in found if robust.degrees_of_freedom[0] == math.inf]
     assert len(plain) >= 17
-    assert all(real.variance[0] == pytest.approx(real.noise[0, 0]) for real in plain)
+    assert all(robust.variance[0] == pytest.approx(robust.noise[0, 0]) for robust in plain)
 
 
 def test_what_pulls_one_way_in_one_part_and_back_in_another_widens_it():
@@ -59,17 +59,17 @@ def test_what_pulls_one_way_in_one_part_and_back_in_another_widens_it():
     sign[INTERVAL : 2 * INTERVAL], sign[5 * INTERVAL : 6 * INTERVAL] = 1.0, -1.0
     column = rows_of(objective, np.stack([fast, -fast]))[:, None]
     left = rows_of(objective, 3.0 * np.stack([fast, -fast]) * sign)
-    found = real_covariance(objective, column, left)
+    found = robust_covariance(objective, column, left)
     power = float(column[:, 0] @ column[:, 0])
     pulled = 3.0 * power * INTERVAL / judged
     assert found.variance[0] == pytest.approx(2.0 * pulled**2 / power**2, rel=0.05)
-    assert found.freedom[0] == len(interval_sums(objective, column)) - 1
+    assert found.degrees_of_freedom[0] == len(block_sums(objective, column)) - 1
 
 
 def test_blocks_hold_all_rows_once():
     objective = quiet_objective()
     rows = np.ones((objective.projector.nuisances.shape[0], 1))
-    sums = interval_sums(objective, rows)[:, 0]
+    sums = block_sums(objective, rows)[:, 0]
     assert sums.sum() == objective.rows
     assert sums[0] == 2 * INTERVAL
 
@@ -79,7 +79,7 @@ def moved_together(noise):
     objective = with_runs(quiet_objective(), noise)
     fast = np.sin(0.7 * np.arange(objective.rows // 2))
     column = rows_of(objective, np.stack([fast, fast]))[:, None]
-    return real_covariance(objective, column, np.zeros(column.shape[0])), column[:, 0]
+    return robust_covariance(objective, column, np.zeros(column.shape[0])), column[:, 0]
 
 
 def test_noise_that_moves_two_channels_together_moves_a_number_by_more():
@@ -89,7 +89,7 @@ def test_noise_that_moves_two_channels_together_moves_a_number_by_more():
     found, _ = moved_together(noise)
     # of 12 runs a variance is known to sqrt(2 / 11) = 0.43
     assert 1.2 < found.variance[0] / found.noise[0, 0] < 3.5
-    assert found.freedom[0] == 11.0
+    assert found.degrees_of_freedom[0] == 11.0
 
 
 def test_what_all_seeded_runs_share_is_no_noise():
@@ -99,4 +99,4 @@ def test_what_all_seeded_runs_share_is_no_noise():
     shape = np.sin(0.7 * (np.arange(SAMPLES) - 1500))
     found, _ = moved_together(shared + own + 3.0 * shape)
     assert found.variance[0] == pytest.approx(found.noise[0, 0])
-    assert found.freedom[0] == math.inf
+    assert found.degrees_of_freedom[0] == math.inf

@@ -1,4 +1,4 @@
-"""Covariance of the fitted numbers: by noise as it is, by passing errors of the model."""
+"""Robust covariance of the fitted numbers: noise, tolerances, and errors that the model has."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ MANY = 1e9
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class RealCovariance:
+class RobustCovariance:
     """Covariance of the q fitted numbers, by what moves them; the parts are independent.
 
     Attributes
@@ -26,69 +26,69 @@ class RealCovariance:
     noise : by noise as the weighing assumes it (q, q).
     tolerances : by declared numbers within their tolerances (q, q).
     variance : takes the place of the diagonal of ``noise`` (q,): by noise as the simulations show
-        it, and by errors of the model that differ from interval to interval.
-    freedom : degrees of freedom of ``variance`` (q,).
+        it, and by errors of the model that differ from one block of time to the next.
+    degrees_of_freedom : degrees of freedom of ``variance`` (q,).
     """
 
     noise: Array
     tolerances: Array
     variance: Array
-    freedom: Array
+    degrees_of_freedom: Array
 
 
-def real_covariance(objective: Objective, columns: Array, residual: Array) -> RealCovariance:
+def robust_covariance(objective: Objective, jacobian: Array, residual: Array) -> RobustCovariance:
     """Return the covariance of fitted numbers.
 
-    ``columns`` (rows, q): what a unit of each number changes of the residual's rows;
+    ``jacobian`` (rows, q): what a unit of each number changes of the residual's rows;
     ``residual`` : what their fit leaves.
 
     Three estimates of one variance, and the largest would be high by chance alone. The weighing
     is exact where noise is what it assumes, and knows rounding by a sensor's coarse steps;
     simulations of noise alone (`moved_by_noise`) know noise that channels share and that a limit
     of a drive (its torque, its loop's output) changes: the larger of the two counts.
-    What the residual pulls differently from interval to interval
-    (`interval_sums`) is an error of the model where it is more than noise does by chance.
+    What the residual pulls differently from one block of time to the next
+    (`block_sums`) is an error of the model where it is more than noise does by chance.
 
-    Equation: A = (Z'Z)^-1 Z' with Z what nuisances cannot explain of the columns. Its columns
+    Equation: A = (Z'Z)^-1 Z' with Z what nuisances cannot explain of the jacobian. Its columns
     are those of data (A_d) and of tolerances (A_t): noise = A_d A_d', tolerances = A_t A_t'. Model
-    error: the sum over intervals b of (A_b r)^2 [White 1980, Liang and Zeger 1986], where that is
+    error: the sum over blocks b of (A_b r)^2 [White 1980, Liang and Zeger 1986], where that is
     above the quantile of F.
     """
-    z = objective.projector.project(columns)
-    norms = np.sqrt(np.maximum(np.einsum("ij,ij->j", z, z), 1e-300))
-    unit = z / norms
-    inverse = np.linalg.pinv(unit.T @ unit, rcond=1e-9, hermitian=True) / norms[:, np.newaxis]
-    data, prior = unit[: objective.rows], unit[objective.rows :]
+    unexplained = objective.projector.project(jacobian)
+    norms = np.sqrt(np.maximum(np.einsum("ij,ij->j", unexplained, unexplained), 1e-300))
+    normed = unexplained / norms
+    inverse = np.linalg.pinv(normed.T @ normed, rcond=1e-9, hermitian=True) / norms[:, np.newaxis]
+    data, prior = normed[: objective.rows], normed[objective.rows :]
     noise = inverse @ (data.T @ data) @ inverse.T
     variance = np.maximum(noise.diagonal(), 0.0)
     freedom = np.full(variance.size, math.inf)
-    moved = moved_by_noise(objective, unit) @ inverse.T
+    moved = moved_by_noise(objective, normed) @ inverse.T
     if len(moved) > 1:
         simulated = moved.var(axis=0, ddof=1)
         freedom = np.where(simulated > variance, len(moved) - 1.0, freedom)
         variance = np.maximum(variance, simulated)
     left = objective.projector.project(residual)
-    pulls = interval_sums(objective, unit * left[:, np.newaxis]) @ inverse.T
+    pulls = block_sums(objective, normed * left[:, np.newaxis]) @ inverse.T
     pulled, free = np.sum(pulls**2, axis=0), len(pulls) - 1.0
     if free > 0.0:
         chance = fdtri(free, np.minimum(freedom, MANY), CRITERIA.report.confidence)
         wrong = pulled > chance * variance
         freedom = np.where(wrong, free, freedom)
         variance = np.where(wrong, pulled, variance)
-    return RealCovariance(
+    return RobustCovariance(
         noise=noise,
         tolerances=inverse @ (prior.T @ prior) @ inverse.T,
         variance=variance,
-        freedom=freedom,
+        degrees_of_freedom=freedom,
     )
 
 
-def moved_by_declared(objective: Objective, residual: Array, columns: Array) -> Array:
+def moved_by_declared(objective: Objective, residual: Array, jacobian: Array) -> Array:
     """Return how far numbers (q,) move when declared numbers far off go back to what was declared.
 
     A declared number that a fit has moved further than chance moves any of them may imitate what
     the model has wrong. Its tolerance then says nothing of how far it may have taken others along.
-    ``residual`` is what a fit leaves, ``columns`` (rows, q) are what a unit
+    ``residual`` is what a fit leaves, ``jacobian`` (rows, q) is what a unit
     of each of its numbers changes of the residual's rows. Effective
     radii stay: angles fix them. n counts the declared numbers that are looked at.
     Equation: |z| > z_n, P(|z| < z_n)^n = the stated confidence  [Sidak 1967].
@@ -98,17 +98,17 @@ def moved_by_declared(objective: Objective, residual: Array, columns: Array) -> 
         [not is_effective_radius(n.name) for n in objective.nuisances], dtype=bool
     )
     if not looked_at.any():
-        return np.zeros(columns.shape[1])
+        return np.zeros(jacobian.shape[1])
     most = float(ndtri(0.5 + 0.5 * CRITERIA.report.confidence ** (1.0 / np.sum(looked_at))))
     far_off = np.flatnonzero(looked_at & (np.abs(z) > most))
     back = -(z * objective.prior_sd)[far_off]
-    return objective.projector.moved_by_held(columns, far_off.tolist(), back)
+    return objective.projector.moved_by_held(jacobian, far_off.tolist(), back)
 
 
-def moved_by_noise(objective: Objective, unit: Array) -> Array:
+def moved_by_noise(objective: Objective, normed: Array) -> Array:
     """Return how noise moves numbers, in every simulation of noise alone (simulations, q).
 
-    ``unit`` (rows, q): the Z of `real_covariance`, each column at norm 1; of its rows those of
+    ``normed`` (rows, q): the Z of `robust_covariance`, each column at norm 1; of its rows those of
     data count.
 
     The weighing takes channels one by one. Noise of a drive moves them together, and where it
@@ -116,15 +116,15 @@ def moved_by_noise(objective: Objective, unit: Array) -> Array:
     weighing says.
     Rounding by a sensor's coarse steps is alike in all simulations, and goes out with their mean.
     """
-    data = unit[: objective.rows]
+    data = normed[: objective.rows]
     whitened = objective.whitening.vector
     realisations = zip(*objective.whitening.realisations, strict=True)
     moved = [whitened(each) @ data for each in realisations]
-    return np.array(moved).reshape(-1, unit.shape[1])
+    return np.array(moved).reshape(-1, normed.shape[1])
 
 
-def interval_sums(objective: Objective, products: Array) -> Array:
-    """Return the sums of ``products`` (rows, q) over all channels, interval by interval."""
+def block_sums(objective: Objective, products: Array) -> Array:
+    """Return the sums of ``products`` (rows, q) over all channels, block by block of time."""
     sums, at = [], 0
     for twin, part in zip(objective.pool.twins, objective.split(products[:, 0]), strict=True):
         channels, samples = part.shape
