@@ -57,7 +57,7 @@ def judge(
     held_out: bool,
 ) -> Evaluation:
     """Return the error of one record as declared and as amended."""
-    shifts = tuple(sorted(selection.corrections.items()))
+    shifts = tuple(sorted(selection.adjustments.items()))
     with SimulationPool([judged.twin], workers, progress) as pool:
         return evaluate(pool, judged.measured, selection.fit.effects, shifts, find_angles=held_out)
 
@@ -254,7 +254,7 @@ def wander_there(
         selection.fit,
         hypotheses=tuple(replace(h, record=None) for h in found),
         values=tuple(tuple(float(known[name]) for name in names) for names, known in rows),
-        shifts=dict(selection.corrections),
+        shifts=dict(selection.adjustments),
     )
     with SimulationPool([judged.twin], workers, progress) as pool:
         wandering = [k for k, h in enumerate(found) if h.key in large]

@@ -62,8 +62,8 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     caveats = caveats_of_all(fitted, held)
     announce(caveats, records, progress)
     selection = find(fitted, plan.without, plan.workers, progress)
-    if selection.corrections:
-        progress(f"{len(selection.corrections)} declared numbers estimated anew with the effects")
+    if selection.adjustments:
+        progress(f"{len(selection.adjustments)} declared numbers estimated anew with the effects")
     judged = held[0] if held else fitted[0]
     progress(f"judging on {judged.record.path.name}")
     evaluation = judge(judged, selection, plan.workers, progress, held_out=bool(held))
@@ -114,7 +114,7 @@ def proposal_of(outcome: Outcome, site: SiteFile, progress: Progress) -> Proposa
     blocks = started_blocks(outcome.verdict.effects, line, first)
     if not blocks:
         return None
-    proposal = proposed(site, blocks, line, outcome.selection.corrections)
+    proposal = proposed(site, blocks, line, outcome.selection.adjustments)
     for text in proposal.said:
         progress(f"{site.path.name}: {text}")
     return proposal
@@ -201,7 +201,7 @@ def record_of_onset(
         return None
     number = moments[0].number
     there = [replace(e, record=None) for e in selection.fit.effects if e.record in (None, number)]
-    shown, shifts = fitted[number], tuple(sorted(selection.corrections.items()))
+    shown, shifts = fitted[number], tuple(sorted(selection.adjustments.items()))
     with SimulationPool([shown.twin], workers, progress) as pool:
         found = evaluate(pool, shown.measured, there, shifts, find_angles=False)
     return RecordOfOnset(moment=moments[0], evaluation=found)

@@ -20,7 +20,10 @@ PerOrder = Mapping[tuple[str, int], complex]
 
 @dataclass(slots=True, kw_only=True)
 class KnownShape:
-    """One shape from elsewhere: where from, the deviations, what was learned of P."""
+    """One shape from elsewhere: where from, the deviations, what was learned of P.
+
+    ``correction`` is of P: the response ratio of each order less 1.
+    """
 
     source: str
     weight_m: PerOrder

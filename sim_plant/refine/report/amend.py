@@ -50,7 +50,7 @@ def write_amended(
         raise PlantError(f"{path}: is the line file itself; choose another --out")
     effects = line.declaration.effects if stated is None else stated
     changes = {
-        "corrections": _summed(line.declaration.corrections, selection.corrections),
+        "corrections": _summed(line.declaration.corrections, selection.adjustments),
         "effects": [*map(_entry, effects), *map(_entry, found_effects(selection.fit))],
         "provenance": {
             "made_by": command,

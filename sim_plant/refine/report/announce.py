@@ -47,7 +47,7 @@ def radii_of_profiles(selection: Selection, line: Declaration) -> list[str]:
         number = effective_radius_of(h.location)
         if h.effect.profiles is None or number not in known:
             continue
-        change = selection.corrections.get(number, 0.0)
+        change = selection.adjustments.get(number, 0.0)
         if abs(change) > furthest * known[number]:
             said.append(
                 f"a wrong radius in drive {h.location}: its effective radius is "

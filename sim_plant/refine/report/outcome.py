@@ -96,7 +96,7 @@ class Outcome:
     @property
     def is_amended(self) -> bool:
         """Whether the amended line differs from the declared one."""
-        return bool(self.selection.accepted or self.selection.corrections)
+        return bool(self.selection.accepted or self.selection.adjustments)
 
     def records_said(self) -> str:
         """Return what was read: the records, their line speeds and their tensions."""

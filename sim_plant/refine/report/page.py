@@ -149,7 +149,7 @@ def blocks_of(outcome: Outcome) -> list[AffBlock]:
 def shifts_of(outcome: Outcome) -> list[ShiftRow]:
     """Return the declared numbers as estimated anew with the effects."""
     tolerances = {n.name: n.tolerance for n in declared_nuisances(outcome.declared)}
-    return shift_rows(outcome.selection.corrections, tolerances)
+    return shift_rows(outcome.selection.adjustments, tolerances)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

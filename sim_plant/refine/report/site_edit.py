@@ -101,7 +101,7 @@ def proposed(
     site: SiteFile,
     blocks: Sequence[AffBlock],
     declaration: Declaration,
-    corrections: Mapping[str, float] | None = None,
+    adjustments: Mapping[str, float] | None = None,
 ) -> Proposal:
     """Return the text with every block in the list of the actuator that acts on its zone.
 
@@ -112,14 +112,14 @@ def proposed(
 
     Parameters
     ----------
-    corrections : shares added to declared numbers, by dotted path.
+    adjustments : shares added to declared numbers, by dotted path.
     """
     data = {"rolls": deepcopy(site.rolls), "actuators": deepcopy(site.actuators)}
     said = []
     for block in blocks:
         actuator, why = _actuator(block, site, declaration)
         said.append(
-            _add(data, block, actuator, declaration, corrections or {}) if actuator else why
+            _add(data, block, actuator, declaration, adjustments or {}) if actuator else why
         )
     same = data == {"rolls": site.rolls, "actuators": site.actuators}
     text = site.text if same else with_keys(site.text, data, short=True)
@@ -137,7 +137,7 @@ def _add(
     block: AffBlock,
     actuator: str,
     declaration: Declaration,
-    corrections: Mapping[str, float],
+    adjustments: Mapping[str, float],
 ) -> str:
     """Put one block into the list of an actuator; return what was done."""
     roll, entries = site_name(block.roll), data["actuators"][actuator]["blocks"]
@@ -159,7 +159,7 @@ def _add(
     entries.append(block.entry() | {"amp_limit_m_s": min(block.amp_limit_m_s, limit_m_s)})
     if roll in data["rolls"]:
         return f"{where}: {roll} added"
-    radius_m = _radius_m(block.roll, declaration, corrections)
+    radius_m = _radius_m(block.roll, declaration, adjustments)
     data["rolls"][roll] = {"radius_m": round(radius_m, 7)}
     return f"{where}: {roll} added, and rolls.{roll} with a radius of {radius_m * 1e3:.5g} mm"
 
@@ -172,10 +172,10 @@ def _limit_m_s(given: Any) -> float:
         return math.inf  # `aff-runtime check` names it
 
 
-def _radius_m(name: str, declaration: Declaration, corrections: Mapping[str, float]) -> float:
+def _radius_m(name: str, declaration: Declaration, adjustments: Mapping[str, float]) -> float:
     """Return a roller's radius as the records show it."""
     radius_m = declaration.rollers[declaration.body(name)].radius_m
-    return radius_m * (1.0 + corrections.get(f"rollers.{name}.radius_m", 0.0))
+    return radius_m * (1.0 + adjustments.get(f"rollers.{name}.radius_m", 0.0))
 
 
 def _actuator(block: AffBlock, site: SiteFile, declaration: Declaration) -> tuple[str, str]:

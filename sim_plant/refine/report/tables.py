@@ -52,11 +52,11 @@ class ShiftRow:
 
 
 def shift_rows(
-    corrections: Mapping[str, float], tolerances: Mapping[str, float]
+    adjustments: Mapping[str, float], tolerances: Mapping[str, float]
 ) -> list[ShiftRow]:
     """Return declared numbers estimated anew, those first that used most of their tolerance."""
     rows = []
-    for name, value in corrections.items():
+    for name, value in adjustments.items():
         tolerance = tolerances.get(name, 0.0)
         factor, unit = 100.0, "%"
         if name.endswith((".offset", "_draw")):

@@ -173,7 +173,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
     if all(u.unknown_class in PERIODIC_CLASSES for u in selection.unknown):
         if not selection.accepted:
             return selection
-        return replace(selection, corrections=total_shifts(objective, selection.fit))
+        return replace(selection, adjustments=total_shifts(objective, selection.fit))
     fit = selection.fit
     kept = standing(selection.accepted, objective.excess(fit.cost, fit.residual))
     if len(kept) == len(fit.hypotheses):

@@ -65,7 +65,7 @@ class Selection:
     before, after : spectra of free spectral lines in what ``nominal`` and ``fit`` leave.
     accepted : effects of ``fit``, in order.
     unknown : what no effect explains.
-    corrections : changes of declared numbers as re-estimated with the effects, by path: none where
+    adjustments : changes of declared numbers as re-estimated with the effects, by path: none where
         structure is left that is no spectral line, for they may then have imitated it.
     chi2_of_free_terms : what free terms took up before the search.
     wander_is_free : ``fit`` is weighed with the sizes of its effects free to change slowly.
@@ -80,7 +80,7 @@ class Selection:
     after: Spectra
     accepted: tuple[AcceptedEffect, ...] = ()
     unknown: tuple[Unknown, ...] = ()
-    corrections: Mapping[str, float] = field(default_factory=dict)
+    adjustments: Mapping[str, float] = field(default_factory=dict)
     chi2_of_free_terms: float = 0.0
     wander_is_free: bool = False
     ranges: tuple[Ranges, ...] = ()
@@ -283,7 +283,7 @@ def withdrawn(selection: Selection) -> Selection:
         fit=selection.nominal,
         after=selection.before,
         accepted=(),
-        corrections={},
+        adjustments={},
         ranges=(),
     )
     if selection.unknown:

@@ -146,7 +146,7 @@ def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record
         before=(),
         after=(),
         accepted=(accepted,),
-        corrections={"web.EA_N": 0.01},
+        adjustments={"web.EA_N": 0.01},
     )
     result = verdict_of(found, judged, "short.csv")
     path = write_amended(

@@ -24,7 +24,7 @@ FOUND = Selection(
     record_axes=(),
     before=(),
     after=(),
-    corrections={"web.EA_N": 1.2345678901234567e-05},
+    adjustments={"web.EA_N": 1.2345678901234567e-05},
 )
 RECORD = Recording(
     path=Path("a.csv"), sha256="abc", sample_time_s=0.01, columns={"x_N": np.ones(9)}

@@ -65,7 +65,7 @@ def test_a_radius_error_beside_a_profile_is_named_as_what_cannot_be_told(name, c
         before=one_peak(),
         after=one_peak(),
         accepted=(found,),
-        corrections={number: change},
+        adjustments={number: change},
     )
     said = radii_of_profiles(selection, line_with({"*": 0.0, number: 0.001}))
     assert len(said) == told

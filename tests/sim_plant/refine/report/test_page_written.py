@@ -53,7 +53,7 @@ def evaluation(after):
     )
 
 
-def outcome(folder, accepted=(), corrections=None, after=(1.0, 1.0, 9.0)):
+def outcome(folder, accepted=(), adjustments=None, after=(1.0, 1.0, 9.0)):
     fit = fit_of(*(a.hypothesis for a in accepted), values=((3e-5, -4e-5),) * len(accepted))
     selection = Selection(
         nominal=fit_of(),
@@ -62,7 +62,7 @@ def outcome(folder, accepted=(), corrections=None, after=(1.0, 1.0, 9.0)):
         before=one_peak(900.0),
         after=one_peak(20.0),
         accepted=tuple(accepted),
-        corrections=corrections or {},
+        adjustments=adjustments or {},
     )
     judged = evaluation(after)
     return Outcome(

@@ -321,10 +321,10 @@ def test_effects_beside_a_line_that_leave_a_fair_share_imitate_something(excess,
 @pytest.mark.parametrize(("line", "kind"), [(5000.0, "time"), (100.0, "broadband")])
 def test_effects_that_are_withdrawn_leave_their_line_unknown_or_something_irregular(line, kind):
     known = AcceptedEffect(hypothesis=DRAG, score=900.0, runner_up=None, margin=900.0, rejected=())
-    found = selection(cost=COST - 900.0, nominal=COST, accepted=(known,), corrections={"x": 1.0})
+    found = selection(cost=COST - 900.0, nominal=COST, accepted=(known,), adjustments={"x": 1.0})
     left = withdrawn(replace(found, before=one_peak(line)))
     assert [u.unknown_class for u in left.unknown] == [kind]
-    assert (left.accepted, left.corrections, left.fit) == ((), {}, left.nominal)
+    assert (left.accepted, left.adjustments, left.fit) == ((), {}, left.nominal)
 
 
 def test_effects_that_are_withdrawn_beside_something_unknown_leave_that():
