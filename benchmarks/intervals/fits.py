@@ -101,7 +101,12 @@ def fitted(case: Case, folder: Path) -> tuple[Objective, Selection] | None:
         rejected=(),
     )
     return objective, Selection(
-        nominal=nominal, fit=fit, record_axes=(), before=(), after=(), accepted=(accepted,)
+        nominal=nominal,
+        fit=fit,
+        record_axes=(),
+        spectra_declared=(),
+        spectra_left=(),
+        accepted=(accepted,),
     )
 
 

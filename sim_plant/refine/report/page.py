@@ -223,8 +223,8 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         overlays=overlays(outcome),
         order_map=wavenumber_map(judged, step_s, draw_amended=is_amended),
         spectra=spectrum(
-            selection.before[0],
-            selection.after[0],
+            selection.spectra_declared[0],
+            selection.spectra_left[0],
             CRITERIA.search.unexplained.periodic,
             draw_amended=is_amended,
         ),

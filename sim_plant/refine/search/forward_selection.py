@@ -81,7 +81,9 @@ def forward_selection(
         further = select(conditioned, rest, progress, without, chi2_of_free_terms=taken_up)
         more = [u for u in further.unknown if not any(u.same_roll_as(t) for t in free_terms)]
         # before: with the lines that are now free terms, for the report
-        selection = replace(further, unknown=(*free_terms, *more), before=first.before)
+        selection = replace(
+            further, unknown=(*free_terms, *more), spectra_declared=first.spectra_declared
+        )
     return selection
 
 
@@ -108,7 +110,7 @@ def select(
             selection,
             fit=fit,
             accepted=(*selection.accepted, *(e.accepted for e in extensions)),
-            after=remaining_spectra(objective, fit, selection.record_axes),
+            spectra_left=remaining_spectra(objective, fit, selection.record_axes),
         )
         quiet = at_noise_floor(selection, objective.expected_cost, sure_excess(objective))
         if quiet and not own_spectral_lines(selection):
@@ -143,7 +145,9 @@ def looked_over(objective: Objective, selection: Selection, progress: Progress) 
     if selection.fit.hypotheses == before:
         return selection
     near, fit = joint_refit(objective, selection.fit)
-    return replace(selection, fit=fit, after=remaining_spectra(near, fit, selection.record_axes))
+    return replace(
+        selection, fit=fit, spectra_left=remaining_spectra(near, fit, selection.record_axes)
+    )
 
 
 def _nothing_yet(objective: Objective, nominal: Fit, chi2_of_free_terms: float) -> Selection:
@@ -155,8 +159,8 @@ def _nothing_yet(objective: Objective, nominal: Fit, chi2_of_free_terms: float) 
         nominal=nominal,
         fit=nominal,
         record_axes=record_axes,
-        before=spectra,
-        after=spectra,
+        spectra_declared=spectra,
+        spectra_left=spectra,
         chi2_of_free_terms=chi2_of_free_terms,
     )
 
@@ -191,7 +195,7 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
         selection,
         fit=rest,
         accepted=tuple(selection.accepted[k] for k in kept),
-        after=remaining_spectra(objective, rest, selection.record_axes),
+        spectra_left=remaining_spectra(objective, rest, selection.record_axes),
     )
     return classified(objective, periodic)
 
@@ -210,11 +214,11 @@ def next_extensions(
     effect that leaves much of its own spectral line may be half of a pair: a second effect that
     is not periodic (a delay, a filter) can have changed how the line answers the first.
     """
-    library = with_aliases(library, selection.record_axes, selection.after)
-    library = with_orders(library, selection.record_axes, selection.after)
-    library = with_radii(library, selection.record_axes, selection.after)
+    library = with_aliases(library, selection.record_axes, selection.spectra_left)
+    library = with_orders(library, selection.record_axes, selection.spectra_left)
+    library = with_radii(library, selection.record_axes, selection.spectra_left)
     library = with_resonances(library, selection.record_axes)
-    periodic, others = by_periodic_chi2(library, selection.record_axes, selection.after)
+    periodic, others = by_periodic_chi2(library, selection.record_axes, selection.spectra_left)
     resonant = [h for h in periodic if h.effect.resonant]
     plain = [h for h in periodic if not h.effect.resonant]
     cost = selection.fit.cost

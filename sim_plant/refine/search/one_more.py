@@ -106,5 +106,5 @@ def explains_own_lines(
     if apart is not None:
         return apart.explains_own_spectral_lines(fit)
     return explains_own_spectral_lines(
-        objective, selection.fit, selection.after, selection.record_axes, fit
+        objective, selection.fit, selection.spectra_left, selection.record_axes, fit
     )

@@ -20,7 +20,7 @@ def classified(objective: Objective, selection: Selection) -> Selection:
     apart = set_apart(objective, selection, at_spectral_lines=False, wander=wander)
     weigh, seen = (objective, selection) if apart is None else (apart.objective, apart.selection)
     fit = seen.fit
-    unknown = what_is_left(weigh, selection.nominal, fit, selection.record_axes, seen.after)
+    unknown = what_is_left(weigh, selection.nominal, fit, selection.record_axes, seen.spectra_left)
     nominal_excess = selection.nominal.cost - objective.expected_cost
     excess = weigh.excess(fit.cost, fit.residual)
     if not unknown and imitates(selection.accepted, excess, nominal_excess):

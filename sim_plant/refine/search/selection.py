@@ -62,7 +62,7 @@ class Selection:
     ----------
     nominal, fit : without effects, and with those accepted.
     record_axes : time, travel and angles of every record.
-    before, after : spectra of free spectral lines in what ``nominal`` and ``fit`` leave.
+    spectra_declared, spectra_left : of free spectral lines in what ``nominal`` and ``fit`` leave.
     accepted : effects of ``fit``, in order.
     unknown : what no effect explains.
     adjustments : changes of declared numbers as re-estimated with the effects, by path: none where
@@ -76,8 +76,8 @@ class Selection:
     nominal: Fit
     fit: Fit
     record_axes: tuple[RecordAxes, ...]
-    before: Spectra
-    after: Spectra
+    spectra_declared: Spectra
+    spectra_left: Spectra
     accepted: tuple[AcceptedEffect, ...] = ()
     unknown: tuple[Unknown, ...] = ()
     adjustments: Mapping[str, float] = field(default_factory=dict)
@@ -281,7 +281,7 @@ def withdrawn(selection: Selection) -> Selection:
     bare = replace(
         selection,
         fit=selection.nominal,
-        after=selection.before,
+        spectra_left=selection.spectra_declared,
         accepted=(),
         adjustments={},
         ranges=(),
@@ -289,7 +289,7 @@ def withdrawn(selection: Selection) -> Selection:
     if selection.unknown:
         return bare
     explained = selection.nominal.cost - selection.fit.cost
-    return replace(bare, unknown=(line_or_broadband(selection.before, 0.0, explained),))
+    return replace(bare, unknown=(line_or_broadband(selection.spectra_declared, 0.0, explained),))
 
 
 def without_accepted(selection: Selection, at: int) -> Selection:

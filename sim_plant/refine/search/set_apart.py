@@ -58,7 +58,11 @@ class JudgedApart:
         """Return whether ``fit`` explains a fair share of what is left apart from the lines."""
         base = self.selection
         return explains_own_spectral_lines(
-            self.objective, base.fit, base.after, base.record_axes, self.re_evaluated_fit(fit)
+            self.objective,
+            base.fit,
+            base.spectra_left,
+            base.record_axes,
+            self.re_evaluated_fit(fit),
         )
 
 
@@ -90,7 +94,7 @@ def set_apart(
         selection,
         nominal=_under(target, selection.nominal, quick=False),
         fit=fit,
-        after=remaining_spectra(target, fit, selection.record_axes),
+        spectra_left=remaining_spectra(target, fit, selection.record_axes),
         wander_is_free=bool(wander),
     )
     return JudgedApart(objective=target, selection=judged)

@@ -113,7 +113,7 @@ def _second(
         return None
     progress(f"trying a second effect beside {half.hypothesis.key}")
     after = remaining_spectra(objective, half.fit, selection.record_axes)
-    with_half = replace(selection, fit=half.fit, after=after)
+    with_half = replace(selection, fit=half.fit, spectra_left=after)
     second = best_of(objective, with_half, group, progress, beside_half=beside_half)
     if second is None:
         return None

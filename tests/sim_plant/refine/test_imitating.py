@@ -83,8 +83,8 @@ def both_drags():
         nominal=fit_of(cost=1e4),
         fit=fit_of(*DRAGS),
         record_axes=(),
-        before=one_peak(),
-        after=one_peak(),
+        spectra_declared=one_peak(),
+        spectra_left=one_peak(),
         accepted=accepted,
         ranges=({}, {}),
     )

@@ -54,8 +54,8 @@ def held_out(rest):
         nominal=fit_of(cost=3e5),
         fit=fit_of(SLIP, DRAG, values=(SLIP.start, DRAG.start)),
         record_axes=(),
-        before=one_peak(),
-        after=one_peak(),
+        spectra_declared=one_peak(),
+        spectra_left=one_peak(),
         accepted=accepted,
         ranges=({}, {}),
     )

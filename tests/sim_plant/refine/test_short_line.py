@@ -143,8 +143,8 @@ def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record
         nominal=nominal,
         fit=right,
         record_axes=(),
-        before=(),
-        after=(),
+        spectra_declared=(),
+        spectra_left=(),
         accepted=(accepted,),
         adjustments={"web.EA_N": 0.01},
     )

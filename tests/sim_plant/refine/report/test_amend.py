@@ -22,8 +22,8 @@ FOUND = Selection(
     nominal=fit_of(),
     fit=fit_of(ECCENTRIC, values=((2e-4, 1e-5),)),
     record_axes=(),
-    before=(),
-    after=(),
+    spectra_declared=(),
+    spectra_left=(),
     adjustments={"web.EA_N": 1.2345678901234567e-05},
 )
 RECORD = Recording(

@@ -62,8 +62,8 @@ def test_a_radius_error_beside_a_profile_is_named_as_what_cannot_be_told(name, c
         nominal=fit_of(),
         fit=fit_of(h),
         record_axes=(),
-        before=one_peak(),
-        after=one_peak(),
+        spectra_declared=one_peak(),
+        spectra_left=one_peak(),
         accepted=(found,),
         adjustments={number: change},
     )

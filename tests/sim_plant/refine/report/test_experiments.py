@@ -80,7 +80,12 @@ def test_the_verdict_names_the_equals_and_the_experiment():
     )
     fit = replace(fit_of(h, values=((1e-3, 2e-3),)), covariance=np.eye(2) * 1e-8)
     found = Selection(
-        nominal=fit_of(), fit=fit, record_axes=(), before=(), after=(), accepted=(accepted,)
+        nominal=fit_of(),
+        fit=fit,
+        record_axes=(),
+        spectra_declared=(),
+        spectra_left=(),
+        accepted=(accepted,),
     )
     verdict = verdict_of(found, None, "b.csv")
     assert verdict.answer == "not_identifiable"
@@ -110,8 +115,8 @@ def test_the_verdict_has_channels_records_and_moments_by_their_names():
         nominal=fit_of(),
         fit=replace(fit, covariance=np.eye(3) * 1e-8),
         record_axes=(),
-        before=(),
-        after=(),
+        spectra_declared=(),
+        spectra_left=(),
         accepted=(accepted,),
         unknown=(event,),
     )

@@ -59,8 +59,8 @@ def outcome(folder, accepted=(), adjustments=None, after=(1.0, 1.0, 9.0)):
         nominal=fit_of(),
         fit=replace(fit, covariance=np.eye(2 * len(accepted)) * 1e-14),
         record_axes=(axes_at(np.ones(ROWS)),),
-        before=one_peak(900.0),
-        after=one_peak(20.0),
+        spectra_declared=one_peak(900.0),
+        spectra_left=one_peak(20.0),
         accepted=tuple(accepted),
         adjustments=adjustments or {},
     )

@@ -87,5 +87,9 @@ def nothing_found(hidden, formula=seen, seed=4):
     record_axes = (axes_at(SPEED_M_S[-JUDGED:], LINE),)
     spectra = remaining_spectra(objective, nominal, record_axes)
     return objective, Selection(
-        nominal=nominal, fit=nominal, record_axes=record_axes, before=spectra, after=spectra
+        nominal=nominal,
+        fit=nominal,
+        record_axes=record_axes,
+        spectra_declared=spectra,
+        spectra_left=spectra,
     )

@@ -51,7 +51,12 @@ def found_beside(lead, follower):
     )
     fit = gauss_newton_fit(objective, kinds, (lead, follower), {}, rounds=6)
     selection = Selection(
-        nominal=nominal, fit=fit, accepted=accepted, record_axes=(), before=(), after=()
+        nominal=nominal,
+        fit=fit,
+        accepted=accepted,
+        record_axes=(),
+        spectra_declared=(),
+        spectra_left=(),
     )
     return objective, selection
 
@@ -103,7 +108,12 @@ def test_a_neighbour_that_was_ahead_stays_named_while_something_is_missing(missi
     accepted = AcceptedEffect(hypothesis=first, score=1.0, runner_up=None, margin=1.0, rejected=())
     fit = gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {})
     selection = Selection(
-        nominal=nominal, fit=fit, accepted=(accepted,), record_axes=(), before=(), after=()
+        nominal=nominal,
+        fit=fit,
+        accepted=(accepted,),
+        record_axes=(),
+        spectra_declared=(),
+        spectra_left=(),
     )
     (found,) = exchanged(objective, selection, lambda _text: None).accepted
     assert found.hypothesis.location == "R2"
@@ -142,7 +152,12 @@ def test_after_an_exchange_the_old_place_is_the_rival_and_the_new_one_none():
     nominal = nominal_fit(objective, {})
     fit = gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {})
     selection = Selection(
-        nominal=nominal, fit=fit, accepted=(accepted,), record_axes=(), before=(), after=()
+        nominal=nominal,
+        fit=fit,
+        accepted=(accepted,),
+        record_axes=(),
+        spectra_declared=(),
+        spectra_left=(),
     )
     moved = exchanged(objective, selection, lambda _text: None)
     (found,) = moved.accepted
@@ -171,8 +186,8 @@ def test_a_constant_drag_is_named_at_every_idler_of_its_zone_that_no_reading_par
         fit=gauss_newton_fit(objective, (first,), ((0.1,),), {}),
         accepted=(accepted,),
         record_axes=(),
-        before=(),
-        after=(),
+        spectra_declared=(),
+        spectra_left=(),
     )
     (found,) = exchanged(objective, selection, lambda _text: None).accepted
     assert {found.hypothesis.location, *(p.location for p in found.ambiguous)} == set(zone)
@@ -197,8 +212,8 @@ def test_a_place_far_off_that_was_named_is_tried_again_beside_the_others():
         fit=gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {}),
         accepted=(accepted,),
         record_axes=(),
-        before=(),
-        after=(),
+        spectra_declared=(),
+        spectra_left=(),
     )
     (found,) = exchanged(objective, selection, lambda _text: None).accepted
     assert "R9" in [place.location for place in found.ambiguous]
@@ -238,8 +253,8 @@ def at_r2_with(error_N):
         fit=fit,
         accepted=(accepted,),
         record_axes=(axes_at(np.full(rest, 5.0 * radius_m), LINE),),
-        before=(),
-        after=(),
+        spectra_declared=(),
+        spectra_left=(),
     )
 
 

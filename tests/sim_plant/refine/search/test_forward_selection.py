@@ -40,7 +40,7 @@ def round_where_a_periodic_effect_leaves(cost, monkeypatch):
     for name, step in steps.items():
         monkeypatch.setattr(forward_selection, name, step)
     fit = SimpleNamespace(cost=COST, shifts={})
-    selection = SimpleNamespace(fit=fit, accepted=(), record_axes=(), after=())
+    selection = SimpleNamespace(fit=fit, accepted=(), record_axes=(), spectra_left=())
     objective = SimpleNamespace(expected_cost=NOISE)
     extensions = forward_selection.next_extensions(
         objective, selection, [periodic, other], lambda _: None

@@ -57,8 +57,8 @@ def selected(h, true, start=None, score=1000.0):
         nominal=nominal,
         fit=fit,
         record_axes=(),
-        before=one_peak(500.0),
-        after=one_peak(),
+        spectra_declared=one_peak(500.0),
+        spectra_left=one_peak(),
         accepted=(accepted,),
     )
 
@@ -133,8 +133,8 @@ def test_a_declared_number_far_off_widens_what_it_may_have_taken_along(modulus, 
             nominal=nominal_fit(objective),
             fit=fit,
             record_axes=(),
-            before=one_peak(500.0),
-            after=one_peak(),
+            spectra_declared=one_peak(500.0),
+            spectra_left=one_peak(),
             accepted=(accepted,),
         ),
     )

@@ -105,7 +105,9 @@ def test_a_modulus_beyond_its_tolerance_is_told_though_it_gains_no_120(factor, t
     nominal = nominal_fit(objective)
     axes = (axes_at(np.ones(JUDGED)),)
     left = remaining_spectra(objective, nominal, axes)
-    nothing = Selection(nominal=nominal, fit=nominal, record_axes=axes, before=left, after=left)
+    nothing = Selection(
+        nominal=nominal, fit=nominal, record_axes=axes, spectra_declared=left, spectra_left=left
+    )
     found = best_of(objective, nothing, [MODULUS], quiet)
     assert (found is not None) is told
     if found is not None:

@@ -38,8 +38,8 @@ def selection(cost=COST, nominal=None, **more):
         nominal=fit_of(cost=cost if nominal is None else nominal),
         fit=fit_of(cost=cost),
         record_axes=(),
-        before=one_peak(),
-        after=one_peak(),
+        spectra_declared=one_peak(),
+        spectra_left=one_peak(),
         **more,
     )
 
@@ -322,7 +322,7 @@ def test_effects_beside_a_line_that_leave_a_fair_share_imitate_something(excess,
 def test_effects_that_are_withdrawn_leave_their_line_unknown_or_something_irregular(line, kind):
     known = AcceptedEffect(hypothesis=DRAG, score=900.0, runner_up=None, margin=900.0, rejected=())
     found = selection(cost=COST - 900.0, nominal=COST, accepted=(known,), adjustments={"x": 1.0})
-    left = withdrawn(replace(found, before=one_peak(line)))
+    left = withdrawn(replace(found, spectra_declared=one_peak(line)))
     assert [u.unknown_class for u in left.unknown] == [kind]
     assert (left.accepted, left.adjustments, left.fit) == ((), {}, left.nominal)
 

@@ -72,8 +72,8 @@ def found_first(drag, wrong=WRONG, wave=0.0):
         nominal=nominal,
         fit=fit,
         record_axes=record_axes,
-        before=spectra,
-        after=spectra,
+        spectra_declared=spectra,
+        spectra_left=spectra,
         accepted=(first,),
     )
 
@@ -125,7 +125,7 @@ def test_what_a_strong_effect_leaves_at_its_own_line_takes_no_partner_back(wrong
     )
     accepted = (*selection.accepted, drag.accepted)
     after = remaining_spectra(objective, drag.fit, selection.record_axes)
-    both = replace(selection, fit=drag.fit, accepted=accepted, after=after)
+    both = replace(selection, fit=drag.fit, accepted=accepted, spectra_left=after)
     left = objective.excess(both.fit.cost, both.fit.residual)
     assert (left > 12_000.0) is bool(wrong or wave)
     assert [u.unknown_class for u in classified(objective, both).unknown] == kinds

@@ -70,8 +70,8 @@ def found_first(drag, wander):
         nominal=nominal,
         fit=fit,
         record_axes=record_axes,
-        before=spectra,
-        after=spectra,
+        spectra_declared=spectra,
+        spectra_left=spectra,
         accepted=(first,),
     )
 
@@ -146,7 +146,7 @@ def test_what_a_wander_leaves_is_nothing_unknown_and_what_stands_beside_it_is():
     """Half of the slip comes and goes; a drag of 8 is 1.8 64 JUDGED, 9 % of what there was."""
     objective, selection = found_first(0.0, 0.5)
     fit, record_axes = selection.fit, selection.record_axes
-    assert what_is_left(objective, selection.nominal, fit, record_axes, selection.after)
+    assert what_is_left(objective, selection.nominal, fit, record_axes, selection.spectra_left)
     assert not classified(objective, selection).unknown
     assert classified(*found_first(8.0, 0.5)).unknown
 
