@@ -137,6 +137,6 @@ def _errors(line: Path, run: str) -> dict[str, tuple[float, float]]:
     with SimulationPool([recorded.twin], 1) as pool:
         judged = evaluate(pool, recorded.measured, (), (), find_angles=False)
     return {
-        name: (float(judged.before[k]), float(np.asarray(judged.floor)[k]))
+        name: (float(judged.rms_declared[k]), float(np.asarray(judged.floor)[k]))
         for k, name in enumerate(judged.channels)
     }

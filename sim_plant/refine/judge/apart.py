@@ -24,6 +24,6 @@ def apart_from(evaluation: Evaluation, changes: Sequence[Array]) -> Evaluation:
     terms = np.column_stack([in_floors(evaluation, change).ravel() for change in changes])
     sizes = np.linalg.lstsq(terms, rest.ravel(), rcond=None)[0]
     left = rest - (terms @ sizes).reshape(rest.shape)
-    after, judged = evaluation.after.copy(), judged_channels(evaluation)
+    after, judged = evaluation.rms_amended.copy(), judged_channels(evaluation)
     after[judged] = evaluation.floor[judged] * np.sqrt(np.mean(left**2, axis=1))
-    return replace(evaluation, after=after)
+    return replace(evaluation, rms_amended=after)

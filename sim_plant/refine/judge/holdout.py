@@ -36,7 +36,7 @@ class Evaluation:
     Attributes
     ----------
     channels : names.
-    before, after, floor : rms per channel; ``floor`` is what noise alone leaves.
+    rms_declared, rms_amended, floor : rms per channel; ``floor`` is what noise alone leaves.
     measured, declared, amended : (channels, samples): the record, and its simulation without and
         with the effects found.
     corrected : the simulation with declared numbers as re-estimated and no effects.
@@ -51,8 +51,8 @@ class Evaluation:
     """
 
     channels: tuple[str, ...]
-    before: Array
-    after: Array
+    rms_declared: Array
+    rms_amended: Array
     floor: Array
     measured: Array
     declared: Array
@@ -111,8 +111,8 @@ def evaluate(
     amended = with_start_state(twin, amended, measured, starts, model)
     return Evaluation(
         channels=twin.channels,
-        before=rms(twin.channels, measured - declared, first),
-        after=rms(twin.channels, measured - amended, first),
+        rms_declared=rms(twin.channels, measured - declared, first),
+        rms_amended=rms(twin.channels, measured - amended, first),
         floor=model.floor,
         measured=measured,
         declared=declared,

@@ -25,7 +25,7 @@ def refuted(evaluation: Evaluation) -> bool:
     among all moments one has about that slope. Also where the line does not run there with
     them (``after`` is not finite): no web follows some outlines on a smaller roll.
     """
-    if not np.isfinite(evaluation.after).all():
+    if not np.isfinite(evaluation.rms_amended).all():
         return True
     there = not evaluation.moments and shows(evaluation, evaluation.corrected)
     return leaves_most(evaluation) and not there
@@ -43,7 +43,7 @@ def leaves_most(evaluation: Evaluation) -> bool:
     floor)^2 - 1), and the latter mean at least ``least_power``; over all channels but angles and
     radii, whose start differs from record to record  [own].
     """
-    shown = _beyond_noise(evaluation, evaluation.before)
+    shown = _beyond_noise(evaluation, evaluation.rms_declared)
     return shown >= JUDGE.least_power and left(evaluation) > JUDGE.refuted_share * shown
 
 
@@ -94,7 +94,7 @@ def left(evaluation: Evaluation) -> float:
 
     Equation: mean of max(0, (after / floor)^2 - 1) over all channels but angles and radii  [own].
     """
-    return _beyond_noise(evaluation, evaluation.after)
+    return _beyond_noise(evaluation, evaluation.rms_amended)
 
 
 def leaves_much(evaluation: Evaluation) -> bool:
@@ -109,7 +109,10 @@ def leaves_large(evaluation: Evaluation) -> bool:
     channel or of all: sum left > ``remainder_share`` sum shown, and sum left / n at least
     ``least_power``; of the power beyond noise, n all channels but angles and radii  [own].
     """
-    shown, rest = _each(evaluation, evaluation.before), _each(evaluation, evaluation.after)
+    shown, rest = (
+        _each(evaluation, evaluation.rms_declared),
+        _each(evaluation, evaluation.rms_amended),
+    )
     parts = [(float(rest.sum()), float(shown.sum())), *zip(rest, shown, strict=True)]
     return any(
         here >= JUDGE.least_power * rest.size and here > REMAINDER_SHARE * there
@@ -139,7 +142,7 @@ def takes_little(evaluation: Evaluation, without: Evaluation) -> bool:
     if evaluation.moments.keys() - without.moments.keys():
         return True
     taken, rest = left(without) - left(evaluation), left(evaluation)
-    explained = _beyond_noise(evaluation, evaluation.before) - rest
+    explained = _beyond_noise(evaluation, evaluation.rms_declared) - rest
     return taken <= REMAINDER_SHARE * explained or not shows(evaluation, without.amended)
 
 
@@ -158,11 +161,11 @@ def _each(evaluation: Evaluation, rms: Array) -> Array:
 def made_worse(evaluation: Evaluation) -> tuple[str, ...]:
     """Return the channels of force and speed in which the effects found raise the error.
 
-    Equation: after^2 - before^2 > ``worse_power`` floor^2  [own]. For effects found beside
+    Equation: amended^2 - declared^2 > ``worse_power`` floor^2  [own]. For effects found beside
     something unknown: how much they have to explain is not known then, but an effect that is
     there raises the error in no channel.
     """
-    added = (evaluation.after**2 - evaluation.before**2) / evaluation.floor**2
+    added = (evaluation.rms_amended**2 - evaluation.rms_declared**2) / evaluation.floor**2
     worse = judged_channels(evaluation) & (added > JUDGE.worse_power)
     return tuple(
         name for name, is_worse in zip(evaluation.channels, worse, strict=True) if is_worse
@@ -170,10 +173,10 @@ def made_worse(evaluation: Evaluation) -> tuple[str, ...]:
 
 
 def as_declared(evaluation: Evaluation) -> Evaluation:
-    """Return the evaluation without effects: after is as before."""
+    """Return the evaluation without effects: amended is as declared."""
     return replace(
         evaluation,
-        after=evaluation.before,
+        rms_amended=evaluation.rms_declared,
         corrected=evaluation.declared,
         amended=evaluation.declared,
         effects=(),

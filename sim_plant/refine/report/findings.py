@@ -100,7 +100,11 @@ def _answer(selection: Selection) -> Answer:
 def channel_errors(evaluation: Evaluation) -> dict[str, ChannelError]:
     """Return the error of every channel before and after."""
     rows = zip(
-        evaluation.channels, evaluation.before, evaluation.after, evaluation.floor, strict=True
+        evaluation.channels,
+        evaluation.rms_declared,
+        evaluation.rms_amended,
+        evaluation.floor,
+        strict=True,
     )
     return {
         name: ChannelError(before=float(b), after=float(a), noise_floor=float(f))

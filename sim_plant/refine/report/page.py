@@ -112,8 +112,9 @@ def gain(judged: Evaluation, held: bool, *, is_amended: bool = True) -> str:
     for at in dict.fromkeys([*tensions[:1], ranked[0]]):
         unit = unit_of_name(judged.channels[at])
         said.append(
-            f"the error in {judged.channels[at]} is {judged.before[at]:.3g} {unit} rms as declared"
-            + (f", {judged.after[at]:.3g} {unit} as amended" if is_amended else "")
+            f"the error in {judged.channels[at]} is "
+            f"{judged.rms_declared[at]:.3g} {unit} rms as declared"
+            + (f", {judged.rms_amended[at]:.3g} {unit} as amended" if is_amended else "")
             + f"; noise alone leaves {judged.floor[at]:.3g} {unit}"
         )
     return f"{where} {'. There '.join(said)}. {_left(judged, ranked, is_amended=is_amended)}"

@@ -148,7 +148,7 @@ def channels_by_error(judged: Evaluation) -> list[int]:
 
     Without angles and radii; the first channel where nothing else is declared.
     """
-    ratio = judged.before / np.maximum(judged.floor, 1e-12)
+    ratio = judged.rms_declared / np.maximum(judged.floor, 1e-12)
     kept = [int(k) for k in np.argsort(-ratio) if not is_angle_or_radius(judged.channels[k])]
     return kept or [0]
 

@@ -22,9 +22,9 @@ def is_above(ratio: float) -> bool:
 def above_noise(judged: Evaluation, ranked: Sequence[int]) -> dict[str, float]:
     """Return error over noise floor, as amended, of the tensions and speeds well above noise."""
     return {
-        judged.channels[k]: float(judged.after[k] / judged.floor[k])
+        judged.channels[k]: float(judged.rms_amended[k] / judged.floor[k])
         for k in ranked
-        if is_above(float(judged.after[k] / judged.floor[k]))
+        if is_above(float(judged.rms_amended[k] / judged.floor[k]))
     }
 
 
@@ -101,5 +101,5 @@ class ErrorRow:
 
 def error_rows(judged: Evaluation) -> list[ErrorRow]:
     """Return the error of every channel."""
-    rows = zip(judged.channels, judged.before, judged.after, judged.floor, strict=True)
+    rows = zip(judged.channels, judged.rms_declared, judged.rms_amended, judged.floor, strict=True)
     return [ErrorRow(name=n, before=b, after=a, floor=f) for n, b, a, f in rows]

@@ -43,8 +43,8 @@ def of_both(moments, after=2.0**0.5):
     one = np.ones(1)
     return Evaluation(
         channels=("unwind_tension_N",),
-        before=after * one,
-        after=after * one,
+        rms_declared=after * one,
+        rms_amended=after * one,
         floor=one,
         measured=np.zeros((1, SAMPLES)),
         declared=np.zeros((1, SAMPLES)),
@@ -124,7 +124,7 @@ def test_beside_slip_no_line_is_named_for_its_changes_have_slow_ones_of_their_ow
 
 def test_without_an_imitation_little_of_what_was_there_is_no_unknown():
     """1 of the power of noise is surely more than that, and 1 % of what the effects explain."""
-    evaluation = replace(of_both({}), before=np.full(1, 10.0))
+    evaluation = replace(of_both({}), rms_declared=np.full(1, 10.0))
     selection = both_drags()
     found = without_imitations(held_out(), selection, evaluation, 1, quiet)
     assert (found.selection, found.evaluation, found.said) == (selection, evaluation, ())
@@ -137,8 +137,8 @@ def beside_something_else(rest, size_N=2.0):
     measured = (record.record.columns["unwind_tension_N"] + response + rest)[None]
     evaluation = replace(
         of_both({}),
-        before=np.sqrt(np.mean(measured**2, axis=1)),
-        after=np.sqrt(np.mean((measured - response) ** 2, axis=1)),
+        rms_declared=np.sqrt(np.mean(measured**2, axis=1)),
+        rms_amended=np.sqrt(np.mean((measured - response) ** 2, axis=1)),
         measured=measured,
         amended=response[None],
     )

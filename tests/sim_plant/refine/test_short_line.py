@@ -105,8 +105,8 @@ def test_another_effect_elsewhere_explains_less(fitted):
 def test_errors_fall_to_the_floor(fitted):
     judged = fitted[-1]
     at = judged.channels.index("unwind_speed_rad_s")
-    assert judged.before[at] > 1.5 * judged.floor[at]
-    assert judged.after[at] < 1.2 * judged.floor[at]
+    assert judged.rms_declared[at] > 1.5 * judged.floor[at]
+    assert judged.rms_amended[at] < 1.2 * judged.floor[at]
 
 
 def test_declared_numbers_estimated_anew_are_in_the_error_after(line, record):
@@ -127,7 +127,7 @@ def test_declared_numbers_estimated_anew_are_in_the_error_after(line, record):
     # a pull roll larger by 5e-4 draws the web by as much: EA times it in tension
     risen = np.mean(shifted.amended[at, shifted.first :] - plain.amended[at, plain.first :])
     assert risen == pytest.approx(line.web.EA_N * 5e-4, rel=0.05)
-    assert shifted.after[at] > plain.after[at]
+    assert shifted.rms_amended[at] > plain.rms_amended[at]
 
 
 def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record, tmp_path):

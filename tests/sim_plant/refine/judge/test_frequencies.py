@@ -48,7 +48,7 @@ def test_mains_of_another_day_are_found_at_their_frequency_and_phase(fitted_Hz, 
     # Cramer-Rao: sqrt(6) / (pi T A / sd sqrt(N)) is 0.03 mHz; an eighth of a grid step is 0.2
     assert found.frequencies_Hz["mains_hum at all"] == pytest.approx(true_Hz, abs=5e-4)
     assert found.angles_rad["R7"] == pytest.approx(2.2, abs=0.02)
-    assert found.after == pytest.approx(found.floor, rel=0.05)
+    assert found.rms_amended == pytest.approx(found.floor, rel=0.05)
     assert dict(found.effects[0].parameters)["amplitude_N"] == 4.0  # as fitted
 
 
@@ -58,7 +58,7 @@ def test_a_line_beyond_what_a_grid_does_is_not_taken_for_the_mains():
     measured = twin.simulate(Case(effects=(hum(beyond_Hz),))) + white((2, SAMPLES), 3)
     found = evaluate(pool_of(twin), measured, (hum(60.0),), find_angles=True)
     # what is there stays whole, 4 N rms over the root of 2 in the first cell
-    assert found.after[0] > 0.95 * found.before[0]
+    assert found.rms_amended[0] > 0.95 * found.rms_declared[0]
 
 
 def test_on_the_record_that_was_fitted_nothing_is_sought_anew():

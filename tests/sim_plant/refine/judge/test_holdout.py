@@ -77,10 +77,10 @@ def test_how_the_line_of_a_run_held_out_began_counts_as_no_error(rested):
     there = pool_of(replace(twin, rested=rested))
     found = evaluate(there, measured, (), find_angles=True)
     if rested:  # e^-1 to e^-4 of 3 N are left, by their power 0.4 N
-        assert found.after[0] > 1.8 * found.floor[0]
+        assert found.rms_amended[0] > 1.8 * found.floor[0]
     else:
-        assert found.after[0] == pytest.approx(found.floor[0], rel=0.05)
-    assert found.before[0] == found.after[0]  # nothing is claimed
+        assert found.rms_amended[0] == pytest.approx(found.floor[0], rel=0.05)
+    assert found.rms_declared[0] == found.rms_amended[0]  # nothing is claimed
 
 
 def lump_and_drag(case):
@@ -105,7 +105,7 @@ def test_a_moment_is_found_beside_a_roll_that_stood_elsewhere():
     found = evaluate(pool_of(twin), measured, (roll, drag), find_angles=True)
     assert found.moments["bearing_drag at R7"] == pytest.approx(22.7, abs=0.05)
     assert found.angles_rad["unwind"] == pytest.approx(2.9, abs=0.01)
-    assert found.after[0] == pytest.approx(found.floor[0], rel=0.05)
+    assert found.rms_amended[0] == pytest.approx(found.floor[0], rel=0.05)
 
 
 def with_begin(drag, from_s):
@@ -144,7 +144,7 @@ def test_idlers_that_act_nearly_alike_are_turned_together(turned):
         assert math.remainder(found.angles_rad[place] - angle, 2.0 * math.pi) == pytest.approx(
             0.0, abs=0.03
         )
-    assert found.after == pytest.approx(found.floor, rel=0.05)
+    assert found.rms_amended == pytest.approx(found.floor, rel=0.05)
 
 
 def test_hum_at_a_cell_has_a_phase_of_its_own_beside_its_roller():
@@ -155,7 +155,7 @@ def test_hum_at_a_cell_has_a_phase_of_its_own_beside_its_roller():
     found = evaluate(pool_of(twin), measured, (idler("R7", 0.0), hum), find_angles=True)
     assert found.angles_rad["R7"] == pytest.approx(2.0, abs=0.01)
     assert found.angles_rad["mains_hum at R7"] == pytest.approx(1.5, abs=0.05)
-    assert found.after == pytest.approx(found.floor, rel=0.05)
+    assert found.rms_amended == pytest.approx(found.floor, rel=0.05)
 
 
 def roll_and_motor(case, further_rad=0.0):
@@ -179,7 +179,7 @@ def test_a_motor_s_ripple_is_found_beside_the_shape_of_its_roll(further_rad):
     twin = formula_twin(roll_and_motor, ["unwind_tension_N"], SAMPLES)
     measured = roll_and_motor(Case(effects=fitted), further_rad) + white((1, SAMPLES), 5)
     found = evaluate(pool_of(twin), measured, fitted, find_angles=True)
-    assert found.after == pytest.approx(found.floor, rel=0.05)
+    assert found.rms_amended == pytest.approx(found.floor, rel=0.05)
 
 
 def test_the_corrected_line_has_the_numbers_shifted_and_no_effect():

@@ -32,8 +32,8 @@ def evaluation(before, after):
     series = np.zeros((3, 4))
     return Evaluation(
         channels=CHANNELS,
-        before=np.array(before),
-        after=np.array(after),
+        rms_declared=np.array(before),
+        rms_amended=np.array(after),
         floor=np.ones(3),
         measured=series,
         declared=series,
@@ -93,7 +93,7 @@ def test_an_effect_that_adds_power_to_a_channel_makes_it_worse(after, worse):
 
 def test_a_line_as_declared_has_its_own_error_after():
     plain = as_declared(evaluation((4.0, 3.0, 1.0), (2.0, 1.0, 1.0)))
-    assert plain.after.tolist() == [4.0, 3.0, 1.0]
+    assert plain.rms_amended.tolist() == [4.0, 3.0, 1.0]
     assert not plain.amended.any()
     assert plain.angles_rad == {}
 
@@ -130,8 +130,8 @@ def in_record(response, rest, seed=0, others=0.0):
     measured = measured + np.random.default_rng(seed).standard_normal(shape)
     return replace(
         evaluation((1.0, 1.0, 1.0), (1.0, 1.0, 1.0)),
-        before=np.sqrt(np.mean((measured - declared) ** 2, axis=1)),
-        after=np.sqrt(np.mean((measured - declared - response) ** 2, axis=1)),
+        rms_declared=np.sqrt(np.mean((measured - declared) ** 2, axis=1)),
+        rms_amended=np.sqrt(np.mean((measured - declared - response) ** 2, axis=1)),
         measured=measured,
         declared=declared,
         corrected=declared,
@@ -146,8 +146,8 @@ def with_it(response, rest, seed=0):
     return replace(
         bare,
         measured=there,
-        before=np.sqrt(np.mean((there - bare.declared) ** 2, axis=1)),
-        after=np.sqrt(np.mean((there - bare.amended) ** 2, axis=1)),
+        rms_declared=np.sqrt(np.mean((there - bare.declared) ** 2, axis=1)),
+        rms_amended=np.sqrt(np.mean((there - bare.amended) ** 2, axis=1)),
     )
 
 
@@ -210,7 +210,10 @@ def test_corrected_numbers_are_no_response_of_the_effect():
     channels = np.array((1.0, 0.5, 0.0))
     amended = found.amended + np.outer(channels, imitation)
     found = replace(
-        found, corrected=found.amended, amended=amended, after=rms_of(found.measured - amended)
+        found,
+        corrected=found.amended,
+        amended=amended,
+        rms_amended=rms_of(found.measured - amended),
     )
     assert shows(found, found.declared)
     assert refuted(found)
@@ -235,9 +238,9 @@ def test_a_weak_effect_stays_beside_something_else_where_the_record_shows_it(res
     strong = 3.0 * SINE
     both = with_it(strong + weak, rest) if there else with_it(strong, rest)
     amended = both.declared + np.outer((1.0, 0.5, 0.0), strong + weak)
-    both = replace(both, amended=amended, after=rms_of(both.measured - amended))
+    both = replace(both, amended=amended, rms_amended=rms_of(both.measured - amended))
     fewer = both.declared + np.outer((1.0, 0.5, 0.0), strong)
-    without = replace(both, amended=fewer, after=rms_of(both.measured - fewer))
+    without = replace(both, amended=fewer, rms_amended=rms_of(both.measured - fewer))
     assert takes_little(both, without) is little
 
 
@@ -251,7 +254,7 @@ def test_what_the_others_models_can_have_wrong_is_no_effect():
     weak = 2.0 * np.sin(2.0 * np.pi * 0.9 * TIME_S)
     both = with_it(strong + weak, STEP)
     fewer = both.declared + np.outer((1.0, 0.5, 0.0), strong)
-    without = replace(both, amended=fewer, after=rms_of(both.measured - fewer))
+    without = replace(both, amended=fewer, rms_amended=rms_of(both.measured - fewer))
     assert takes_little(both, without)
 
 

@@ -36,8 +36,8 @@ def judged(wavenumber_1_m=4.0):
     declared, amended = np.zeros((4, 4000)), measured.copy()
     return Evaluation(
         channels=CHANNELS,
-        before=np.array([3.0, 900.0, 90.0, 2.0]),
-        after=np.array([0.26, 1.0, 1.0, 1.0]),
+        rms_declared=np.array([3.0, 900.0, 90.0, 2.0]),
+        rms_amended=np.array([0.26, 1.0, 1.0, 1.0]),
         floor=np.array([0.25, 1.0, 1.0, 1.0]),
         measured=measured,
         declared=declared,
@@ -192,7 +192,9 @@ AT = ("R5", "R6")
 
 def test_what_rounds_to_a_limit_is_not_beyond_it_and_sums_do_not_count():
     limit = CRITERIA.report.above_noise
-    close = replace(judged(), after=np.array([0.25 * (limit + 0.004), 50.0, 50.0, limit + 0.006]))
+    close = replace(
+        judged(), rms_amended=np.array([0.25 * (limit + 0.004), 50.0, 50.0, limit + 0.006])
+    )
     assert list(above_noise(close, channels_by_error(close))) == ["line_speed_m_s"]
     assert [row.mark for row in error_rows(close)] == ["ok", "sum", "sum", "miss"]
     shifts = {"a": 0.1004, "b": 0.102, "c": -0.13, "d": 0.02}
@@ -232,7 +234,7 @@ def test_what_is_not_told_apart_is_not_said_to_be_decided():
 
 def test_what_stays_above_noise_is_named_but_no_sums():
     assert "all tensions and speeds are within 10 %" in gain(judged(), held=True)
-    loud = replace(judged(), after=np.array([0.3, 50.0, 50.0, 1.05]))
+    loud = replace(judged(), rms_amended=np.array([0.3, 50.0, 50.0, 1.05]))
     assert gain(loud, held=True).endswith("10 % above noise: unwind_tension_N (x 1.20).")
 
 

@@ -38,8 +38,8 @@ def evaluation(after):
     noise = np.random.default_rng(3).standard_normal((3, ROWS))
     return Evaluation(
         channels=CHANNELS,
-        before=np.array([3.0, 2.0, 9.0]),
-        after=np.array(after),
+        rms_declared=np.array([3.0, 2.0, 9.0]),
+        rms_amended=np.array(after),
         floor=np.ones(3),
         measured=noise,
         declared=np.zeros((3, ROWS)),
