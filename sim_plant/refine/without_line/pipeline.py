@@ -69,8 +69,8 @@ class _Output:
 
     Attributes
     ----------
-    fitted : what is explained of every record fitted (judged,).
-    found : the effects that are claimed.
+    explained : of every record fitted (judged,).
+    claimed : the effects that are claimed.
     refused : what is not claimed, as sentences.
     delays : by input, s: how far the output is behind it by a gain alone, and its interval.
     """
@@ -78,8 +78,8 @@ class _Output:
     name: str
     search: Search
     judged: Judged
-    fitted: tuple[Array, ...]
-    found: tuple[Finding, ...]
+    explained: tuple[Array, ...]
+    claimed: tuple[Finding, ...]
     refused: tuple[str, ...]
     delays: dict[str, tuple[float, float, float]]
 
@@ -103,16 +103,16 @@ def refine_records(
     check_apart(records, held)
     caveats = [*caveats_of(declaration), *holdout_caveats(held)]
     announce(caveats, everything, progress)
-    at = len(records) if held else 0  # the record judged on: the first held out, or fitted
+    at = len(records) if held else 0  # of the record judged on: the first held out, or fitted
     outputs = [
         _output(declaration, name, stamped[: len(records)], stamped[at], progress)
         for name in declaration.outputs
     ]
     items = [
-        left_of(declaration, r, np.stack([o.fitted[k] for o in outputs]))
+        left_of(declaration, r, np.stack([o.explained[k] for o in outputs]))
         for k, r in enumerate(records)
     ]
-    judged = left_of(
+    left_judged = left_of(
         declaration, stamped[at].record, np.stack([o.judged.explained for o in outputs])
     )
     progress("searching spectral lines in time and travel")
@@ -120,13 +120,13 @@ def refine_records(
     machine = [x for x in lines if not x.clock]
     for x in lines:
         progress(f"  {line_text(x)}{': ' + x.clock if x.clock else ''}")
-    left_over = without_spectral_lines(items, machine, judged, own=not held)
+    left_over = without_spectral_lines(items, machine, left_judged, own=not held)
     verdict = RecordVerdict(
         unknown=tuple(machine),
         clocks=(*(x for x in lines if x.clock), *clocks(items)),
         not_claimed=(*caveats, *(text for o in outputs for text in o.refused)),
         holdout=str((plan.holdout or plan.records)[0]),
-        general=tuple(x for o in outputs for x in o.found),
+        general=tuple(x for o in outputs for x in o.claimed),
         residual_rms={o.name: _error(o, left) for o, left in zip(outputs, left_over, strict=True)},
         models={
             o.name: _model(o, declaration, stamped[at], left, machine)
@@ -142,18 +142,18 @@ def _output(
     declaration: RecordDeclaration,
     name: str,
     fitted: Sequence[Stamped],
-    held: Stamped,
+    judged_on: Stamped,
     progress: Progress,
 ) -> _Output:
     """Return one output with its filter and general effects."""
     views = [view_of(declaration, s.record, name) for s in fitted]
-    view = view_of(declaration, held.record, name)
+    view = view_of(declaration, judged_on.record, name)
     progress(f"{name}: trying filters and general effects")
-    found = search(views, progress)
+    chosen = search(views, progress)
     refused: list[str] = []
-    if held not in fitted:
-        found, refused = pruned(found, views, view)
-    judged = judge(found, view)
+    if judged_on not in fitted:
+        chosen, refused = pruned(chosen, views, view)
+    judged = judge(chosen, view)
     if judged.fell_back:
         refused.append(
             f"{name}: what was chosen leaves {judged.chosen_rms:.5g} on the record held out, more "
@@ -164,18 +164,18 @@ def _output(
             f"{name}: the inputs have mean 0 and variance 1, no zero and no unit of them is left: "
             "no sign, band, limit or curve is looked for"
         )
-    names = (name, [s.record.path.name for s in fitted], held.record.path.name)
-    claimed = findings(found, judged, views, view, names)
+    names = (name, [s.record.path.name for s in fitted], judged_on.record.path.name)
+    claimed = findings(chosen, judged, views, view, names)
     for x in claimed:
         progress(f"  {effect_text(x)}")
     parts = parts_of(judged.used.model, views)
-    alone = found.gain_alone
+    alone = chosen.gain_alone
     return _Output(
         name=name,
-        search=found,
+        search=chosen,
         judged=judged,
-        fitted=tuple(a @ judged.used.weights for a in parts),
-        found=tuple(claimed),
+        explained=tuple(a @ judged.used.weights for a in parts),
+        claimed=tuple(claimed),
         refused=tuple(refused),
         delays=delays_of(alone, views) if alone is not None else {},
     )
@@ -195,7 +195,7 @@ def _least_rms(judged: Judged) -> float:
 def _model(
     o: _Output,
     declaration: RecordDeclaration,
-    held: Stamped,
+    judged_on: Stamped,
     left: Array,
     machine: Sequence[SpectralLine],
 ) -> OutputModel:
@@ -214,19 +214,19 @@ def _model(
         with_lines=bool(machine) and rms(left) <= _least_rms(o.judged),
         tried=o.judged.rows,
         delays=o.delays,
-        at_stamps=_at_stamps(o, view_of(declaration, held.record, o.name), held),
+        at_stamps=_at_stamps(o, view_of(declaration, judged_on.record, o.name), judged_on),
     )
 
 
-def _at_stamps(o: _Output, view: View, held: Stamped) -> dict[str, float]:
+def _at_stamps(o: _Output, view: View, judged_on: Stamped) -> dict[str, float]:
     """Return the error on the readings as they came, none of them put on a grid."""
-    if held.time_s is None:
+    if judged_on.time_s is None:
         return {}
-    stamps_s = held.time_s
+    stamps_s = judged_on.time_s
     first = view.margin * view.step_s
     grid = first + view.step_s * np.arange(view.judged.size)
     use = (stamps_s >= grid[0]) & (stamps_s <= grid[-1])
-    readings = held.readings[o.name][use]
+    readings = judged_on.readings[o.name][use]
 
     def error(explained: Array) -> float:
         smooth = make_interp_spline(grid, explained, k=3)
