@@ -19,6 +19,7 @@ from aff_runtime.app.commission.views import (
     ProbeView,
     ResponseView,
 )
+from aff_runtime.app.wiring.site_to_law import probe_params, site_params
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
@@ -30,6 +31,7 @@ from aff_runtime.config.models import Site
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.probe_bound import TIMES_LOUDER, expected_ripple, probe_bound
 from aff_runtime.core.identified import Estimate, IdentifiedDrive
+from aff_runtime.core.probe.probe import Probe
 from aff_runtime.core.probe.repeats import MOST_REPEAT_ERRORS
 from aff_runtime.core.response import MIN_COHERENCE, Response
 
@@ -118,7 +120,12 @@ def _bounds(site: Site, responses: dict[str, Response], speed_m_s: float) -> Pro
                 louder=_louder(former, max(amplitude, bound.most)),
             )
         )
-    return ProbeView(duration_s=site.probe.duration_s, rows=tuple(rows))
+    return ProbeView(duration_s=_longest_s(site), rows=tuple(rows))
+
+
+def _longest_s(site: Site) -> float:
+    """Return how long a probe of every actuator takes at most, the choice of its size with it."""
+    return Probe(site_params(site), probe_params(site, tuple(site.actuators)), {}).expected_s
 
 
 def _gain_of(former: Response | None) -> float:

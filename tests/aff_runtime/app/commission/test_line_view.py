@@ -1,6 +1,7 @@
 """What a screen is told of a line before it is probed, and after."""
 
 import math
+import re
 import shutil
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.report.status_answer import Live, StatusAnswer
 from aff_runtime.config.loader import load_site
+from aff_runtime.core.probe.excitation import PERIOD_S
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
 from tests.aff_runtime.app.commission.said import plain
@@ -30,7 +32,7 @@ def where(tmp_path):
 def test_before_the_first_probe_its_bounds_are_known_and_the_ripple_is_not(where):
     site, found = load_site(where.site), plain(line(where, Request(do="line"), None))["line"]
     assert found["errors"] == []
-    assert found["probe"]["duration_s"] == site.probe.duration_s
+    assert site.probe.duration_s < found["probe"]["duration_s"] < site.probe.duration_s + 10.0
     rows = {row["actuator"]: row for row in found["probe"]["rows"]}
     assert set(rows) == set(site.actuators)
     for name, actuator in site.actuators.items():
@@ -39,6 +41,15 @@ def test_before_the_first_probe_its_bounds_are_known_and_the_ripple_is_not(where
         assert (rows[name]["unit"], rows[name]["signal_unit"]) == ("m/s", "N")
         assert rows[name]["ripple"] is None
     assert (found["responses"], found["proof"]) == ([], None)
+
+
+def test_a_probe_that_chooses_its_size_is_said_to_take_as_long_as_it_may(where):
+    text = where.site.read_text(encoding="utf-8")
+    where.site.write_text(re.sub(r"\n  amplitude_m_s: .*", "", text), encoding="utf-8")
+    site, found = load_site(where.site), plain(line(where, Request(do="line"), None))["line"]
+    assert [row["is_chosen"] for row in found["probe"]["rows"]] == [True, True]
+    listened = 1 + 3  # silent, then at a sixteenth, a quarter and the whole of its bound
+    assert found["probe"]["duration_s"] > site.probe.duration_s + listened * PERIOD_S
 
 
 WEB = "  web_modulus_Pa: 2 GPa\n  web_thickness_m: 0.1 mm\n  web_width_m: 0.5\n"
