@@ -28,6 +28,7 @@ PATTERNS = (
     N_("no card is begun"),
     N_("stopped"),
     N_("stopped; look at the card and the site file"),
+    N_("its commissioner was ended before it answered; look at the card and the site file"),
     N_("tried for {seconds} s: {rest}"),
     N_("kept; saved as the site file"),
     N_("undone; the former settings run"),

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import logging
+from collections.abc import Collection
 from dataclasses import replace
+from pathlib import Path
 
 from aff_runtime.app.hand.audit import Audit, Entry
 from aff_runtime.app.hand.audit_writer import AuditWriter
@@ -12,6 +15,31 @@ from aff_runtime.app.supervisor.hand.quotas import Shares
 from aff_runtime.base.ports import Clock
 
 LOG = logging.getLogger("aff_runtime")
+
+BEGIN = "commissioning: "
+"""Of what a line is about; the job and its step come behind."""
+
+
+def unended(path: Path, jobs: Collection[str]) -> list[Entry]:
+    """Return what was asked for and has no end on record: its commissioner was killed meanwhile.
+
+    Parameters
+    ----------
+    path : of an audit that holds. ``jobs`` : those that are looked for.
+    """
+    asked: dict[str, Entry] = {}
+    with path.open(encoding="utf-8") as lines:
+        for line in lines:
+            row = json.loads(line)
+            what = str(row["what"])
+            if what.removeprefix(BEGIN).partition(" ")[0] not in jobs:
+                continue
+            if row["result"] == "asked":
+                account, role = str(row["account"]), str(row["role"])
+                asked[what] = Entry(what=what, result="asked", account=account, role=role)
+            else:
+                asked.pop(what, None)
+    return list(asked.values())
 
 
 class AuditLines:

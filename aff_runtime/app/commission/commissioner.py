@@ -14,13 +14,14 @@ from dataclasses import replace
 
 from aff_runtime.app.card.book import NAME as CARD
 from aff_runtime.app.commission.answers import Answer, Done, Opened, State
-from aff_runtime.app.commission.audit_lines import AuditLines
+from aff_runtime.app.commission.audit_lines import BEGIN, AuditLines, unended
 from aff_runtime.app.commission.looking import Looking
 from aff_runtime.app.commission.messages import LONG, LOOKS, Refusal, Request, Why
 from aff_runtime.app.commission.people import Holder, People
 from aff_runtime.app.commission.slot import Slot
 from aff_runtime.app.commission.sources import Paths, by_whom
-from aff_runtime.app.commission.worker import CUT, KEEPS, STOPPED, Worker
+from aff_runtime.app.commission.views import LastJob
+from aff_runtime.app.commission.worker import CUT, KEEPS, KILLED, STOPPED, Worker
 from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.audit import Audit, Entry
 from aff_runtime.app.hand.may import Place, Role
@@ -50,6 +51,9 @@ class Commissioner:
         self._people = People(accounts, clock, farthest)
         self._short, self._long = Slot(clock), Slot(clock)
         self.looking = Looking(where, clock)
+        for entry in unended(audit.path, KEEPS):
+            self._audit.write(entry, "noted", KILLED)
+            self._short.last = LastJob.of(entry.what.removeprefix(BEGIN), text=KILLED)
 
     async def answer(self, asked: Request, peer: Peer) -> Answer:
         """Return the answer to a request that was checked."""
@@ -212,7 +216,7 @@ class Commissioner:
 
 def _entry(asked: Request, held: Holder, peer: Peer) -> Entry:
     return Entry(
-        what=f"commissioning: {asked.called}",
+        what=f"{BEGIN}{asked.called}",
         result="asked",
         account=held.account,
         role=Role.COMMISSION.word,

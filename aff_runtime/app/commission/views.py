@@ -337,3 +337,9 @@ class LastJob:
     step: int
     ok: bool
     text: str
+
+    @classmethod
+    def of(cls, called: str, *, text: str) -> LastJob:
+        """Return one that is not done, by what people call it: ``sign 4``."""
+        do, _, step = called.partition(" ")
+        return cls(do=do, step=int(step) if step.isdecimal() else -1, ok=False, text=text)

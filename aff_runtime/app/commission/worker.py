@@ -21,6 +21,7 @@ KEPT_LINES = 40  # newest lines of a job, for a screen
 DIED = "its process ended without an answer; see the log of the commissioner"
 STOPPED = "stopped"
 CUT = "stopped; look at the card and the site file"  # of a job that may have changed something
+KILLED = "its commissioner was ended before it answered; look at the card and the site file"
 KEEPS = (
     "begin",
     "step",
