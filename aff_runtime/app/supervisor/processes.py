@@ -28,6 +28,7 @@ from aff_runtime.telemetry.ring import RingReader
 STOP_PATIENCE_S = 3.0
 RECORDER_PATIENCE_S = 5.0
 START_PATIENCE_NS = 15_000_000_000
+LATE = "ended by the service: no tick within 15 s of its start; free the machine of other work"
 FRESH_S = 0.7  # an older tick says no more how the line stands
 KEPT_OPERATORS = 8  # commands of the console that a screen is told of
 DIED, STOPS, ANEW = (
@@ -167,11 +168,12 @@ class Processes:
         self._look_after_recorder()
         if self.control is None:
             return False
-        if self.ring is None and self._clock.now_ns() > self._started_at_ns + START_PATIENCE_NS:
+        late = self.ring is None and self._clock.now_ns() > self._started_at_ns + START_PATIENCE_NS
+        if late:
             self.control.kill()
         if (how := self.control.ended()) is None:
             return False
-        self.note("CONTROL_DIED", f"control process {self.control.pid}: {how}")
+        self.note("CONTROL_DIED", f"control process {self.control.pid}: {LATE if late else how}")
         self._hear_last(self.control, level=logging.ERROR)
         self._forget_control(DIED)
         self._release_ring()
