@@ -7,6 +7,7 @@ itself. The guard has the last word: what is allowed here is asked of it, and ma
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum, StrEnum
 
@@ -205,6 +206,7 @@ class Circumstances:
 
 _OF_LAW = re.compile(r"[a-z][A-Za-z0-9_]*: ")
 """What stands against an actuator's law begins with its name; a probe does without the law."""
+_MORE = re.compile(r"and \d+ more")
 WANTS_SHADOW = "SHADOW=1"
 
 
@@ -275,11 +277,24 @@ def _of_guard(action: Action, now: Circumstances) -> tuple[Reason, ...]:
         return (Reason(code=Code.SILENT),)
     reasons = tuple(
         Reason(code=Code.GUARD, name=one)
-        for one in now.against
+        for one in (_without_law(now) if action in PROBES else now.against)
         if not _is_confirmed_by_arming(one, now.state)
-        and not (action in PROBES and _OF_LAW.match(one))
     )
     return reasons or ((Reason(code=Code.FADING),) if now.state is State.FADING else ())
+
+
+def _without_law(now: Circumstances) -> Sequence[str]:
+    """Return what does not stand against a law alone.
+
+    How many more there are than are told is of the law where the last one told is: behind the
+    law's the guard has only remote and shadow, and where one of those is, the number stays.
+    """
+    against = now.against
+    own = [one for one in against if not _OF_LAW.match(one)]
+    if now.remote or now.state is State.SHADOW or not against[1:]:
+        return own
+    is_of_law = _MORE.fullmatch(against[-1]) and _OF_LAW.match(against[-2])
+    return own[:-1] if is_of_law else own
 
 
 def _of_rest(action: Action, now: Circumstances) -> tuple[Reason, ...]:

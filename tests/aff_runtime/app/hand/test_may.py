@@ -18,6 +18,7 @@ from aff_runtime.app.hand.may import (
     Role,
     may,
 )
+from aff_runtime.app.link.messages import Blocked
 from aff_runtime.base.signals import State
 
 STATES = (None, *State)
@@ -160,6 +161,22 @@ def test_what_stands_against_the_law_is_no_reason_against_the_probe_that_ends_it
 ) -> None:
     now = replace(FREE, state=state, blocked="unwind: no measured response; run the probe")
     assert codes(Action.PROBE, CARL, now) == []
+
+
+@pytest.mark.parametrize(("first", "code"), [("unwind", None), ("LINE_RUN=0", Code.GUARD)])
+def test_more_reasons_than_are_told_are_of_the_law_where_the_last_one_told_is(
+    first: str, code: Code | None
+) -> None:
+    """Behind the law's the guard has remote and shadow alone: there the number stays."""
+    law = [f"unwind: {n}x: coherence 0.23 near 13.57 Hz is too low" for n in range(40)]
+    guard = [f"permissive {n}" for n in range(40)]
+    told = Blocked.by(law if code is None else guard)
+    now = replace(FREE, state=State.BYPASS, blocked=told.text, also_blocking=told.others)
+    assert told.others[-1].startswith("and ")
+    found = codes(Action.PROBE, CARL, now)
+    assert found == ([] if code is None else [code] * (len(told.others) + 1))
+    for hides in ({"remote": True}, {"state": State.SHADOW}):
+        assert Code.GUARD in codes(Action.PROBE, CARL, replace(now, **hides))
 
 
 RESTS = (Action.SHADOW, Action.END_SHADOW, Action.FORGET)
