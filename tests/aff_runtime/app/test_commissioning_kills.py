@@ -1,16 +1,25 @@
 """Kills in the middle of a probe and of a try, between real processes: nothing of either is kept.
 
-A signature that is killed at each of its steps is in ``card/test_book.py``; the plant's side in
+A signature that is killed at each of its steps is in ``card/test_book.py``, commissioner and
+screen killed in one in ``commission/test_kills.py``; the plant's side in
 ``tests/lockstep/test_probe_kills.py``.
 """
 
 from __future__ import annotations
 
+import secrets
+import subprocess
+import sys
 import threading
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
+from aff_runtime.app.hand.audit import verify
+from aff_runtime.app.hand.may import Action, Place, Role
+from aff_runtime.app.hand.messages import VALID_NS, Command, encode
+from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import is_running, kill, until
@@ -130,3 +139,55 @@ def test_a_supervisor_killed_in_the_middle_of_a_probe_takes_it_to_zero(
     assert on_the_wire(service) == [0, 0]
     assert asked.answer() != "done"
     assert learned(service) == []
+
+
+SCREEN = """
+import sys
+from pathlib import Path
+from aff_runtime.app.hand.client import HandClient
+client = HandClient(Path(sys.argv[1]))
+print("there", flush=True)
+client._socket.send(sys.stdin.buffer.readline().strip())
+sys.stdin.read()
+"""
+
+
+# at once in app/hand/test_desk.py: who leaves before the answer disturbs nobody
+@pytest.mark.campaign
+def test_a_screen_killed_in_the_middle_of_its_probe_leaves_one_that_ends_by_itself(
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "state").mkdir()
+    state = ("--state-dir", str(tmp_path / "state"))
+    service = ServiceRun(tmp_path, "--hand", "commission", *state)
+    try:
+        until("it may be probed", lambda: service.status()["state"] == "FAULT")
+        command = (sys.executable, "-c", SCREEN, str(service.runtime_dir / "hand.sock"))
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        with subprocess.Popen(command, **pipes) as screen:
+            assert screen.stdin is not None
+            assert screen.stdout is not None
+            assert screen.stdout.readline() == b"there\n"
+            screen.stdin.write(encode(pressed(Action.PROBE, "FAULT")) + b"\n")
+            screen.stdin.flush()
+            until("the excitation is on the wire", lambda: any(on_the_wire(service)))
+            kill(screen.pid)
+        until("its end", lambda: service.status()["state"] != "ACTIVE")
+        until("zero on the wire", lambda: not any(on_the_wire(service)))
+        (audit,) = tmp_path.glob("state/audit/*/audit.jsonl")
+        assert verify(audit).wrong == ""
+        assert not service.said("Traceback")
+    finally:
+        service.close()
+
+
+def pressed(action: Action, seen: str) -> Command:
+    return Command(
+        action=action,
+        id=secrets.token_hex(16),
+        account="anna",
+        role=Role.COMMISSION,
+        place=Place.PANEL,
+        seen=seen,
+        valid_until_ns=MonotonicClock().now_ns() + VALID_NS,
+    )
