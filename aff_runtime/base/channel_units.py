@@ -13,18 +13,25 @@ _CHANNELS = (
     ("_rad", "rad"),
     ("_N", "N"),
     ("_m", "m"),
+    ("_number", ""),
 )
-"""End of a channel's name, and its unit; the first match counts: an end before its own end."""
+"""End of a channel's name, and its unit; the first match counts: an end before its own end.
+
+What is a number alone, such as that of a supplier, has none.
+"""
 
 _NAMES = (*_CHANNELS, ("_Hz", "Hz"), ("_s", "s"))
 """The same for any name: a time or a frequency too."""
 
-ENDINGS = ", ".join(f"{ending} ({unit})" for ending, unit in _CHANNELS)
+ENDINGS = ", ".join(f"{ending} ({unit or 'no unit'})" for ending, unit in _CHANNELS)
 """The ends of channels' names, for a message that asks to choose one."""
 
 
 def unit_of_channel(name: str) -> str | None:
-    """Return the SI unit of a channel name such as ``unwind_tension_N``, None when it has none."""
+    """Return the SI unit of a channel name such as ``unwind_tension_N``, empty of a number alone.
+
+    None when its end says nothing.
+    """
     return _unit(name, _CHANNELS)
 
 

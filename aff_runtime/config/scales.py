@@ -34,8 +34,10 @@ def convert_scales(tree: MarkedTree) -> list[Finding]:
             where: KeyPath = (*path, name, "scale")
             unit = _unit(tree, path, name)
             entry["scale"] = 1.0
-            if unit is None:
+            if not unit:
                 text = f'"{scale[:40]}" needs a unit to convert to. {_SAY[path[2]]}'
+                if unit is not None:
+                    text = "a number has no unit. Write scale: 1."
                 findings.append(tree.finding(where, text))
                 continue
             try:

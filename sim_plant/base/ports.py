@@ -46,6 +46,21 @@ class TravelDriver(Protocol):
 
 
 @runtime_checkable
+class TorqueReader(Protocol):
+    """A line that tells the torques of its drives."""
+
+    def torque_N_m(self, roller: str) -> float:
+        """Return what the drive of a roller gives now, N m; above 0 where it drives it on.
+
+        Raises
+        ------
+        PlantError
+            The roller has no drive.
+        """
+        ...
+
+
+@runtime_checkable
 class WebSupply(Protocol):
     """A line that tells how much web its unwind roll still holds."""
 

@@ -206,6 +206,10 @@ class LineSimulation:
             raise PlantError(f"roller {roller!r} has no drive in this line")
         return drive
 
+    def torque_N_m(self, roller: str) -> float:
+        """Return the torque that the speed loop of a roller holds; see ``TorqueReader``."""
+        return float(self.state.torque_N_m[self.drive_index(roller)])
+
     @property
     def driven_travels(self) -> tuple[str, ...]:
         """Names of accumulators that have a drive of their own; see ``TravelDriver``."""

@@ -27,10 +27,13 @@ def can_node(plant: Plant, protocol: str, map_path: Path) -> CanNode:
     """
     if protocol == "dbc":
         rows, database = load_dbc_map(map_path)
-        return DbcNode(rows, database, plant.registers)
-    if protocol == "canopen":
-        return CanopenNetwork(map_path, plant.registers)
-    raise PlantError(f"--can {protocol}: known are dbc and canopen")
+        node: CanNode = DbcNode(rows, database, plant.registers)
+    elif protocol == "canopen":
+        node = CanopenNetwork(map_path, plant.registers)
+    else:
+        raise PlantError(f"--can {protocol}: known are dbc and canopen")
+    plant.ask_for(node.channels)
+    return node
 
 
 def can_server(

@@ -2,8 +2,8 @@
 
 status                      one JSON object: what is applied at the plant, true tensions, counts
 history N                   time and applied corrections of the last N samples
-set REFERENCE VALUE         line_speed_ref_m_s, tension_ref_N, or travel_NAME_m_s: the speed of
-                            an accumulator that has a drive of its own
+set REFERENCE VALUE         line_speed_ref_m_s, tension_ref_N, travel_NAME_m_s: the speed of an
+                            accumulator that has a drive of its own, or unwind_supplier_number
 set STATUS_BIT 0|1          any bit of the status word
 fault SPEC                  as ``--fault``; a start counts from now; answers it in plant time
 clear [NAME]                end one fault, or all; of `splice` it calls a `roll` off

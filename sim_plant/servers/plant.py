@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from itertools import islice
 from typing import NamedTuple
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Status
 from sim_plant.base.ports import RollChanger, SteppedLine, TravelDriver
+from sim_plant.servers.extra_words import SUPPLIER, ExtraWords
 from sim_plant.servers.faults import Fault, FaultBoard, FaultEdge, FaultSpec, parse_fault
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.registers import Registers
@@ -48,6 +49,7 @@ class Plant:
     wire_faults : which faults the wire has; None in a scenario that has its own wire.
     max_abs_applied_m_s : largest |correction| per actuator since the last ``reset_extremes``.
     refusal : why the last correction did not count.
+    extra : words that are for the runtime's record alone.
     web : what is left on the unwind roll; at its end it stops the line and LINE_RUN is off.
     observers : called after each sample with the plant.
     edge_observers : called when a fault begins or ends.
@@ -64,6 +66,7 @@ class Plant:
         self.faults = faults or FaultBoard()
         self.registers = Registers(plc.map)
         self.web = WebEnd(line)
+        self.extra = ExtraWords(line, (item.name for item in plc.map.channels))
         self.time_s = 0.0
         self.scans = 0
         self.refusal = ""
@@ -97,7 +100,15 @@ class Plant:
         """Names that ``set_reference`` takes: those of every line, then speeds of carriages."""
         line = self._line
         travels = line.driven_travels if isinstance(line, TravelDriver) else ()
-        return (*REFERENCES, *(f"travel_{name}_m_s" for name in travels))
+        names = (*REFERENCES, *(f"travel_{name}_m_s" for name in travels))
+        return (*names, SUPPLIER) if self.extra.has_supplier else names
+
+    def ask_for(self, channels: Iterable[str]) -> None:
+        """Show words for the record alone that a wire of its own asks for, as the map's."""
+        self.extra.ask_for(channels)
+        words = self.extra.read()
+        self.measured = {**self.measured, **words}
+        self.shown = self.shown._replace(measured={**self.shown.measured, **words})
 
     def set_reference(self, name: str, value: float) -> None:
         """Give the line another reference (``references``, SI) from the next sample on.
@@ -120,6 +131,9 @@ class Plant:
                 )
         if name == SPEED and self.web.at_end:
             raise PlantError("the web is at its end and the line stops; `roll` starts it again")
+        if name == SUPPLIER:
+            self.extra.supplier = round(value)
+            return
         self._inputs[name] = value
 
     def set_status(self, bit: Status, on: bool) -> None:
@@ -194,11 +208,13 @@ class Plant:
             self._rolls_due_s = math.inf
             if self.faults.active(Fault.SPLICE):
                 self._line.change_rolls()
+                self.extra.new_roll()
                 self._start_again()
         measured = dict(self._line.step(self.web.references(self._inputs, self.sample_time_s)))
         for name in REFERENCES:
             if name in self._inputs:
                 measured.setdefault(name, self._inputs[name])
+        measured |= self.extra.read()
         self.scans += 1
         self.time_s = self.scans * self.sample_time_s
         edges = self.faults.advance(self.time_s)

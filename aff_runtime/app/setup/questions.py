@@ -79,6 +79,11 @@ def channel_or_none(names: Set[str]) -> Callable[[str], str]:
                 f"{name} is an angle: setup finds the encoders of corrected rolls alone. Write "
                 "others into the site file, by the manual (docs/config-reference.md)."
             )
+        if not unit_of_channel(name):
+            raise AnswerError(
+                f"{name} is a number without a unit: nothing on a display tells it from others. "
+                "Write it into the site file (docs/config-reference.md)."
+            )
         return name
 
     return read

@@ -61,6 +61,28 @@ class Roll(Section):
         "for every roll that is exchanged.",
         default="never",
     )
+    supplier: Name | None = key(
+        "Channel of the number by which the PLC knows the supplier (or the lot) of the roll that "
+        "is on (_number), 0 where it does not; for the record alone: `aff-runtime watch` ranks "
+        "suppliers by how far their rolls are from round. With resets_on: splice.",
+        default=None,
+    )
+    torque: Name | None = key(
+        "Channel of the torque of its drive, at the roll (_N_m), above 0 where it drives the web "
+        "on; for the record alone: `aff-runtime watch` follows the friction, which is the torque "
+        "less what the tensions of the next two keys make of it.",
+        default=None,
+    )
+    tension_before: Name | None = key(
+        "Channel of the tension of the web that runs up to it (_N), for its friction; none at an "
+        "unwind.",
+        default=None,
+    )
+    tension_after: Name | None = key(
+        "Channel of the tension of the web that leaves it (_N), for its friction; none at a "
+        "rewind.",
+        default=None,
+    )
     winding: Literal["unwind", "rewind"] | None = key(
         "unwind: until the next roll its measured radius only shrinks. rewind: it only grows. "
         "What goes the other way is a fault. Absent: rewind where the roll's name begins with "

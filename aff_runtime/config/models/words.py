@@ -157,8 +157,9 @@ class ReadBlock(Section):
     )
     channels: Annotated[Mapping[Name, Channel], *Few] = key(
         "Measured values by name. The end of the name is the SI unit: _N, _m_s, _m, _rad, "
-        "_rad_s, _N_m. One that no roll, actuator, believable range or line speed of this file "
-        "names is for the record alone: no correction waits for it, `sim-plant refine` reads it."
+        "_rad_s, _N_m; _number is a number without one. One that no roll, actuator, believable "
+        "range or line speed of this file names is for the record alone: no correction waits for "
+        "it, `sim-plant refine` and `aff-runtime watch` read it."
     )
 
 

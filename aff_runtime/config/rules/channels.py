@@ -29,11 +29,14 @@ def _channel(name: str, channel: Channel) -> Iterator[Issue]:
     if channel.scale == 0:
         text = "0 would make every value 0. Write the SI units in one count."
         yield Issue(path=(*path, "scale"), text=text)
+    if unit == "" and channel.scale not in (0, 1):
+        text = "a number is taken as the PLC has it. Write scale: 1."
+        yield Issue(path=(*path, "scale"), text=text)
     if unit == "rad" and not channel.wraps:
         text = "an angle count starts over some day. Write wraps: true."
         yield Issue(path=path, text=text, at_key=True, warning=True)
     if channel.wraps and unit not in ("rad", None):
-        text = f"only an angle starts over; {name} is in {unit}. Remove wraps."
+        text = f"only an angle starts over; {name} is {_in(unit)}. Remove wraps."
         yield Issue(path=(*path, "wraps"), text=text)
     if channel.wraps_after is not None:
         yield from _wraps_after((*path, "wraps_after"), channel, channel.wraps_after)
@@ -62,6 +65,10 @@ def _uses(site: Site) -> Iterator[Issue]:
         yield from _use(site, (*path, "speed"), roll.speed, ("rad/s", "m/s"))
         yield from _use(site, (*path, "line_speed"), roll.line_speed, ("m/s",))
         yield from _use(site, (*path, "radius"), roll.radius, ("m",))
+        yield from _use(site, (*path, "supplier"), roll.supplier, ("",))
+        yield from _use(site, (*path, "torque"), roll.torque, ("N m",))
+        yield from _use(site, (*path, "tension_before"), roll.tension_before, ("N",))
+        yield from _use(site, (*path, "tension_after"), roll.tension_after, ("N",))
     for name, actuator in site.actuators.items():
         path = ("actuators", name, "error")
         error = actuator.error
@@ -82,8 +89,13 @@ def _use(
         text = f"{channel} is no channel of gateway.read. {meant(channel, channels)}"
         yield Issue(path=path, text=text)
     elif unit is not None and unit not in units:
-        text = f"{channel} is in {unit}. Name a channel in {' or '.join(units)}."
+        wanted = f"in {' or '.join(units)}" if any(units) else "that ends with _number"
+        text = f"{channel} is {_in(unit)}. Name a channel {wanted}."
         yield Issue(path=path, text=text)
+
+
+def _in(unit: str | None) -> str:
+    return f"in {unit}" if unit else "a number without a unit"
 
 
 def _plausibility(site: Site) -> Iterator[Issue]:
@@ -104,8 +116,10 @@ def _plausibility(site: Site) -> Iterator[Issue]:
 
 
 def _range(path: KeyPath, limits: PlausibleRange, unit: str) -> Iterator[Issue]:
-    if unit == "rad":
+    if unit in ("rad", ""):
         text = "an angle has no believable range; its speed is watched. Remove this line."
+        if not unit:
+            text = "a number has no believable range. Remove this line."
         yield Issue(path=path, text=text, at_key=True)
         return
     suffix = suffix_of_unit(unit)

@@ -26,6 +26,7 @@ def issues(site: Site) -> Iterator[Issue]:
         is_judged = roll.radius is not None and roll.resets_on == "splice"
         if is_judged and roll.winding is None and not name.startswith(("unwind", "rewind")):
             yield _assumed(("rolls", name))
+        yield from _of_record(("rolls", name), roll)
     used = {block.roll for actuator in site.actuators.values() for block in actuator.blocks}
     for name in site.rolls:
         if name not in used:
@@ -70,6 +71,20 @@ def _assumed(path: KeyPath) -> Issue:
         "Write winding: unwind, or winding: rewind."
     )
     return Issue(path=path, text=text, warning=True, at_key=True)
+
+
+def _of_record(path: KeyPath, roll: Roll) -> Iterator[Issue]:
+    """Yield what keeps `watch` from using what a roll has for the record alone."""
+    if roll.supplier is not None and roll.resets_on != "splice":
+        text = "only a roll that is exchanged on the run has a supplier. Write resets_on: splice."
+        yield Issue(path=(*path, "supplier"), text=text)
+    sides = (roll.tension_before, roll.tension_after)
+    if roll.torque is not None and sides == (None, None):
+        text = "without tension_before or tension_after nothing of it is known to be friction."
+        yield Issue(path=(*path, "torque"), text=text, warning=True)
+    if roll.torque is None and sides != (None, None):
+        text = "a tension beside the roll is for the friction of its drive. Add torque."
+        yield Issue(path=path, text=text, warning=True, at_key=True)
 
 
 def _radius(path: KeyPath, roll: Roll) -> Iterator[Issue]:

@@ -19,6 +19,7 @@ from aff_runtime.base.channel_units import (
         ("unwind_speed_rad_s", "rad/s"),
         ("unwind_angle_rad", "rad"),
         ("unwind_radius_m", "m"),
+        ("unwind_supplier_number", ""),
     ],
 )
 def test_the_longest_end_that_fits_is_a_channels_unit(name, unit):

@@ -197,6 +197,33 @@ CASES = {
         "line_speed_m_s",
         "actuators.unwind.error.reference: line_speed_m_s is in m/s. Name a channel in N.",
     ),
+    "supplier in a unit": (
+        ("    resets_on: splice", "    resets_on: splice\n    supplier: tension_ref_N"),
+        "tension_ref_N\n",
+        "rolls.unwind.supplier: tension_ref_N is in N. Name a channel that ends with _number.",
+    ),
+    "supplier of a roller": (
+        ("    #resets_on: never", "    supplier: line_speed_m_s"),
+        "line_speed_m_s\n",
+        "rolls.swrap_follower.supplier: only a roll that is exchanged on the run has a supplier.",
+    ),
+    "number with a scale": (
+        (
+            "      tension_ref_N:",
+            "      lot_number: { register: 40, type: u16, scale: 10 }\n      tension_ref_N:",
+        ),
+        "10 }",
+        "gateway.read.channels.lot_number.scale: a number is taken as the PLC has it. Write "
+        "scale: 1.",
+    ),
+    "number with a scale in a unit": (
+        (
+            "      tension_ref_N:",
+            "      lot_number: { register: 40, type: u16, scale: 1 N }\n      tension_ref_N:",
+        ),
+        "1 N }",
+        "gateway.read.channels.lot_number.scale: a number has no unit. Write scale: 1.",
+    ),
     "angle in another unit": (
         ("angle: unwind_angle_rad", "angle: unwind_radius_m"),
         "unwind_radius_m\n",

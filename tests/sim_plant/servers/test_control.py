@@ -3,6 +3,7 @@ import itertools
 import json
 import socket
 import stat
+from dataclasses import replace
 
 import pytest
 
@@ -13,6 +14,7 @@ from sim_plant.servers.control_client import ask as tell
 from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import Plc
 from sim_plant.servers.serve import PlantService, ServeOptions
+from sim_plant.servers.words import RegisterItem
 from tests.sim_plant.servers.fake_line import FakeLine, default_map
 from tests.sim_plant.servers.served import PATIENCE_s, answered, served
 
@@ -160,6 +162,45 @@ def test_a_socket_that_came_into_its_place_is_not_taken_away_with_it(tmp_path, c
 
     asyncio.run(replaced_and_closed())
     assert path.is_socket()
+
+
+def test_the_supplier_of_a_roll_is_drawn_with_it_and_can_be_told():
+    class Changing(FakeLine):
+        def change_rolls(self):
+            pass
+
+    word = RegisterItem(name="unwind_supplier_number", address=40, type="u16")
+    given = default_map()
+    shown = replace(given, channels=(*given.channels, word), read_count=41 - given.read_start)
+    plant = Plant(Changing(), Plc(shown))
+    socket_, seen = ControlSocket(None, plant, dict), []
+    for _ in range(6):
+        answered(socket_, "roll")
+        for _ in range(500):
+            plant.step()
+        seen.append(plant.shown.words[40 - given.read_start])
+    assert len(set(seen)) > 1
+    assert set(seen) <= {1, 2, 3, 4}
+    assert answered(socket_, "set unwind_supplier_number 4711") == {"ok": True}
+    plant.step()
+    assert plant.shown.words[40 - given.read_start] == 4711
+    assert "65535" in answered(socket_, "set unwind_supplier_number 70000")["error"]
+
+
+@pytest.mark.parametrize("name", ["unwind_supplier_number", "unwind_torque_N_m"])
+def test_a_wire_of_its_own_may_ask_for_words_that_the_map_has_not(name):
+    class Driven(FakeLine):
+        def torque_N_m(self, roller):
+            assert roller == "unwind"
+            return float(plant.extra.supplier)  # any number
+
+    plant = Plant(Driven(), Plc(default_map()))
+    assert name not in plant.shown.measured
+    plant.ask_for({name})
+    assert plant.shown.measured[name] == plant.extra.supplier
+    plant.extra.supplier = 7
+    plant.step()
+    assert plant.measured[name] == plant.shown.measured[name] == 7.0
 
 
 def test_a_roll_is_changed_in_the_middle_of_an_announced_splice():
