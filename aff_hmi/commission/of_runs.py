@@ -42,6 +42,7 @@ QUANTITIES = {
     "stroke": N_("stroke"),
     "ripple": N_("ripple"),
     "response ratio": N_("response ratio"),
+    "friction": N_("friction"),
 }
 UNITS = {"um": "µm"}
 

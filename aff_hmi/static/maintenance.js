@@ -29,7 +29,8 @@ function renewIfChanged(box, said, make) {
 
 // --- trends ------------------------------------------------------------------------------------
 
-const nameOf = (one) => `${one.roll} ${one.order}x ${one.quantity} ${one.signal}`;
+const placeOf = (one) => (one.order ? `${one.roll} ${one.order}x` : one.roll); // 0: of the whole roll
+const nameOf = (one) => `${placeOf(one)} ${one.quantity} ${one.signal}`;
 const sized = (value, unit) => `${short(value)} ${unit}`.trim();
 
 function slope(one) {
@@ -48,7 +49,7 @@ function reached(one) {
 function trendRow(one) {
   const needsAttention = one.stands_out || one.jump_s !== null;
   const made = row([
-    `${needsAttention ? "▲ " : ""}${one.roll} ${one.order}x`,
+    `${needsAttention ? "▲ " : ""}${placeOf(one)}`,
     one.quantity,
     one.signal.replaceAll("_", " "),
     sized(one.now, one.unit),
@@ -89,7 +90,7 @@ function showTrend(one) {
   for (const line of byId("trends").querySelectorAll("tr")) {
     line.setAttribute("aria-current", String(line.dataset.trend === openTrendName));
   }
-  const of = { roll: one.roll, order: one.order, quantity: one.quantity, unit: one.unit || "1" };
+  const of = { place: placeOf(one), quantity: one.quantity, unit: one.unit || "1" };
   put(byId("trend-title"), fill(words.of, { ...of, speed: short(one.speed_m_s) }));
   put(byId("trend-note"), one.left_out ? fill(words.left, { count: one.left_out }) : "");
   drawTrend(one);

@@ -80,18 +80,20 @@ def trend(options: argparse.Namespace) -> int:
     from aff_runtime.app.report.watching import findings, sentences  # noqa: PLC0415
     from aff_runtime.app.report.watching.ingest import parse_utc  # noqa: PLC0415
     from aff_runtime.app.report.watching.store import load_store  # noqa: PLC0415
+    from aff_runtime.app.report.watching.suppliers import supplier_rankings  # noqa: PLC0415
     from aff_runtime.app.report.watching.wound_rolls import rankings  # noqa: PLC0415
 
     store = load_store(options.store)
     found = findings.findings(store, _limits(options.limit), now=parse_utc(wall_time_iso()))
+    ranked = rankings(store)
     if options.json:
-        say(sentences.as_json(store.line, found))
+        say(sentences.as_json(store.line, found, supplier_rankings(ranked)))
         return 0
     for line in sentences.notes(found):
         say(line)
     for line in sentences.table(found):
         say(f"  {line}")
-    for line in sentences.rolls(rankings(store)):
+    for line in (*sentences.rolls(ranked), *sentences.suppliers(supplier_rankings(ranked))):
         say(line)
     if not found:
         say(

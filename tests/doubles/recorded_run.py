@@ -24,6 +24,10 @@ SITE_FILE = ROOT / "config/euclid_blocks.yaml"
 PLC_FILE = ROOT / "config/plc/gateway_block.yaml"
 SPEED_REF = "line_speed_ref_m_s"
 UTC = "2026-01-02T03:04:05.000+00:00"
+WORDS_FOR_RECORD = (
+    ("unwind_supplier_number", 30, "u16", 1),
+    ("unwind_torque_N_m", 31, "i32", 0.001),
+)
 IDLER = {"effect": "eccentric_roller", "location": "R6"}
 
 
@@ -46,6 +50,7 @@ def files(
     cancels: str = "r6",
     site_file: Path = SITE_FILE,
     cycle_ms: int = 5,
+    for_record: bool = False,
 ) -> Files:
     """Write line, site and PLC files of the Euclid line and return them.
 
@@ -56,6 +61,7 @@ def files(
     echo, applied : the PLC shows these words, and the site file maps them (applied needs echo).
     cancels : idler that the unwind's correction has a block for; empty: the shipped blocks.
     site_file : of the shipped ones, the one to begin with.
+    for_record : the PLC shows supplier and torque of the unwind, and the site file maps them.
     cycle_ms : of line, PLC and service; at 10 ms a run takes half the time to make.
     """
     line = quick_yaml.safe_load(LINE_FILE.read_text()) | {"effects": list(effects)}
@@ -74,6 +80,16 @@ def files(
         free = 15 + echo + 2 * applied
         shown["channels"][SPEED_REF] = {"address": free, "type": "i16", "scale": 0.001}
         read["channels"][SPEED_REF] = {"register": free, "type": "i16", "scale": 0.001}
+    if for_record:
+        for name, at, kind, scale in WORDS_FOR_RECORD:
+            word = {"type": kind, "scale": scale}
+            shown["channels"][name] = {"address": at, **word}
+            read["channels"][name] = {"register": at, **word}
+        site["rolls"]["unwind"] |= {
+            "supplier": "unwind_supplier_number",
+            "torque": "unwind_torque_N_m",
+            "tension_after": "unwind_tension_N",
+        }
     if cancels:
         site["rolls"][cancels] = {"radius_m": 0.0381}
         block = {"roll": cancels, "orders": [1], "settle_s": 4, "amp_limit_m_s": 0.02}

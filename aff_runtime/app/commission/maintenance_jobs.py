@@ -29,7 +29,7 @@ from aff_runtime.app.report.watching.findings import QUANTITIES, Finding, findin
 from aff_runtime.app.report.watching.lives import Life, lives
 from aff_runtime.app.report.watching.store import Store, load_store
 from aff_runtime.app.report.watching.trend import Slope
-from aff_runtime.app.report.watching.wound_rolls import Ranking, Worst, WoundRoll, rankings
+from aff_runtime.app.report.watching.wound_rolls import OrderSize, Ranking, WoundRoll, rankings
 from aff_runtime.app.supervisor.settings.history import kept_folder
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import ConfigError, RefusedError
@@ -208,7 +208,7 @@ def _wound(one: WoundRoll) -> WoundRow:
     )
 
 
-def _worst(one: Worst | None, unit: str) -> WorstRow | None:
+def _worst(one: OrderSize | None, unit: str) -> WorstRow | None:
     if one is None:
         return None
     shown, factor = sentences.SHOWN[unit]

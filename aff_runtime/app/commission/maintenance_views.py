@@ -60,10 +60,11 @@ class ReachedRow:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrendRow:
-    """One quantity of one order in the present life of a roller.
+    """One quantity of one order in the present life of a roller, or of its drive.
 
     Attributes
     ----------
+    order : 0 of what is the roll's as a whole.
     quantity : its name for people. ``limit`` : None where nobody gave one.
     speed_m_s : at which the hours are comparable. ``left_out`` : hours at another speed.
     stands_out : the slope differs from 0 by 4 sigma, over web and over days.

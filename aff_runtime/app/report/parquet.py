@@ -19,7 +19,8 @@ from aff_runtime.base.printable import printable
 
 Kind = Literal["number", "whole", "text", "truth", "moment"]
 Columns = dict[str, NDArray[Any]]
-UNIT = "unit"
+UNIT, ABSENT = "unit", "absent"
+"""Metadata of a row's field: its unit; what a table that an earlier release wrote has of it."""
 EXTRA = 'pip install "aff-runtime[records]"'
 _DTYPES: Mapping[Kind, DTypeLike] = {
     "number": np.float64,
@@ -41,12 +42,14 @@ _KINDS: Mapping[type, Kind] = {
 class Field:
     """One column: its name, what it holds, and its unit (empty: it has none).
 
-    A moment is UTC. A number that is not known is NaN.
+    A moment is UTC. A number that is not known is NaN. ``absent`` : what rows of a table without
+    this column have; None: every table has it.
     """
 
     name: str
     kind: Kind = "number"
     unit: str = ""
+    absent: float | None = None
 
 
 def empty(columns: Sequence[Field]) -> Columns:
@@ -58,7 +61,12 @@ def fields_of(row: type) -> tuple[Field, ...]:
     """Return the columns of a table whose rows are of this dataclass, with the fields' units."""
     kinds = get_type_hints(row)
     return tuple(
-        Field(name=one.name, kind=_KINDS[kinds[one.name]], unit=one.metadata.get(UNIT, ""))
+        Field(
+            name=one.name,
+            kind=_KINDS[kinds[one.name]],
+            unit=one.metadata.get(UNIT, ""),
+            absent=one.metadata.get(ABSENT),
+        )
         for one in fields(row)
     )
 
@@ -119,7 +127,7 @@ def read_parquet(path: Path, layout: Sequence[Field]) -> tuple[Columns, dict[str
     try:
         table = parquet.read_table(path)
         about = {k.decode(): v.decode() for k, v in (table.schema.metadata or {}).items()}
-        columns = {c.name: _column(table.column(c.name), c) for c in layout}
+        columns = {c.name: _column(table, c) for c in layout}
     except PermissionError:
         raise ConfigError(f"{path}: you may not read it; nothing is wrong with it") from None
     except (OSError, KeyError, ValueError, TypeError, pyarrow.lib.ArrowException) as error:
@@ -130,7 +138,10 @@ def read_parquet(path: Path, layout: Sequence[Field]) -> tuple[Columns, dict[str
     return columns, about
 
 
-def _column(column: Any, field: Field) -> NDArray[Any]:
+def _column(table: Any, field: Field) -> NDArray[Any]:
+    if field.absent is not None and field.name not in table.column_names:
+        return np.full(table.num_rows, field.absent, dtype=_DTYPES[field.kind])
+    column = table.column(field.name)
     if field.kind == "moment":
         column = column.cast("timestamp[us]")
     found: NDArray[Any] = column.to_numpy()

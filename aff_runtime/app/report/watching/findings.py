@@ -29,6 +29,7 @@ class Quantity:
     name, error : of the columns. ``unit`` : SI.
     correcting : only hours with a correction count, or only those without; None: all.
     word : what it is called in a sentence. ``of_roller`` : the roller's own, not the drive's.
+    alike : column in which hours that count are alike within ``LIKE_SPEED``.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Quantity:
     word: str
     correcting: bool | None = None
     of_roller: bool = True
+    alike: str = "speed_m_s"
 
 
 QUANTITIES = (
@@ -53,6 +55,16 @@ QUANTITIES = (
     ),
 )
 
+FRICTION = Quantity(
+    name="friction_N_m",
+    error="friction_error_N_m",
+    unit="N m",
+    word="friction",
+    of_roller=False,
+    alike="speed_rad_s",
+)
+"""Of the table ``drives``: at a like speed of the roll, so that its radius is alike too."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Readings:
@@ -60,6 +72,7 @@ class Readings:
 
     Attributes
     ----------
+    order : 0 of what is the roll's as a whole.
     life : the present one. ``at_m_s`` : line speed of the readings.
     limit : in the quantity's unit, NaN without one.
     times, days, travelled_km, size, error : (readings,): UTC, days since the first, web that had
@@ -110,7 +123,9 @@ class Finding:
 def findings(
     store: Store, limits: Limits | None = None, *, now: datetime | None = None
 ) -> list[Finding]:
-    """Return what the store says of every roller; rolls of web have no life and are left out.
+    """Return what the store says of every roller and drive.
+
+    Rolls of web have no life and are left out, not so the friction of their drives.
 
     Parameters
     ----------
@@ -126,7 +141,8 @@ def findings(
     if store.orders["roll"].size:
         for roll, _ in limits:
             store.check_roller(roll)
-    return [_finding(one) for one in _all_readings(store, limits, now)]
+    found = [_finding(one) for one in _all_readings(store, limits, now)]
+    return found + [_finding(one) for one in _drives(store, now)]
 
 
 def _finding(readings: Readings) -> Finding:
@@ -184,18 +200,29 @@ def _all_readings(store: Store, limits: Limits, now: datetime | None) -> Iterato
                 yield found
 
 
+def _drives(store: Store, now: datetime | None) -> Iterator[Readings]:
+    drives = store.drives
+    for roll, signal in sorted(set(zip(drives["roll"], drives["signal"], strict=True))):
+        life = store.present_life(roll, now)
+        mine = (drives["roll"] == roll) & (drives["signal"] == signal) & (drives["life"] == life)
+        part = {name: values[mine] for name, values in drives.items()}
+        found = _readings(part, FRICTION, (signal, roll, 0, life), None)
+        if found is not None:
+            yield found
+
+
 def _readings(
     part: Columns, quantity: Quantity, at: tuple[str, str, int, int], limit: float | None
 ) -> Readings | None:
     """Return one quantity of one order at like speed, None where it never was read."""
-    needed = (quantity.name, quantity.error, "speed_m_s", "travelled_km")
+    needed = (quantity.name, quantity.error, quantity.alike, "speed_m_s", "travelled_km")
     known = np.all([np.isfinite(part[name]) for name in needed], axis=0)
     if quantity.correcting is not None:
         known &= part["correcting"] == quantity.correcting
     speed = part["speed_m_s"][known]
     if not speed.size:
         return None
-    like = _like(speed)
+    like = _like(part[quantity.alike][known])
     chosen = {name: values[known][like] for name, values in part.items()}
     groups = _by_run_and_day(chosen)
     weight = 1.0 / at_least_small(chosen[quantity.error], chosen[quantity.name]) ** 2

@@ -79,7 +79,8 @@ def order_rows(window: Window, hour: HourRow) -> Iterator[OrderRow]:
                     order=order,
                     is_roll=is_wound(section),
                     correcting=hour.correcting,
-                    roll_id=_roll_id(window),
+                    roll_id=_last_whole(window, "roll_id"),
+                    supplier=_last_whole(window, text_or(section.get("supplier"))),
                     speed_m_s=hour.speed_m_s,
                     radius_m=float(np.mean(angle.radius_m)),
                     frequency_Hz=frequency_Hz,
@@ -103,8 +104,9 @@ def is_wound(roll: Section) -> bool:
     return bool(text_or(roll.get("radius"))) or roll.get("resets_on") == "splice"
 
 
-def _roll_id(window: Window) -> int:
-    column = window.table.columns.get("roll_id", np.zeros(1))
+def _last_whole(window: Window, name: str) -> int:
+    """Return the last number of a column, 0 where there is none."""
+    column = window.table.columns.get(name, np.zeros(1))
     return int(np.clip(np.nan_to_num(column[-1]), -(2.0**53), 2.0**53))
 
 

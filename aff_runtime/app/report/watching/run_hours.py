@@ -13,9 +13,10 @@ import numpy as np
 from aff_runtime.app.report.comparison.comparing import percentiles
 from aff_runtime.app.report.comparison.turns import Array
 from aff_runtime.app.report.comparison.window import DEFAULT_SPEED, Window
+from aff_runtime.app.report.watching.drive_rows import drive_rows
 from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.stretches import SHORTEST_S, is_correcting, steady
-from aff_runtime.app.report.watching.tables import HourRow, OrderRow
+from aff_runtime.app.report.watching.tables import DriveRow, HourRow, OrderRow
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.order_columns import RESPONSE_RATIO, SIZES, is_part
 from aff_runtime.base.printable import printable, text_or
@@ -54,10 +55,11 @@ def _is_needed(column: str) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HourRead:
-    """One hour of a run: its row, those of its orders, and what is said of its files."""
+    """One hour of a run: its row, those of its orders and drives, what is said of its files."""
 
     hour: HourRow
     orders: tuple[OrderRow, ...]
+    drives: tuple[DriveRow, ...] = ()
     lost: tuple[str, ...] = ()
 
 
@@ -162,7 +164,11 @@ class RunHours:
             length_m=self.web_m(one),
             offset_m=self._until_m(middle_s) - self._until_m(one.from_s),
         )
-        return HourRead(hour=row, orders=() if window is None else tuple(order_rows(window, row)))
+        if window is None:
+            return HourRead(hour=row, orders=())
+        return HourRead(
+            hour=row, orders=tuple(order_rows(window, row)), drives=tuple(drive_rows(window, row))
+        )
 
 
 def run_hours(folder: Path) -> RunHours:

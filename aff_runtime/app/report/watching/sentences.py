@@ -11,12 +11,13 @@ import numpy as np
 
 from aff_runtime.app.report.watching.findings import Finding, Readings
 from aff_runtime.app.report.watching.store import Taken
+from aff_runtime.app.report.watching.suppliers import MedianSize, SupplierRanking
 from aff_runtime.app.report.watching.trend import SIGMA, Slope
 from aff_runtime.app.report.watching.wound_rolls import Ranking
 from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.numbers import finite_or_none
 
-SHOWN = {"m": ("um", 1e6), "N": ("N", 1.0), "": ("", 1.0)}
+SHOWN = {"m": ("um", 1e6), "N": ("N", 1.0), "N m": ("N m", 1.0), "": ("", 1.0)}
 PER_KM = 1000.0  # a slope is shown per so many km
 A_LONG_TIME_WEEKS = 520.0
 MOST_ROLLS = 20
@@ -72,6 +73,41 @@ def rolls(rankings: Sequence[Ranking]) -> Iterator[str]:
             yield f"  {len(one.rolls) - MOST_ROLLS} more"
 
 
+def suppliers(rankings: Sequence[SupplierRanking]) -> Iterator[str]:
+    """Yield the suppliers of each place, those first whose rolls are the farthest from round."""
+    for one in rankings:
+        if not one.suppliers:
+            yield (
+                f"rolls at {one.roll} are not ranked by supplier: the record has no number of it; "
+                f"where the PLC has one, map it and name it as rolls.{one.roll}.supplier"
+            )
+            continue
+        rolls = "1 roll" if one.unknown == 1 else f"{one.unknown} rolls"
+        without = f"; {rolls} without a number" if one.unknown else ""
+        yield (
+            f"suppliers of rolls at {one.roll}, the farthest from round first, median of their "
+            f"{one.by.word} (95 % interval){without}:"
+        )
+        unit, factor = SHOWN[one.by.unit]
+        for rank, who in enumerate(one.suppliers[:MOST_ROLLS], start=1):
+            sizes = [_median(m, unit, factor) for m in who.medians]
+            if who.worst is not None:
+                largest = f"{factor * who.worst.size:.3g} {unit} at {who.worst.order}x"
+                sizes.append(f"worst roll {who.worst_roll}, {largest}")
+            told = "; ".join(sizes) or "not known"
+            count = "1 roll" if who.rolls == 1 else f"{who.rolls} rolls"
+            yield f"  {rank}. supplier {who.number}: {count}, {told}"
+        if len(one.suppliers) > MOST_ROLLS:
+            yield f"  {len(one.suppliers) - MOST_ROLLS} more"
+
+
+def _median(one: MedianSize, unit: str, factor: float) -> str:
+    interval = "fewer than 6 rolls"
+    if math.isfinite(one.low):
+        interval = f"{factor * one.low:.3g} to {factor * one.high:.3g}"
+    return f"{one.order}x {factor * one.size:.3g} {unit} ({interval})"
+
+
 def taken(what: Taken) -> str:
     """Return what became of a run."""
     parts = [f"{what.new} hours new"]
@@ -116,10 +152,63 @@ class Said:
     jump_on: str | None
 
 
-def as_json(line: str, findings: Sequence[Finding]) -> str:
-    """Return findings for programs, SI; what is not known is null."""
-    said = {"version": 1, "line": line, "findings": [asdict(_said(one)) for one in findings]}
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SupplierSaid:
+    """A supplier of rolls of web for programs, SI; its rank is its place in the list."""
+
+    place: str
+    supplier: int
+    quantity: str
+    rolls: int
+    medians: tuple[MedianSaid, ...]
+    worst_roll: int | None
+    worst: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MedianSaid:
+    """The median of an order over the rolls of a supplier; low and high None of too few."""
+
+    order: int
+    median: float
+    low: float | None
+    high: float | None
+    rolls: int
+
+
+def as_json(
+    line: str, findings: Sequence[Finding], rankings: Sequence[SupplierRanking] = ()
+) -> str:
+    """Return findings and suppliers for programs, SI; what is not known is null."""
+    said = {
+        "version": 1,
+        "line": line,
+        "findings": [asdict(_said(one)) for one in findings],
+        "suppliers": [asdict(one) for ranking in rankings for one in _suppliers_said(ranking)],
+    }
     return json.dumps(said, allow_nan=False)
+
+
+def _suppliers_said(ranking: SupplierRanking) -> Iterator[SupplierSaid]:
+    for one in ranking.suppliers:
+        yield SupplierSaid(
+            place=ranking.roll,
+            supplier=one.number,
+            quantity=ranking.by.name,
+            rolls=one.rolls,
+            medians=tuple(
+                MedianSaid(
+                    order=m.order,
+                    median=m.size,
+                    low=finite_or_none(m.low),
+                    high=finite_or_none(m.high),
+                    rolls=m.rolls,
+                )
+                for m in one.medians
+            ),
+            worst_roll=one.worst_roll,
+            worst=None if one.worst is None else one.worst.size,
+        )
 
 
 def _said(one: Finding) -> Said:
@@ -186,7 +275,8 @@ def _jumped(one: Finding) -> str:
 
 def _name(readings: Readings) -> str:
     life = f", life {readings.life}" if readings.life > 1 else ""
-    return f"{readings.roll} {readings.order}x {readings.quantity.word}{life}"
+    order = f" {readings.order}x" if readings.order else ""
+    return f"{readings.roll}{order} {readings.quantity.word}{life}"
 
 
 def _slope(readings: Readings, line: Slope) -> str:

@@ -1,4 +1,4 @@
-"""One line's store: a folder with three Parquet files, bounded, in which nothing counts twice."""
+"""One line's store: a folder with four Parquet files, bounded, in which nothing counts twice."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,12 +24,11 @@ from aff_runtime.app.report.parquet import (
 )
 from aff_runtime.app.report.watching.run_hours import HourRead, RecordedHour, RunHours
 from aff_runtime.app.report.watching.tables import (
+    DRIVE_FIELDS,
     EXCHANGE_FIELDS,
     HOUR_FIELDS,
     ORDER_FIELDS,
     ExchangeRow,
-    HourRow,
-    OrderRow,
 )
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.files import CLOSED, is_closed
@@ -39,7 +39,9 @@ MOST_HOURS, MOST_ORDERS = 10_000, 300_000
 MOST_EXCHANGES = 10_000
 LONGER_S = 1.0
 """An hour of which a run now has so much more is read anew: it was still being recorded."""
-FILES = ("hours.parquet", "orders.parquet", "exchanges.parquet")
+FILES = ("hours.parquet", "orders.parquet", "exchanges.parquet", "drives.parquet")
+OF_HOURS = (("orders", ORDER_FIELDS), ("drives", DRIVE_FIELDS))
+"""Tables whose rows belong to an hour, beside that of the hours."""
 LOCK_FLAGS = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
 NEVER = np.datetime64("1970-01-01", "us")
 
@@ -66,13 +68,14 @@ class Store:
     Attributes
     ----------
     line : its name; empty until the first run.
-    hours, orders, exchanges : columns of the tables.
+    hours, orders, drives, exchanges : columns of the tables.
     thinned_utc : newest of the hours that were thinned out: what is older is not taken again.
     """
 
     line: str = ""
     hours: Columns = field(default_factory=lambda: empty(HOUR_FIELDS))
     orders: Columns = field(default_factory=lambda: empty(ORDER_FIELDS))
+    drives: Columns = field(default_factory=lambda: empty(DRIVE_FIELDS))
     exchanges: Columns = field(default_factory=lambda: empty(EXCHANGE_FIELDS))
     thinned_utc: np.datetime64 = NEVER
 
@@ -105,9 +108,7 @@ class Store:
             if not is_new and at is not None:
                 known += 1
                 self.hours["length_m"][at] = max(self.hours["length_m"][at], run.web_m(one))
-        self._replace(
-            run.run_id, [one.hour for one in reads], [row for one in reads for row in one.orders]
-        )
+        self._replace(run.run_id, reads)
         return Taken(
             new=len(reads),
             known=known,
@@ -183,25 +184,30 @@ class Store:
             began = began[began <= max(moment, *self.hours["time_utc"][-1:])]
         return 1 + int(began.size)
 
-    def _replace(self, run_id: str, hours: list[HourRow], orders: list[OrderRow]) -> None:
+    def _replace(self, run_id: str, reads: Sequence[HourRead]) -> None:
         """Put rows in the place of those of the same hours."""
-        again = [row.hour for row in hours]
-        for name, fields, rows in (
-            ("hours", HOUR_FIELDS, hours),
-            ("orders", ORDER_FIELDS, orders),
-        ):
+        again = [one.hour.hour for one in reads]
+        tables: list[tuple[str, Sequence[Field], list[Any]]] = [
+            ("hours", HOUR_FIELDS, [one.hour for one in reads])
+        ]
+        for kind, layout in OF_HOURS:
+            tables.append((kind, layout, [row for one in reads for row in getattr(one, kind)]))
+        for name, fields, rows in tables:
             old: Columns = getattr(self, name)
             stays = ~((old["run_id"] == run_id) & np.isin(old["hour"], again))
             setattr(self, name, _joined(_chosen(old, stays), table(fields, rows), fields))
         self._sort()
-        while self.hours["hour"].size > MOST_HOURS or self.orders["hour"].size > MOST_ORDERS:
+        while self.hours["hour"].size > MOST_HOURS or any(
+            getattr(self, name)["hour"].size > MOST_ORDERS for name, _ in OF_HOURS
+        ):
             if not self._thin_out():
                 break
         self._number()
 
     def _sort(self) -> None:
-        self.hours = _chosen(self.hours, np.argsort(self.hours["time_utc"], kind="stable"))
-        self.orders = _chosen(self.orders, np.argsort(self.orders["time_utc"], kind="stable"))
+        for name in ("hours", *(name for name, _ in OF_HOURS)):
+            old: Columns = getattr(self, name)
+            setattr(self, name, _chosen(old, np.argsort(old["time_utc"], kind="stable")))
 
     def _thin_out(self) -> bool:
         """Take every other hour of the older half out; its web counts for the one before."""
@@ -220,13 +226,15 @@ class Store:
     def drop_orphans(self) -> None:
         """Take out what belongs to no hour: a crash between two files leaves some."""
         known = set(zip(self.hours["run_id"], self.hours["hour"], strict=True))
-        keys = zip(self.orders["run_id"], self.orders["hour"], strict=True)
-        stays = np.fromiter((key in known for key in keys), np.bool_, self.orders["hour"].size)
-        self.orders = _chosen(self.orders, stays)
+        for name, _ in OF_HOURS:
+            old: Columns = getattr(self, name)
+            keys = zip(old["run_id"], old["hour"], strict=True)
+            stays = np.fromiter((key in known for key in keys), np.bool_, old["hour"].size)
+            setattr(self, name, _chosen(old, stays))
 
     def _number(self) -> None:
         """Work out how far the web had run at each hour, and the life of each roller."""
-        hours, orders = self.hours, self.orders
+        hours = self.hours
         before = np.cumsum(hours["length_m"]) - hours["length_m"]
         hours["travelled_km"] = 1e-3 * (before + hours["offset_m"])
         at = dict(
@@ -236,11 +244,13 @@ class Store:
                 strict=True,
             )
         )
-        keys = zip(orders["run_id"], orders["hour"], strict=True)
-        orders["travelled_km"] = np.fromiter((at[key] for key in keys), np.float64)
-        orders["life"] = np.ones(orders["hour"].size, dtype=np.int64)
-        for roll, on in zip(self.exchanges["roll"], self.exchanges["on_utc"], strict=True):
-            orders["life"] += (orders["roll"] == roll) & (orders["time_utc"] >= on)
+        for name, _ in OF_HOURS:
+            rows: Columns = getattr(self, name)
+            keys = zip(rows["run_id"], rows["hour"], strict=True)
+            rows["travelled_km"] = np.fromiter((at[key] for key in keys), np.float64)
+            rows["life"] = np.ones(rows["hour"].size, dtype=np.int64)
+            for roll, on in zip(self.exchanges["roll"], self.exchanges["on_utc"], strict=True):
+                rows["life"] += (rows["roll"] == roll) & (rows["time_utc"] >= on)
 
 
 def load_store(folder: Path, *, begin: bool = False) -> Store:
@@ -265,17 +275,22 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
         raise ConfigError(
             f"{paths[0]}: is no store of this release's `aff-runtime watch`; move it away"
         )
-    if not paths[1].exists():  # somebody moved a broken one away: its hours are to be read again
+    wanted = ("orders", *about.get("tables", "").split())
+    if not all((folder / f"{name}.parquet").exists() for name in wanted):
+        # somebody moved a broken one away: its hours are to be read again
         return _begun(paths[2], about["line"])
     tables = [
         read_parquet(path, fields)[0] if path.exists() else empty(fields)
-        for path, fields in zip(paths[1:], (ORDER_FIELDS, EXCHANGE_FIELDS), strict=True)
+        for path, fields in zip(
+            paths[1:], (ORDER_FIELDS, EXCHANGE_FIELDS, DRIVE_FIELDS), strict=True
+        )
     ]
     store = Store(
         line=about["line"],
         hours=hours,
         orders=tables[0],
         exchanges=tables[1],
+        drives=tables[2],
         thinned_utc=np.datetime64(about.get("thinned_utc", str(NEVER)), "us"),
     )
     store.drop_orphans()
@@ -299,8 +314,10 @@ def save_store(folder: Path, store: Store) -> None:
         One cannot be written.
     """
     about = {"line": store.line, "version": VERSION, "thinned_utc": str(store.thinned_utc)}
+    about["tables"] = " ".join(name for name, _ in OF_HOURS)
     named = (
         (FILES[2], EXCHANGE_FIELDS, store.exchanges),
+        (FILES[3], DRIVE_FIELDS, store.drives),
         (FILES[1], ORDER_FIELDS, store.orders),
         (FILES[0], HOUR_FIELDS, store.hours),
     )

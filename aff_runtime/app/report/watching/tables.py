@@ -1,4 +1,4 @@
-"""The three tables of a store: one class per row, every column with its unit."""
+"""The tables of a store: one class per row, every column with its unit."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from aff_runtime.app.report.parquet import UNIT, fields_of
+from aff_runtime.app.report.parquet import ABSENT, UNIT, fields_of
 
 
 def _number(unit: str) -> Any:
@@ -62,6 +62,7 @@ class OrderRow:
         length of web: its speed amplitude over its angular frequency.
     response_ratio : the true response over the measured one.
     limit_m : largest shape or stroke that the site file lets the law use.
+    supplier : the PLC's number of the supplier of a roll of web; 0 where it gives none.
     """
 
     run_id: str
@@ -90,6 +91,36 @@ class OrderRow:
     response_ratio: float = _number("1")
     response_ratio_error: float = _number("1")
     limit_m: float = _number("m")
+    supplier: int = field(default=0, metadata={ABSENT: 0})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DriveRow:
+    """The drive of one roll in the stretch of one hour; NaN where not known.
+
+    Attributes
+    ----------
+    signal : channel of its torque. ``is_roll``, ``correcting`` : as of an order.
+    web_N_m : what the tensions beside the roll ask of the drive.
+    friction_N_m : the torque less that: of all that turns as far as the cells of these tensions.
+    """
+
+    run_id: str
+    hour: int
+    time_utc: np.datetime64
+    signal: str
+    roll: str
+    is_roll: bool
+    correcting: bool
+    travelled_km: float = _number("km")
+    life: int = 1
+    speed_m_s: float = _number("m/s")
+    radius_m: float = _number("m")
+    speed_rad_s: float = _number("rad/s")
+    torque_N_m: float = _number("N m")
+    web_N_m: float = _number("N m")
+    friction_N_m: float = _number("N m")
+    friction_error_N_m: float = _number("N m")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -101,6 +132,6 @@ class ExchangeRow:
     why: str
 
 
-HOUR_FIELDS, ORDER_FIELDS, EXCHANGE_FIELDS = (
-    fields_of(row) for row in (HourRow, OrderRow, ExchangeRow)
+HOUR_FIELDS, ORDER_FIELDS, DRIVE_FIELDS, EXCHANGE_FIELDS = (
+    fields_of(row) for row in (HourRow, OrderRow, DriveRow, ExchangeRow)
 )

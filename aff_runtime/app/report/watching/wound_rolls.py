@@ -20,8 +20,8 @@ RANKED = tuple(one for one in QUANTITIES if one.of_roller)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Worst:
-    """The largest order of a roll in one quantity, with its standard error, SI."""
+class OrderSize:
+    """An order of a roll in one quantity, such as its largest, with its standard error, SI."""
 
     order: int
     size: float
@@ -36,7 +36,9 @@ class WoundRoll:
     ----------
     roll : name of its place. ``roll_id`` : the PLC's number of it.
     first, last : UTC of the first and last reading of it. ``hours`` : of runs with a reading.
-    worst : by name of a quantity of ``RANKED``. ``left`` : ripple while it was corrected.
+    sizes : by name of a quantity of ``RANKED``, each order's largest in any tension; ``worst`` :
+        the largest of them. ``left`` : ripple while it was corrected.
+    supplier : number of its supplier, the last that the PLC gave of it; 0 where it gave none.
     """
 
     roll: str
@@ -44,8 +46,18 @@ class WoundRoll:
     first: np.datetime64
     last: np.datetime64
     hours: int
-    worst: dict[str, Worst]
-    left: Worst | None
+    sizes: dict[str, tuple[OrderSize, ...]]
+    left: OrderSize | None
+    supplier: int = 0
+
+    @property
+    def worst(self) -> dict[str, OrderSize]:
+        """Return the largest order in each quantity that it has."""
+        return {
+            name: max(sizes, key=lambda one: one.size)
+            for name, sizes in self.sizes.items()
+            if sizes
+        }
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,7 +104,7 @@ def _worst_first(by: Quantity | None) -> Callable[[WoundRoll], tuple[float, int]
 def _wound(orders: Columns, rows: np.ndarray, place: str, number: int) -> WoundRoll:
     part = {name: values[rows] for name, values in orders.items()}
     times = part["time_utc"]
-    found = {q.name: _worst(part, q) for q in RANKED}
+    given = part["supplier"][part["supplier"] > 0]
     hours = set(zip(part["run_id"], part["hour"].tolist(), strict=True))
     return WoundRoll(
         roll=place,
@@ -100,22 +112,25 @@ def _wound(orders: Columns, rows: np.ndarray, place: str, number: int) -> WoundR
         first=times.min(),
         last=times.max(),
         hours=len(hours),
-        worst={name: worst for name, worst in found.items() if worst is not None},
-        left=_worst(part, LEFT),
+        sizes={q.name: _sizes(part, q) for q in RANKED},
+        left=max(_sizes(part, LEFT), key=lambda one: one.size, default=None),
+        supplier=int(given[-1]) if given.size else 0,
     )
 
 
-def _worst(part: Columns, quantity: Quantity) -> Worst | None:
-    """Return the order with the largest mean of its readings, in whichever tension that is."""
+def _sizes(part: Columns, quantity: Quantity) -> tuple[OrderSize, ...]:
+    """Return the mean of each order's readings, of the tension in which that is the largest."""
     known = np.isfinite(part[quantity.name]) & np.isfinite(part[quantity.error])
     if quantity.correcting is not None:
         known &= part["correcting"] == quantity.correcting
     keys = set(zip(part["signal"][known], part["order"][known].tolist(), strict=True))
-    means = []
+    means: dict[int, OrderSize] = {}
     for signal, order in sorted(keys):
         ours = known & (part["signal"] == signal) & (part["order"] == order)
         size, error = part[quantity.name][ours], part[quantity.error][ours]
         weight = 1.0 / at_least_small(error, size) ** 2
         mean = float(np.average(size, weights=weight))
-        means.append(Worst(order=order, size=mean, error=float(weight.sum()) ** -0.5))
-    return max(means, key=lambda one: one.size, default=None)
+        if order not in means or mean > means[order].size:
+            error_of_mean = float(weight.sum()) ** -0.5
+            means[order] = OrderSize(order=order, size=mean, error=error_of_mean)
+    return tuple(means[order] for order in sorted(means))

@@ -8,7 +8,13 @@ import numpy as np
 
 from aff_runtime.app.report.parquet import table
 from aff_runtime.app.report.watching.store import Store
-from aff_runtime.app.report.watching.tables import HOUR_FIELDS, ORDER_FIELDS, HourRow, OrderRow
+from aff_runtime.app.report.watching.tables import (
+    HOUR_FIELDS,
+    ORDER_FIELDS,
+    DriveRow,
+    HourRow,
+    OrderRow,
+)
 
 BEGAN = np.datetime64("2026-01-05T06:00:00", "us")
 DAY = np.timedelta64(86_400_000_000, "us")
@@ -46,6 +52,23 @@ def order(day: int, **more: object) -> OrderRow:
         travelled_km=1e-3 * HOUR_M * (day + 0.5),
         speed_m_s=1.0,
         radius_m=RADIUS_M,
+    )
+    return replace(made, **more)  # type: ignore[arg-type]
+
+
+def drive(day: int, **more: object) -> DriveRow:
+    made = DriveRow(
+        run_id=f"run-{day}",
+        hour=0,
+        time_utc=BEGAN + day * DAY,
+        signal="unwind_torque_N_m",
+        roll="unwind",
+        is_roll=True,
+        correcting=True,
+        travelled_km=1e-3 * HOUR_M * (day + 0.5),
+        speed_m_s=1.0,
+        radius_m=0.2,
+        speed_rad_s=5.0,
     )
     return replace(made, **more)  # type: ignore[arg-type]
 

@@ -8,15 +8,18 @@ import numpy as np
 import pytest
 
 from aff_runtime.app.report.parquet import table
-from aff_runtime.app.report.watching.findings import findings
+from aff_runtime.app.report.watching import sentences
+from aff_runtime.app.report.watching.findings import FRICTION, findings
 from aff_runtime.app.report.watching.store import Store
-from aff_runtime.app.report.watching.tables import HOUR_FIELDS, ORDER_FIELDS
+from aff_runtime.app.report.watching.tables import DRIVE_FIELDS, HOUR_FIELDS, ORDER_FIELDS
 from aff_runtime.base.errors import ConfigError
 from tests.aff_runtime.app.report.watching.made_store import (
     BEGAN,
     DAY,
+    HOUR_M,
     LIMIT_M,
     SCATTER_M,
+    drive,
     hour,
     made_store,
     order,
@@ -114,3 +117,29 @@ def test_a_limit_of_a_roller_that_the_store_does_not_know_is_refused_with_those_
     with pytest.raises(ConfigError, match="unwind: is a roll of web"):
         findings(made_store(), {("unwind", "m"): 2e-4})
     assert findings(Store(), {("R6", "m"): 2e-4}) == []
+
+
+def test_friction_is_followed_at_a_like_speed_of_the_roll_through_all_rolls_of_web():
+    store = made_store(DAYS)
+    off = 0.002 * np.random.default_rng(3).standard_normal(DAYS)
+    store.drives = table(
+        DRIVE_FIELDS,
+        [
+            drive(
+                day,
+                speed_rad_s=9.0 if day % 4 == 0 else 5.0,
+                friction_N_m=(0.9 if day % 4 == 0 else 0.5) + 0.004 * day + off[day],
+                friction_error_N_m=0.002,
+            )
+            for day in range(DAYS)
+        ],
+    )
+    found = next(one for one in findings(store) if one.readings.quantity is FRICTION)
+    assert (found.readings.roll, found.readings.left_out) == ("unwind", DAYS // 4)
+    per_km = 0.004 / (1e-3 * HOUR_M)
+    assert found.per_km.low <= per_km <= found.per_km.high
+    assert found.per_km.value == pytest.approx(per_km, rel=0.05)
+    assert found.stands_out
+    (said,) = (one for one in sentences.notes([found]))
+    assert said.startswith("unwind friction grows: 1.1")
+    assert "N m per 1000 km" in said

@@ -6,13 +6,19 @@ import pandas as pd
 import pytest
 from pyarrow.parquet import read_schema as schema_of
 
+from aff_runtime.app.report.comparison.window import window_of
 from aff_runtime.app.report.run_export import export_run
+from aff_runtime.app.report.watching.drive_rows import drive_rows
+from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.run_hours import run_hours
 from aff_runtime.app.report.watching.store import Store
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
-from tests.doubles.recorded_run import RecordedRun, files
+from sim_plant.line.load import load_declaration
+from sim_plant.servers.extra_words import ExtraWords
+from tests.aff_runtime.app.report.watching.made_store import hour
+from tests.doubles.recorded_run import LINE_FILE, RecordedRun, files
 
 pytestmark = pytest.mark.timeout(300)
 
@@ -27,7 +33,7 @@ def eccentric(size_m):
 
 def recorded(folder, size_m, seconds=27.0, cycle_ms=5):
     """Return a run on the demo's line, AFF on with a block for R6 after one second."""
-    made = files(folder, [eccentric(size_m)], cycle_ms=cycle_ms)
+    made = files(folder, [eccentric(size_m)], cycle_ms=cycle_ms, for_record=True)
     run = RecordedRun(made, folder / "runs", law_too=True)
     run.bench.run(1.0)
     run.bench.arm(seconds - 1.0)
@@ -87,9 +93,47 @@ def test_duckdb_and_pandas_read_the_records_of_the_demos_line_with_their_units(
     bare = {name for name, unit in units.items() if not unit}
     assert {units["unwind_tension_N"], units["line_speed_m_s"]} == {"N", "m/s"}
     assert units["unwind.r6_1x.amplitude_m_s"] == "m/s"
-    counts = {"tick", "periods_count", "fresh", "plc_heartbeat", "roll_id", "echo_age"}
+    assert units["unwind_torque_N_m"] == "N m"
+    assert set(frame["unwind_supplier_number"]) == {ExtraWords(None, ()).supplier}
+    counts = {
+        "unwind_supplier_number",
+        "tick",
+        "periods_count",
+        "fresh",
+        "plc_heartbeat",
+        "roll_id",
+        "echo_age",
+    }
     words = {"state", "state_bits", "alarm", "outcome", "status", "missed_count"}
     assert {name for name in bare if "." not in name} == counts | words
     assert units["unwind.r6_1x.ripple"] == units["unwind.r6_1x.ripple_before"] == "N"
     of_law = {name.rpartition(".")[2] for name in bare if "." in name}
     assert of_law == {"state", "source", "quality"}
+
+
+def friction_to_the_cell_N_m(speed_m_s, radius_m):
+    """The declared friction of the unwind and of the idlers up to the middle of R9's cell."""
+    rollers = {one.name: one for one in load_declaration(LINE_FILE).rollers}
+
+    def friction(name, turns_rad_s):
+        one = rollers[name]
+        constant = one.friction_constant_N_m * np.tanh(turns_rad_s / 0.3)
+        return constant + one.friction_viscous_N_m_s * turns_rad_s
+
+    idlers = [f"R{k}" for k in range(1, 10)]
+    drag = [friction(k, speed_m_s / rollers[k].radius_m) / rollers[k].radius_m for k in idlers]
+    return friction("unwind", speed_m_s / radius_m) + radius_m * (sum(drag) - 0.5 * drag[-1])
+
+
+def test_friction_and_supplier_of_the_record_are_those_of_the_plant(short_run):
+    window = window_of(read_table(RunWindow(folder=short_run, from_s=6.0)))
+    (drive,) = drive_rows(window, hour(0))
+    assert (drive.roll, drive.signal, drive.is_roll) == ("unwind", "unwind_torque_N_m", True)
+    assert drive.speed_rad_s == pytest.approx(1.0 / drive.radius_m, rel=0.01)
+    there = friction_to_the_cell_N_m(1.0, drive.radius_m)
+    assert 0.0 < drive.friction_error_N_m < 0.1 * there
+    assert abs(drive.friction_N_m - there) < 3.0 * drive.friction_error_N_m
+    assert drive.torque_N_m == pytest.approx(drive.web_N_m + drive.friction_N_m)
+    whole = window_of(read_table(RunWindow(folder=short_run)))
+    first = next(row for row in order_rows(whole, hour(0)) if row.roll == "unwind")
+    assert first.supplier == ExtraWords(None, ()).supplier

@@ -17,7 +17,7 @@ import pytest
 from aff_runtime.app.report.watching import store as stores
 from aff_runtime.app.report.watching.run_hours import run_hours
 from aff_runtime.app.report.watching.store import FILES, Store, load_store, lock_store, save_store
-from aff_runtime.app.report.watching.tables import HOUR_FIELDS, ORDER_FIELDS
+from aff_runtime.app.report.watching.tables import DRIVE_FIELDS, HOUR_FIELDS, ORDER_FIELDS
 from aff_runtime.base.errors import AffError, ConfigError
 from tests.doubles.virtual_weeks import BEGAN, KM_A_DAY, SPEED_M_S, Weeks, write_weeks
 
@@ -306,9 +306,14 @@ def test_duckdb_reads_a_store_as_it_is(runs, tmp_path):
 def test_pandas_reads_a_store_as_it_is_with_units_in_the_metadata(runs, tmp_path):
     save_store(tmp_path, of(*runs))
     frame = pd.read_parquet(tmp_path / "orders.parquet")
+    assert frame["supplier"].tolist() == [0] * (2 * DAYS)  # these runs have none
     assert frame["stroke_m"].notna().sum() == 2 * DAYS
     assert str(frame["time_utc"].dt.tz) == "UTC"
-    for name, layout in (("hours", HOUR_FIELDS), ("orders", ORDER_FIELDS)):
+    for name, layout in (
+        ("hours", HOUR_FIELDS),
+        ("orders", ORDER_FIELDS),
+        ("drives", DRIVE_FIELDS),
+    ):
         schema = pyarrow.parquet.read_schema(tmp_path / f"{name}.parquet")
         said = {f.name: (f.metadata or {}).get(b"unit", b"").decode() for f in schema}
         assert said == {column.name: column.unit for column in layout}
