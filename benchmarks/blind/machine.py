@@ -223,18 +223,27 @@ def start(p: Plant, line: Mapping[str, Any], speed: float, tension: float, angle
 
 
 def resting_pulls(p: Plant, speed: float, tension: float) -> Array:
-    """Return about the tensions at rest: drag of idlers adds up, the loops' cells hold theirs."""
+    """Return about the tensions at rest: drag of idlers adds up, the loops' cells hold theirs.
+
+    Between S-wrap and pull roll as much unstretched web passes at either end: (1 + e) / v is the
+    same. What a start is off there takes half a minute to pass.
+    """
     rise = (p.drag + p.viscous * speed / p.radius) / p.radius
     rise[p.drive_body] = 0.0
     total = np.cumsum(rise)[:-1]
-    draw = p.drive_draw.max()
-    first, second = int(p.drive_body[1]), int(p.drive_body[-2])
-    pull = tension + total - total[p.cell_body[p.loop_cell[0]]]
-    between = slice(first, second)
-    pull[between] += p.web[0] * draw
-    after = slice(second, None)
-    pull[after] = tension + total[after] - total[p.cell_body[p.loop_cell[1]]]
-    return np.asarray(pull)
+    given = speed * (1.0 + p.drive_draw) / p.drive_ratio
+    given *= 1.0 - p.slip[p.drive_body] * np.maximum(0.0, given - p.slip_above[p.drive_body])
+    lead, follower, pull_roll = (int(k) for k in p.drive_body[1:4])
+    pull = np.empty(total.size)
+    for zone, cell in zip((slice(lead), slice(pull_roll, None)), p.loop_cell, strict=True):
+        k = p.cell_body[cell]
+        held = (tension - p.cell_zero[cell]) / p.cell_gain[cell]
+        pull[zone] = held + total[zone] - total[k] + 0.5 * rise[k]
+    before = 1.0 + pull[lead - 1] / p.web[0]
+    pull[lead] = p.web[0] * (before * given[2] / given[1] - 1.0)
+    end = p.web[0] * (before * given[3] / given[1] - 1.0)
+    pull[follower:pull_roll] = end + total[follower:pull_roll] - total[pull_roll - 1]
+    return pull
 
 
 def simulate(

@@ -114,7 +114,7 @@ TABLE: dict[str, Row] = {
         put=e.wrong_scale,
     ),
     "load_cell_resonance": Row(
-        places=("R3", "R9"),
+        places=("R3", "R15"),  # in a loop the line swings up
         draw=lambda r: {"frequency_Hz": _log(r, 2.5, 4.5), "damping_ratio": _log(r, 0.008, 0.02)},
         put=e.ringing,
     ),

@@ -15,17 +15,21 @@ from benchmarks.blind.table import TABLE
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
 
-ROWS = 2400
+ROWS = 4400
+JUDGED = slice(2000, None)
 LINE = declaration(WEBS[0], centres(np.random.default_rng(3)), (0.16, 0.15))
+for row in LINE["sensors"]:  # without noise the product reads a coarse word's mean, not ours
+    if "lsb_rad_s" in row:
+        row["lsb_rad_s"] = 5e-4
 CHANNELS = (*CELLS, *SPEEDS)
-BEGINS = {"from_record_time_s": {"a": 8.0}}
+BEGINS = {"from_record_time_s": {"a": 24.0}}
 WOUND_STRAIN = WOUND_N / LINE["web"]["EA_N"]
 
 
 def told():
     time_s = np.arange(ROWS + 1) * 0.01
-    speed = np.interp(time_s, [0.0, 16.0, 18.0, 24.0], [0.9, 0.9, 1.2, 1.2])
-    return Told(speed_m_s=speed, tension_N=np.where(time_s[:-1] < 14.0, 89.0, 94.0))
+    speed = np.interp(time_s, [0.0, 32.0, 34.0, 44.0], [0.9, 0.9, 1.2, 1.2])
+    return Told(speed_m_s=speed, tension_N=np.where(time_s[:-1] < 29.0, 89.0, 94.0))
 
 
 def theirs(*effects):
@@ -33,7 +37,8 @@ def theirs(*effects):
     run = make_line(
         declared.model_copy(update={"effects": effects}), seed=None, speed_m_s=0.9, tension_N=89.0
     )
-    run.settle(60.0)  # it starts where the line without effects rests
+    if any(effect.effect == "roll_bounce" for effect in effects):
+        run.settle(8.0)  # the others start at rest
     return run.simulate(told().speed_m_s[:-1], told().tension_N)
 
 
@@ -45,7 +50,7 @@ def ours(*hidden, noise=False):
 
 
 def rms(values):
-    return float(np.sqrt(np.mean(np.square(values))))
+    return float(np.sqrt(np.mean(np.square(values[JUDGED]))))
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +89,7 @@ def test_every_effect_is_dealt_before_any_comes_again():
 def test_a_flat_is_as_deep_as_drawn_and_its_corner_keeps_the_web_off():
     h, slope, curvature = tangents(outline(0.16, "flat", 0.01))
     half = np.arccos(1.0 - 0.01 / 0.16)
-    share = h.size // 18  # 20 degrees from the middle of the flat: the tangent is on its corner
+    share = h.size // 36  # 10 degrees from the middle of the flat: the tangent is on its corner
     psi = 2.0 * np.pi * share / (h.size - 1)
     assert h[share] == pytest.approx(0.16 * np.cos(half - psi), abs=2e-5)
     assert h[(h.size - 1) // 2] == pytest.approx(0.16, abs=2e-5)
@@ -128,7 +133,7 @@ CASES = [
         Hidden(
             effect="bearing_drag", location="R6", parameters={"added_torque_N_m": 0.05, **BEGINS}
         ),
-        lambda t: {"constant_N_m": 0.05, "from_s": 8.0},
+        lambda t: {"constant_N_m": 0.05, "from_s": 24.0},
     ),
     (
         Hidden(
@@ -144,18 +149,18 @@ CASES = [
             location="unwind_zone",
             parameters={"strain": 4e-4, "rise_s": 1.0, "hold_s": 6.0, **BEGINS},
         ),
-        lambda t: {"strain": 4e-4, "from_s": 8.0, "rise_s": 1.0, "hold_s": 6.0},
+        lambda t: {"strain": 4e-4, "from_s": 24.0, "rise_s": 1.0, "hold_s": 6.0},
     ),
     (
         Hidden(
             effect="splice",
             location="web",
-            parameters={"step_m": 5e-4, "length_m": 0.08, "record_time_s": {"a": 8.0}},
+            parameters={"step_m": 5e-4, "length_m": 0.08, "record_time_s": {"a": 24.0}},
         ),
         lambda t: {
             "step_m": 5e-4,
             "piece_m": 0.08,
-            "at_length_m": 8.0 * 0.9 / (1.0 + 89.0 / LINE["web"]["EA_N"]),
+            "at_length_m": 24.0 * 0.9 / (1.0 + 89.0 / LINE["web"]["EA_N"]),
         },
     ),
     (
@@ -185,7 +190,7 @@ CASES = [
     (
         Hidden(
             effect="load_cell_resonance",
-            location="R9",
+            location="R3",
             parameters={"frequency_Hz": 3.0, "damping_ratio": 0.02},
         ),
         lambda t: {"frequency_Hz": 3.0, "damping": 0.02},
@@ -285,4 +290,6 @@ def assert_same(healthy, hidden, entries):
     own = {name: here[name] - quiet[name] for name in CHANNELS}
     name = max(own, key=lambda c: rms(own[c]) / floor[c])
     assert rms(own[name]) > 0.5 * floor[name]
-    assert rms(own[name] - (there[name] - other[name])) < 0.03 * rms(own[name]), name
+    # a seam is where it is to a millimetre or two, and its edges are 10 mm long
+    most = 0.1 if hidden[0].effect == "splice" else 0.03
+    assert rms(own[name] - (there[name] - other[name])) < most * rms(own[name]), name
