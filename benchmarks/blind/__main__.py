@@ -15,9 +15,9 @@ from typing import Any
 import yaml
 
 from benchmarks.blind.cases import Case, drawn, make
-from benchmarks.cases.__main__ import KEYS, labels_of, row_file
+from benchmarks.cases.__main__ import KEYS, row_file
 from benchmarks.cases.report import page
-from benchmarks.cases.score import Label, named_sets, outcome, over_floor
+from benchmarks.cases.score import Label, label_of, named_sets, outcome, over_floor
 from benchmarks.cases.work import Pair, refine
 from benchmarks.rows import read_row, write_row
 
@@ -28,13 +28,18 @@ def draw(cases: Sequence[Case], out: Path) -> None:
     """Make the cases that are not there yet; ``labels.yaml`` has those that are."""
     (out / "labels").mkdir(parents=True, exist_ok=True)
     for case in cases:
-        file = out / "labels" / f"{case.name}.json"
+        file = label_file(out, case)
         if not file.exists():
             write_row(file, make(case, out))
             sys.stderr.write(f"{case.name} drawn\n")
     rows = [json.loads(f.read_text("utf-8")) for f in sorted((out / "labels").glob("*.json"))]
     text = yaml.safe_dump({"cases": rows}, sort_keys=False)
     (out / "labels.yaml").write_text(text, encoding="utf-8")
+
+
+def label_file(out: Path, case: Case) -> Path:
+    """Return the file of a case's label."""
+    return out / "labels" / f"{case.name}.json"
 
 
 def line_of(label: Label, hidden: list[dict[str, Any]], row: dict[str, Any]) -> str:
@@ -74,15 +79,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         draw([case], out)
         if given.draw_only:
             continue
-        label = next(la for la in labels_of(out) if la.name == case.name)
+        told = json.loads(label_file(out, case).read_text("utf-8"))
+        label = label_of(told)
         pair = Pair(folder=out, name=case.name, part="blind", out=out / "work" / case.name)
         row = read_row(row_file(out, pair), KEYS)
         if row is None:
             row = refine(pair)
             write_row(row_file(out, pair), row)
             with (out / RESULTS).open("a", encoding="utf-8") as file:
-                hidden = json.loads((out / "labels" / f"{case.name}.json").read_text("utf-8"))
-                file.write(line_of(label, hidden["effects"], row))
+                file.write(line_of(label, told["effects"], row))
         entries.append(("blind", label, row))
     if entries:
         print(page(entries))
