@@ -1,0 +1,17 @@
+"""What the label of a blind pair says of what can be seen in it."""
+
+import pytest
+
+from benchmarks.blind.cases import visible
+
+
+# best rms over noise in a record and in its best 2 s; the labels of shared/data/cases say so
+@pytest.mark.parametrize(
+    ("rms", "window", "seen"),
+    [(1.092, 1.811, False), (1.438, 4.083, False), (1.41, 4.774, True), (2.249, 3.993, True)],
+)
+def test_an_effect_counts_as_visible_where_the_pairs_of_the_other_code_say_so(rms, window, seen):
+    strong = ["unwind_speed_rad_s", 9.0, "unwind_speed_rad_s", 20.0]
+    weak = ["line_speed_m_s", rms, "line_speed_m_s", window]
+    other = {"best": [strong, strong]}
+    assert visible({"a": {"best": [strong, weak]}, "b": other}) is seen
