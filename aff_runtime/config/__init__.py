@@ -19,7 +19,6 @@ __all__ = [
     "probe_bound",
     "reference",
     "revision",
-    "rules",
     "site_paths",
     "wire_table",
     "x509",

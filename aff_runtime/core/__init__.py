@@ -8,7 +8,6 @@ __all__ = [
     "identified",
     "impulse",
     "laws",
-    "long_gap",
     "monitor",
     "order_status",
     "params",

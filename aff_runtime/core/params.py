@@ -27,8 +27,6 @@ class RollParams:
     ----------
     angle : encoder channel, rad; preferred source.
     angle_modulus_rad : the channel wraps by this much (2^32 counts in rad); None never wraps.
-    angle_is_absolute : the channel says the same angle after any gap, but for whole turns; its
-        modulus is whole turns.
     speed : roll speed channel, integrated when there is no encoder.
     speed_is_surface : True when ``speed`` is m/s at the surface, False when it is rad/s.
     line_speed : line speed channel, m/s, over the radius: the last resort.
@@ -44,7 +42,6 @@ class RollParams:
     name: str
     angle: str | None = None
     angle_modulus_rad: float | None = None
-    angle_is_absolute: bool = False
     speed: str | None = None
     speed_is_surface: bool = True
     line_speed: str | None = None

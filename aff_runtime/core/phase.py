@@ -255,17 +255,19 @@ class RollPhase:
                 return omega, Source.LINE_SPEED
         return math.nan, Source.NONE
 
-    def _turned(self, now: float, before: float) -> float:
-        """Return the motion between two encoder readings, unfolding one wrap."""
+    def _turned(self, now: float, before: float, expected: float = 0.0) -> float:
+        """Return the motion between two encoder readings, unfolded about ``expected``."""
         turned = now - before
-        return math.remainder(turned, self._modulus) if self._modulus > 0.0 else turned
+        if not (self._modulus > 0.0 and math.isfinite(turned)):
+            return turned
+        return turned - self._modulus * round((turned - expected) / self._modulus)
 
     def _take_angle(self, angle: float, model: float, dt_s: float) -> bool:
         """Follow the encoder; False when this sample (or the encoder) is not to be believed."""
         if not math.isfinite(self._raw):
             return self._try_rebase(angle, dt_s)
         gap_s = self._raw_gap_s
-        turned = self._turned(angle, self._raw)
+        turned = self._turned(angle, self._raw, self.omega_rad_s * gap_s)
         is_long = gap_s > PREDICT_MAX_S
         if self._check.in_service:
             if is_long:
@@ -308,15 +310,11 @@ class RollPhase:
     def _turned_in_gap(self, turned: float, model: float) -> float:
         """Return how far the roll turned since the reading before a long gap, NaN not known."""
         before = self.omega_rad_s
-        now = model if math.isfinite(model) else before
-        if self._p.angle_is_absolute and has_whole_turns(self._modulus):
-            expected = 0.5 * (before + now) * self._raw_gap_s
-            return expected + math.remainder(turned - expected, self._modulus)
         return turned_in_gap(
             turned,
             self._modulus,
             self._raw_gap_s,
-            speeds_rad_s=(before, now),
+            speeds_rad_s=(before, model if math.isfinite(model) else before),
             stands_below_rad_s=self._stands_below_rad_s,
         )
 

@@ -9,13 +9,11 @@ from types import MappingProxyType
 
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.counted_angle import WORD_COUNTS
-from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.models import Actuator, Drive, Roll, Site
 from aff_runtime.config.models.drive import slow_band
 from aff_runtime.config.probe_bound import probe_bound
-from aff_runtime.config.rules.rolls import NOT_WHOLE_TURNS
 from aff_runtime.core.blocks.bank import SAMPLES_PER_TURN
-from aff_runtime.core.long_gap import has_whole_turns
 from aff_runtime.core.params import (
     ActuatorParams,
     BlockParams,
@@ -138,14 +136,10 @@ def _shape_probe(site: Site, end_Hz: float) -> ProbeParams:
 def _roll(site: Site, name: str, roll: Roll, ranges_rad: Mapping[str, float]) -> RollParams:
     """Return where the angle of one roll comes from."""
     slowest = min((a.active_above_m_s for a in site.actuators.values()), default=0.0)
-    modulus_rad = _modulus_rad(site, roll.angle, ranges_rad)
-    if roll.angle_is_absolute and not has_whole_turns(modulus_rad or 0.1):
-        raise ConfigError(f"rolls.{name}.angle_is_absolute: {NOT_WHOLE_TURNS}")
     return RollParams(
         name=name,
         angle=roll.angle,
-        angle_modulus_rad=modulus_rad,
-        angle_is_absolute=roll.angle_is_absolute,
+        angle_modulus_rad=_modulus_rad(site, roll.angle, ranges_rad),
         speed=roll.speed,
         speed_is_surface=unit_of_channel(roll.speed or "") != "rad/s",
         line_speed=roll.line_speed or site.line.speed,

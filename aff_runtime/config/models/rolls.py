@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from aff_runtime.config.quantity import Flag, Metres, Name, Section, key
+from aff_runtime.config.quantity import Metres, Name, Section, key
 
 
 class Roll(Section):
@@ -14,12 +14,6 @@ class Roll(Section):
         "Channel of its encoder angle (_rad); the best source of phase. Absent: the speed is "
         "integrated.",
         default=None,
-    )
-    angle_is_absolute: Flag = key(
-        "true for an encoder that knows its angle by itself, of a turn or of many: after any gap "
-        "in the readings its word says where the roll is. false for a count that may begin anew "
-        "with the PLC, an axis that it folds at 360 degrees too.",
-        default=False,
     )
     speed: Name | None = key(
         "Channel of its own speed (_rad_s, or _m_s at its surface); used when no angle is given.",

@@ -5,17 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from aff_runtime.base.counted_angle import WORD_COUNTS, is_whole_turns
+from aff_runtime.base.counted_angle import WORD_COUNTS
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.meetings import frequency_Hz, meetings_of
 from aff_runtime.config.models import Actuator, Roll, Site
 from aff_runtime.config.rules.issue import Issue
 
 MIN_SAMPLES_PER_PERIOD = 20
-NOT_WHOLE_TURNS = (
-    "the range of its angle is not whole turns, so that its word says another angle each time. "
-    "Correct wraps_after (on CAN the range of the signal) or the scale, or write false."
-)
 
 
 def issues(site: Site) -> Iterator[Issue]:
@@ -45,11 +41,8 @@ def issues(site: Site) -> Iterator[Issue]:
 
 
 def _angle(path: KeyPath, roll: Roll, site: Site) -> Iterator[Issue]:
-    """Yield what an encoder's range cannot be: within a cycle of its roll, or no whole turns."""
+    """Yield where the range of an encoder is too short for what its roll turns in a cycle."""
     channel = site.gateway.read.channels.get(roll.angle or "")
-    if roll.angle_is_absolute and roll.angle is None:
-        text = "needs angle: without an encoder nothing says where the roll is. Remove it."
-        yield Issue(path=(*path, "angle_is_absolute"), text=text, at_key=True)
     if channel is None or channel.type is None or not channel.wraps or roll.smallest_radius_m == 0:
         return
     range_rad = (channel.wraps_after or WORD_COUNTS[channel.type]) * abs(channel.scale)
@@ -61,8 +54,6 @@ def _angle(path: KeyPath, roll: Roll, site: Site) -> Iterator[Issue]:
             "be followed. Let the PLC count further, or shorten cycle_ms."
         )
         yield Issue(path=(*path, "angle"), text=text)
-    if roll.angle_is_absolute and not is_whole_turns(range_rad):
-        yield Issue(path=(*path, "angle_is_absolute"), text=NOT_WHOLE_TURNS)
 
 
 def _assumed(path: KeyPath) -> Issue:

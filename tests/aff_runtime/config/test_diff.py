@@ -97,12 +97,11 @@ def test_a_whole_roll_that_appears_or_goes_applies_at_once_and_its_keys_do_not(t
 def test_of_a_new_roll_only_what_is_given_is_told(tmp_path):
     added = ("rolls:\n", "rolls:\n  r9: { radius_m: 38.1 mm }\n")
     assert [str(one) for one in changes(tmp_path, added)] == [
-        "rolls.r9.angle_is_absolute: (absent) -> false (applies at once)",
         "rolls.r9.radius_m: (absent) -> 0.0381 m (applies at once)",
         "rolls.r9.resets_on: (absent) -> never (applies at once)",
     ]
     old, new = load_site(edited(tmp_path, added)), load_site(EUCLID)
-    assert {one.old for one in diff_sites(old, new)} == {"0.0381 m", "never", "false"}
+    assert {one.old for one in diff_sites(old, new)} == {"0.0381 m", "never"}
 
 
 def test_a_block_of_another_roll_in_the_place_of_one_waits_for_bypass(tmp_path):

@@ -10,8 +10,6 @@ from aff_runtime.config.loader import load_site, read_site
 from tests.aff_runtime.config.shipped import edited
 
 ENCODER = "type: i32, scale: 4096 counts/turn, wraps: true }"
-ANGLE = "    angle: unwind_angle_rad\n"
-ABSOLUTE = (ANGLE, ANGLE + "    angle_is_absolute: true\n")
 
 
 def warnings_of(path):
@@ -151,7 +149,6 @@ def test_velocity_scale_in_a_torque_unit_is_refused(tmp_path):
         ),
         ((ENCODER, "type: u16, scale: 0.1 deg, wraps: true, wraps_after: 65537 }"), "u16 holds"),
         ((ENCODER, "type: u16, scale: 0.1 deg, wraps: true, wraps_after: 80 }"), "within a cycle"),
-        ((ANGLE, "    angle_is_absolute: true\n"), r"angle_is_absolute: needs angle"),
     ],
 )
 def test_key_that_another_key_asks_for(edit, said, tmp_path):
@@ -161,19 +158,9 @@ def test_key_that_another_key_asks_for(edit, said, tmp_path):
 
 def test_an_axis_in_tenths_of_a_degree_starts_over_after_a_turn(tmp_path):
     axis = (ENCODER, "type: u16, scale: 0.1 deg, wraps: true, wraps_after: 3600 }")
-    path = edited(tmp_path, axis, ABSOLUTE)
+    path = edited(tmp_path, axis)
     roll = site_params(load_site(path)).rolls[0]
     assert roll.angle_modulus_rad == pytest.approx(math.tau)
-    assert roll.angle_is_absolute
-
-
-def test_an_encoder_whose_word_is_no_whole_turns_is_not_absolute(tmp_path):
-    word = (ENCODER, "type: u16, scale: 1000 counts/turn, wraps: true }")
-    with pytest.raises(
-        ConfigError, match="angle_is_absolute: the range of its angle is not whole"
-    ):
-        load_site(edited(tmp_path, word, ABSOLUTE))
-    load_site(edited(tmp_path, ABSOLUTE))
 
 
 def test_order_of_corrections_follows_the_actuators(tmp_path):

@@ -202,16 +202,16 @@ def test_a_word_of_a_turn_or_two_that_began_anew_is_seldom_taken_for_known(secon
     assert kept <= CHANCE * places + 1  # of a range that ends between two places
 
 
-@pytest.mark.parametrize("omega", [OMEGA, -OMEGA])
-@pytest.mark.parametrize("turns", [1, 16])
-@pytest.mark.parametrize(("seconds", "share"), [(3.0, 1.0), (3.0, 0.5), (60.0, 1.3)])
-def test_an_absolute_encoder_keeps_the_frame_over_any_gap(seconds, share, turns, omega):
-    params = replace(ROLL, angle_modulus_rad=turns * math.tau, angle_is_absolute=True)
-    roll = Turning(params, word_of(turns), start=3.0)
-    roll.run(2.0, omega)
-    before = roll.frame_rad
-    roll.gap((seconds, share * omega))
-    roll.run(1.0, share * omega)
+@pytest.mark.parametrize("gap_s", [0.1, 0.2, 0.3, 0.45])
+@pytest.mark.parametrize("omega", [5.0 * OMEGA, -5.0 * OMEGA])
+def test_a_word_of_one_turn_is_unfolded_about_the_way_of_a_short_gap(omega, gap_s):
+    """In 0.3 s the roll turns 7.2 rad, more than half the range, and slows down meanwhile."""
+    params = replace(ROLL, angle_modulus_rad=math.tau)
+    roll = Turning(params, word_of(1), start=3.0)
+    roll.run(3.0, omega)
+    before, later = roll.frame_rad, 0.95 * omega
+    roll.run(gap_s, later, fresh=False)
+    roll.run(1.0, later)
     assert roll.phase.origin_losses == 0
     assert roll.frame_rad == pytest.approx(before, abs=CLOSE_RAD)
 
