@@ -101,24 +101,47 @@ def least_score(selection: Selection, candidate: FittedCandidate) -> float:
     """Return the score that a candidate needs beside the effects found, given what those leave.
 
     A declared number gains as an effect no more than its tolerance cost, z squared, however
-    plainly the records show it: neither ``score`` nor ``later_score`` is a ruler for it.
+    plainly the records show it: none of the other bounds is a ruler for it.
 
     - As a first effect it needs the square of ``outside_prior_sd``, where it `is_outside`.
-    - As a later one it needs no more than a first effect does, where the records alone show its
-      change by enough (``chi2_by_records``): the model error of other effects moves it only as far
-      as the records leave it free. Or where it ``ends_conflict``: several like numbers stood in
+    - As a later one it needs no more than a first effect does, where it `is_shown`: the model
+      error of other effects moves it only as far as the records leave it free. Or, apart from
+      `least_beside`, where it ``ends_conflict``: several like numbers stood in
       for it (a drag at one of six idlers), each within some tolerances, together beyond. Neither
       on a roll with a profile: its mean radius is the profile's own.
     """
-    h, found = candidate.hypothesis, [a.hypothesis for a in selection.accepted]
-    shaped = {f.location for f in found if f.effect.profiles is not None}
-    shown = candidate.chi2_by_records > ACCEPTANCE.later_score or candidate.ends_conflict
-    aperiodic = ACCEPTANCE.score
-    if found and (not shown or h.location in shaped):
+    if is_shown(selection, candidate):
+        return ACCEPTANCE.score
+    h, aperiodic = candidate.hypothesis, ACCEPTANCE.score
+    if selection.accepted and (not candidate.ends_conflict or _is_shaped(selection, h)):
         aperiodic = later_score(selection)
     elif is_first(selection) and is_outside(candidate):
         aperiodic = CRITERIA.search.degeneracy.outside_prior_sd**2
     return least_beside(selection, ACCEPTANCE.periodic_score if orders_of(h, 1.0) else aperiodic)
+
+
+def is_shown(selection: Selection, candidate: FittedCandidate) -> bool:
+    """Return whether the records show a later effect that is a declared number, by themselves.
+
+    By more than any other effect needs beside those found (`least_beside`): that bounds what
+    their models have wrong of the records, and z squared is nothing of the records.
+    """
+    shown = candidate.chi2_by_records > least_beside(selection, ACCEPTANCE.later_score)
+    return bool(selection.accepted) and shown and not _is_shaped(selection, candidate.hypothesis)
+
+
+def _is_shaped(selection: Selection, h: Hypothesis) -> bool:
+    """Return whether an effect is at a roll for which a profile was found."""
+    found = (a.hypothesis for a in selection.accepted)
+    return h.location in {f.location for f in found if f.effect.profiles is not None}
+
+
+def by_what_records_say(selection: Selection, candidate: FittedCandidate) -> bool:
+    """Return whether a candidate is claimed by what the records say, less than others need."""
+    if is_first(selection):
+        return is_outside(candidate)
+    less = candidate.score < least_beside(selection, ACCEPTANCE.score)
+    return less and is_shown(selection, candidate)
 
 
 def is_first(selection: Selection) -> bool:
@@ -237,23 +260,23 @@ def accept(
     """Return the effect that explains most, or None when none may be claimed.
 
     ``candidates`` are first looks; those that were not fitted compete by their linear score. What
-    is no claim by its own score hides no first effect that `is_outside`, nor is it a rival of it:
-    healthy records reach more by chance than a tolerance costs.
+    is no claim by its own score hides no effect that is claimed `by_what_records_say`, nor is it a
+    rival of it: healthy records, and what models have wrong, reach more than a tolerance costs.
     """
     claims = [c for c in scored if c.score >= least_score(selection, c)]
     if claims and claims[0] is not scored[0]:
-        claims = [c for c in claims if is_first(selection) and is_outside(c)]
+        claims = [c for c in claims if by_what_records_say(selection, c)]
     if not claims:
         return None
     best = claims[0]
     h = best.hypothesis
-    alone = is_first(selection) and is_outside(best)
+    alone = by_what_records_say(selection, best)
     others = _others(claims, []) if alone else _others(scored, candidates)
     runner_up, second_score = others[0] if others else (None, 0.0)
     if (
         runner_up
         and best.score < ACCEPTANCE.weak
-        and not is_outside(best)
+        and not alone
         and best.score - second_score < ACCEPTANCE.margin
         and not is_periodic(h)
     ):

@@ -203,6 +203,27 @@ def test_a_later_effect_that_is_a_declared_number_counts_by_what_the_record_says
     assert (said is not None) is taken
 
 
+@pytest.mark.parametrize(
+    ("worth", "chi2_by_records", "taken"),
+    [(170.0, 5000.0, True), (170.0, 2900.0, False), (110.0, 5000.0, False)],
+)
+def test_beside_a_strong_effect_a_declared_number_counts_by_what_the_record_says(
+    worth, chi2_by_records, taken
+):
+    """0.1 % of 3e6 are 3000 of the record: no gain, which is the square of 13 tolerances at most."""
+    found = found_first("slip", "swrap")
+    found = replace(found, nominal=replace(found.nominal, cost=COST + 3e6), wander_is_free=True)
+    missed = {DRAG.key: 900.0, MODULUS.key: worth}
+    rivals = [rival(DRAG, 900.0), rival(MODULUS, worth, chi2_by_records)]
+    said = claimed(rivals, missed, found)
+    assert (said is not None) is taken
+    if taken:  # what is no claim neither hides it nor is its rival
+        assert (said.accepted.hypothesis.key, said.accepted.ambiguous) == (MODULUS.key, ())
+        claim = [rival(DRAG, 3500.0), rivals[1]]
+        first = claimed(claim, missed | {DRAG.key: 3500.0}, found)
+        assert first.accepted.hypothesis.key == DRAG.key
+
+
 @pytest.mark.parametrize(("ends_conflict", "taken"), [(False, False), (True, True)])
 def test_a_later_effect_that_settles_what_no_tolerance_is_needs_no_more_than_a_first(
     ends_conflict, taken
