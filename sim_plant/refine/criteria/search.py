@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.criterion import DEVELOPMENT, NOT_RECORDED, criterion
+from sim_plant.refine.criteria.degeneracy import DegeneracyCriteria
 from sim_plant.refine.criteria.events import EventCriteria
 from sim_plant.refine.criteria.profiles import ProfileCriteria
 
@@ -211,37 +212,6 @@ class CompletenessCriteria:
         3.0,
         "standard deviations of a chi-square cost",
         "by which what is left has to exceed noise to be surely more",
-        NOT_RECORDED,
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DegeneracyCriteria:
-    """Whether two places explain as much as one, and declared numbers as an effect."""
-
-    same_coordinate_share: float = criterion(
-        0.003, "1", "rollers whose spectral lines of travel differ by less are alike", NOT_RECORDED
-    )
-    most_places: int = criterion(
-        4, "places", "are looked at in pairs, the best first", NOT_RECORDED
-    )
-    paired_numbers: int = criterion(
-        2, "numbers", "of an effect that is looked at in pairs: cos and sin", "definition"
-    )
-    outside_prior_sd: float = criterion(
-        4.0,
-        "prior standard deviations",
-        "a declared number further off is tried as the effect that changes it; found first, its "
-        "square is the least score of one whose interval is outside its tolerance (ADR 0053)",
-        "not recorded; theory: chance takes one number so far in 1 of 16 000",
-    )
-    most_outside: int = criterion(
-        3, "declared numbers", "are tried as effects, the furthest first", NOT_RECORDED
-    )
-    joint_sd: float = criterion(
-        6.0,
-        "standard deviations of chi-square",
-        "declared numbers together further off than this are beyond tolerance",
         NOT_RECORDED,
     )
 

@@ -73,8 +73,9 @@ class FittedCandidate:
     ceiling : the score is no higher: what is lost when the effect is taken out again.
     chi2_by_records : of an effect that is a change of declared numbers, the chi-square of that
         change by the records alone, without the prior of its tolerance; 0 of any other effect.
-    ends_conflict : the effect is a change of declared numbers, and with it declared numbers are
-        together within their tolerances, which they are not without it.
+    ends_conflict : with the effect declared numbers are together within their tolerances, which
+        they are not without it; ``chi2_by_records`` is then without the priors of those that stood
+        in for it either.
     beyond_tolerance : the effect is one declared number, and no end of its interval is within the
         tolerance of that.
     """

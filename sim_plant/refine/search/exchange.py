@@ -10,6 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from sim_plant.base.effects import Effect
+from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.locations import bridles, candidate_locations
 from sim_plant.refine.criteria.criteria import CRITERIA
@@ -20,6 +22,7 @@ from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.search.candidate import Progress, bic_penalty, sure_fall
 from sim_plant.refine.search.completeness import left_at_own_line, sure_excess
 from sim_plant.refine.search.degenerate_pair import of_other_kind
+from sim_plant.refine.search.outside_prior import joint_conflict
 from sim_plant.refine.search.selection import ACCEPTANCE, AcceptedEffect, Selection, alike_margin
 from sim_plant.refine.spectra.coordinates import RecordAxes
 
@@ -32,7 +35,9 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
     Places that explain as much are named with it; so is the place it is moved from, while the fit
     leaves more than noise or has gained no more than the margin. What the best place leaves at its
     own spectral line is an error of the record or of the model: one of that size may as well be
-    at a rival, so one that leaves no more than twice as much there is named too.
+    at a rival, so one that leaves no more than twice as much there is named too. Of an effect that
+    the records do not tell from what stood in for it (``shared``) all is named that ends the
+    conflict of declared numbers as well.
     """
     fit, accepted = selection.fit, list(selection.accepted)
     for k in range(len(accepted)):
@@ -50,9 +55,15 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
         known_to = max(
             margin, left_at_own_line(objective, fit, selection.record_axes, fit.hypotheses[k])
         )
-        alike = [place for place, other in tried if other.cost < fit.cost + known_to]
+        alike = [
+            place
+            for place, other in tried
+            if other.cost < fit.cost + known_to
+            or (accepted[k].shared and joint_conflict(objective, other) is None)
+        ]
         # missing effects had favoured the first place; those still missing may favour the other
         undecided = selection.fit.cost < fit.cost + margin or leaves_more(objective, fit)
+        undecided = undecided or accepted[k].shared
         if there != here and here not in alike and undecided:
             alike.append(here)
         judged = {place for place, _ in tried}
@@ -198,15 +209,7 @@ def _elsewhere(
     the radius of a roller, not by what is wrong with it.
     """
     line = objective.pool.twins[0].declaration
-    names = [roller.name for roller in line.rollers]
-    near: list[EffectAt] = []
-    if h.location in names and h.effect.place == "body" and h.effect.profiles is None:
-        at = names.index(h.location)
-        first, end = _within_reach(line, at, whole_zone=bool(h.effect.declared_as))
-        kinds = ("idler",) if line.rollers[at].kind == "idler" else ("driven",)
-        near = [
-            EffectAt(h.effect.name, r.name) for r in line.rollers[first:end] if r.kind in kinds
-        ]
+    near = _near(line, h.effect, h.location)
     close = [p for p, _ in accepted.rejected if p.effect == h.effect.name][: EXCHANGE.close]
     alike = [p for p in accepted.ambiguous if p.effect == h.effect.name]
     places = [p for p in dict.fromkeys([*close, *alike, *near]) if p != h.key]
@@ -214,12 +217,36 @@ def _elsewhere(
         replace(hypothesis(h.effect, p.location, h.fixed, h.names, line), record=h.record)
         for p in places
     ]
+    if accepted.shared:
+        return [*there, *_stood_in(line, h, accepted)]
     if not axes:
         return there
     other = [p for p, _ in accepted.rejected if p.effect != h.effect.name]
     named = [p for p in accepted.ambiguous if p.effect != h.effect.name]
     others = of_other_kind(axes[0], h, dict.fromkeys([*named, *other]))
     return [*there, *others[: EXCHANGE.close]]
+
+
+def _near(line: Declaration, effect: Effect, location: str) -> list[EffectAt]:
+    """Return an effect at the bodies of one kind near by; of a profile none."""
+    names = [roller.name for roller in line.rollers]
+    if location not in names or effect.place != "body" or effect.profiles is not None:
+        return []
+    at = names.index(location)
+    first, end = _within_reach(line, at, whole_zone=bool(effect.declared_as))
+    kinds = ("idler",) if line.rollers[at].kind == "idler" else ("driven",)
+    return [EffectAt(effect.name, r.name) for r in line.rollers[first:end] if r.kind in kinds]
+
+
+def _stood_in(line: Declaration, h: Hypothesis, accepted: AcceptedEffect) -> list[Hypothesis]:
+    """Return declared numbers of another kind named with a shared one, at every place near by."""
+    others = [p for p in accepted.ambiguous if p.effect != h.effect.name]
+    named = [p for p in others if BY_NAME[p.effect].declared_as]
+    near = [other for p in named for other in _near(line, BY_NAME[p.effect], p.location)]
+    return [
+        hypothesis(BY_NAME[p.effect], p.location, line=line)
+        for p in dict.fromkeys([*named, *near])
+    ]
 
 
 def _within_reach(line: Declaration, at: int, *, whole_zone: bool) -> tuple[int, int]:

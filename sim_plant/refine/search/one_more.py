@@ -22,6 +22,7 @@ from sim_plant.refine.search.selection import (
     accept,
     also_explained_by,
     confirmed_scores,
+    is_shown,
 )
 from sim_plant.refine.search.set_apart import JudgedApart
 from sim_plant.refine.spectra.coordinates import is_periodic
@@ -57,7 +58,9 @@ def best_of(
         fitted = [apart.re_evaluated_candidate(c) for c in fitted]
     fitted = [by_records(weigh, c) for c in fitted]
     if selection.accepted:
-        fitted = ending_conflict(weigh, base, fitted)
+        shown = [c for c in fitted if is_shown(judged, c)]
+        rest = [c for c in fitted if not is_shown(judged, c)]
+        fitted = [*shown, *ending_conflict(weigh, base, rest)]
     scored = confirmed_scores(
         judged, fitted, lambda fit: chi2_without_last(objective, fit, apart), progress
     )

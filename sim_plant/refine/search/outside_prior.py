@@ -22,7 +22,7 @@ from sim_plant.refine.model.parameter_effects import as_effects, declared_change
 from sim_plant.refine.search.added_effect import rolling_only, with_effect
 from sim_plant.refine.search.candidate import FittedCandidate, Progress, fitted_candidate
 
-ACCEPTANCE, DEGENERACY = CRITERIA.search.acceptance, CRITERIA.search.degeneracy
+DEGENERACY = CRITERIA.search.degeneracy
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -105,19 +105,21 @@ def starts_outside_prior(
     return starts
 
 
-def chi2_by_records(objective: Objective, fit: Fit) -> float:
+def chi2_by_records(objective: Objective, fit: Fit, stand_ins: Collection[str] = ()) -> float:
     """Return the chi-square by which the records alone show the change that the last effect is.
 
-    Of the declared numbers that it changes the tolerances do not count, those of all others do; 0
-    where the effect is no change of declared numbers.
+    Of the declared numbers that it changes the tolerances do not count, nor those of ``stand_ins``
+    that have moved in its place; those of all others do. 0 where the effect is no change of
+    declared numbers.
     Equation: |P y|^2, y the response to the effect, P takes out all other declared numbers  [own].
     """
     h, values = fit.hypotheses[-1], fit.values[-1]
     line = objective.pool.twins[0].declaration
     numbers = declared_change(line, h, values)
-    own = [k for k, n in enumerate(objective.nuisances) if n.name in numbers]
-    if not own:
+    names = [n.name for n in objective.nuisances]
+    if numbers.keys().isdisjoint(names):
         return 0.0
+    own = [k for k, name in enumerate(names) if name in numbers or name in stand_ins]
     bare = replace(fit.case, effects=fit.case.effects[:-1])
     response = objective.column(objective.pool.one(fit.case), objective.pool.one(bare), 1.0)
     return objective.projector.cost_with_fixed(response, own)
@@ -157,25 +159,30 @@ def ending_conflict(
 ) -> list[FittedCandidate]:
     """Return the candidates, ``ends_conflict`` set where their fit ends that of ``base``.
 
-    Only changes of declared numbers are looked at, and only those whose ``chi2_by_records`` is
-    less than a later effect needs: several like numbers that stand in for one share its cost.
+    Nothing is looked at where no change of declared numbers may end it. Several others that stand
+    in for one share its cost, and keep small what the records say of it while their tolerances
+    count: of one that ends a conflict those of the numbers that stood in for it do not.
     """
-    if not any(_may_end_conflict(c) for c in fitted) or joint_conflict(objective, base) is None:
+    worth = [c for c in fitted if c.score > DEGENERACY.outside_prior_sd**2]
+    if not any(c.chi2_by_records > 0.0 for c in worth) or joint_conflict(objective, base) is None:
         return list(fitted)
-    return [
-        replace(c, ends_conflict=joint_conflict(objective, c.fit) is None)
-        if _may_end_conflict(c)
-        else c
-        for c in fitted
-    ]
+    return [_as_ending(objective, base, c) if c in worth else c for c in fitted]
 
 
-def _may_end_conflict(candidate: FittedCandidate) -> bool:
-    """Return whether a candidate is worth a look for ``ends_conflict``."""
-    return (
-        0.0 < candidate.chi2_by_records <= ACCEPTANCE.later_score
-        and candidate.score > ACCEPTANCE.score
-    )
+def _as_ending(objective: Objective, base: Fit, candidate: FittedCandidate) -> FittedCandidate:
+    """Return the candidate as one that ends the conflict of ``base``, if it does.
+
+    What stood in for it are the numbers that ``base`` has ``stand_in_sd`` further off than the
+    candidate's fit.
+    """
+    if joint_conflict(objective, candidate.fit) is not None:
+        return candidate
+    before, after = (total_shifts(objective, fit) for fit in (base, candidate.fit))
+    rows = zip(objective.nuisances, objective.prior_sd, strict=True)
+    least = DEGENERACY.stand_in_sd
+    moved = {n.name for n, sd in rows if abs(before[n.name] - after[n.name]) > least * sd}
+    shown = chi2_by_records(objective, candidate.fit, moved)
+    return replace(candidate, ends_conflict=True, chi2_by_records=shown)
 
 
 def joint_conflict(objective: Objective, fit: Fit) -> PriorConflict | None:

@@ -31,6 +31,7 @@ class AcceptedEffect:
     margin : by how much the runner-up's score is behind.
     rejected : the best other candidates and their scores, best first.
     ambiguous : effects and places that explain as much.
+    shared : the records show that it, or what stood in for it, is there, and not which of them.
     """
 
     hypothesis: Hypothesis
@@ -39,6 +40,7 @@ class AcceptedEffect:
     margin: float
     rejected: tuple[tuple[EffectAt, float], ...]
     ambiguous: tuple[EffectAt, ...] = ()
+    shared: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -104,16 +106,12 @@ def least_score(selection: Selection, candidate: FittedCandidate) -> float:
     plainly the records show it: none of the other bounds is a ruler for it.
 
     - As a first effect it needs the square of ``outside_prior_sd``, where it `is_outside`.
-    - As a later one it needs no more than a first effect does, where it `is_shown`: the model
-      error of other effects moves it only as far as the records leave it free. Or, apart from
-      `least_beside`, where it ``ends_conflict``: several like numbers stood in
-      for it (a drag at one of six idlers), each within some tolerances, together beyond. Neither
-      on a roll with a profile: its mean radius is the profile's own.
+    - As a later one it needs no more than a first effect does, where it `is_shown`.
     """
     if is_shown(selection, candidate):
         return ACCEPTANCE.score
     h, aperiodic = candidate.hypothesis, ACCEPTANCE.score
-    if selection.accepted and (not candidate.ends_conflict or _is_shaped(selection, h)):
+    if selection.accepted:
         aperiodic = later_score(selection)
     elif is_first(selection) and is_outside(candidate):
         aperiodic = CRITERIA.search.degeneracy.outside_prior_sd**2
@@ -124,10 +122,15 @@ def is_shown(selection: Selection, candidate: FittedCandidate) -> bool:
     """Return whether the records show a later effect that is a declared number, by themselves.
 
     By more than any other effect needs beside those found (`least_beside`): that bounds what
-    their models have wrong of the records, and z squared is nothing of the records.
+    their models have wrong of the records, and so how far that moves a number. Of one that
+    ``ends_conflict`` it, or what stood in for it, is shown (a drag at one of six idlers, or the
+    zero of the cell before them): several numbers answer more of what a size wanders, so beside
+    that all of it counts. None on a roll with a profile: its mean radius is that's own.
     """
-    shown = candidate.chi2_by_records > least_beside(selection, ACCEPTANCE.later_score)
-    return bool(selection.accepted) and shown and not _is_shaped(selection, candidate.hypothesis)
+    seen = replace(selection, wander_is_free=False) if candidate.ends_conflict else selection
+    least = least_beside(seen, ACCEPTANCE.later_score)
+    there = bool(selection.accepted) and candidate.chi2_by_records > least
+    return there and not _is_shaped(selection, candidate.hypothesis)
 
 
 def _is_shaped(selection: Selection, h: Hypothesis) -> bool:
@@ -140,7 +143,7 @@ def by_what_records_say(selection: Selection, candidate: FittedCandidate) -> boo
     """Return whether a candidate is claimed by what the records say, less than others need."""
     if is_first(selection):
         return is_outside(candidate)
-    less = candidate.score < least_beside(selection, ACCEPTANCE.score)
+    less = candidate.ends_conflict or candidate.score < least_beside(selection, ACCEPTANCE.score)
     return less and is_shown(selection, candidate)
 
 
@@ -285,6 +288,9 @@ def accept(
     progress(f"  best: {h.key}, score {best.score:.0f}")
     margin = alike_margin(best.chi2_reduction)
     alike = [place for place, value in others if best.score - value < margin]
+    shared = alone and best.ends_conflict
+    if shared:
+        alike += [c.hypothesis.key for c in scored if c.ends_conflict and c is not best]
     accepted = AcceptedEffect(
         hypothesis=h,
         score=best.score,
@@ -292,6 +298,7 @@ def accept(
         margin=best.score - max(second_score, 0.0),
         rejected=tuple(others[: ACCEPTANCE.reported_rejected]),
         ambiguous=tuple(dict.fromkeys(alike)),
+        shared=shared,
     )
     return Extension(accepted=accepted, fit=best.fit)
 

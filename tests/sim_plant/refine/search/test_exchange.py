@@ -17,6 +17,7 @@ from tests.sim_plant.refine.small import (
     formula_twin,
     line_with,
     objective_of,
+    quiet,
     white,
 )
 
@@ -288,3 +289,54 @@ def test_what_is_wrong_with_a_roller_is_told_anew_beside_the_others(true, first)
     assert found.fit.values[0] == pytest.approx(
         [v for _, v in rollers.put(kinds[true], 2.0, 1.0).parameters], rel=0.05
     )
+
+
+FRICTION_N_M, RADIUS_M = 0.017219, 0.0381
+BRAKED = [f"R{k}" for k in range(4, 9)]
+BEFORE_CELL = line_with({**{f"rollers.{r}.friction_constant_N_m": 0.3 for r in BRAKED}, "*": 0.0})
+
+
+def braked(case):
+    """Return what a drag does: alike at R4 to R7, a little other at R8, quite other at R1.
+
+    The zero of the cell before them does what those four do.
+    """
+    phase = 0.5 * STEP_S * np.arange(SAMPLES)
+    wave, other = np.sin(phase), np.cos(phase)
+    shapes = {"R8": wave + 0.1 * other, "R1": other, "R2": other}
+    change = np.zeros(SAMPLES)
+    for added in case.effects:
+        given = dict(added.parameters)
+        size_N = given.get("constant_N_m", 0.0) / RADIUS_M + given.get("offset_N", 0.0)
+        change += size_N * shapes.get(added.location, wave)
+    for name, shift in case.shifts:
+        change += shift * FRICTION_N_M / RADIUS_M * shapes.get(name.split(".")[1], wave)
+    return change[None, :]
+
+
+@pytest.mark.parametrize("shared", [True, False])
+def test_an_effect_not_told_from_what_stood_in_is_named_with_all_that_ends_the_conflict(shared):
+    drag = hypothesis(BY_NAME["bearing_drag"], "R5", line=BEFORE_CELL)
+    cell = EffectAt("load_cell_calibration", "R3")
+    twin = formula_twin(braked, ["r3_tension_N"], SAMPLES, line=BEFORE_CELL)
+    case = Case(effects=(drag.added((0.04,)),))
+    objective = objective_of(twin, twin.simulate(case) + white((1, SAMPLES), 8))
+    nominal, fit = nominal_fit(objective, {}), gauss_newton_fit(objective, (drag,), ((0.03,),), {})
+    found = AcceptedEffect(
+        hypothesis=drag,
+        score=nominal.cost - fit.cost,
+        runner_up=None,
+        margin=1.0,
+        rejected=(),
+        ambiguous=(cell,),
+        shared=shared,
+    )
+    selection = Selection(
+        nominal=nominal, fit=fit, accepted=(found,), record_axes=(), before=(), after=()
+    )
+    (told,) = exchanged(objective, selection, quiet).accepted
+    places = {p.location for p in told.ambiguous if p.effect == "bearing_drag"}
+    assert {"R4", "R6", "R7"} <= places
+    assert "R1" not in places
+    assert ("R8" in places) is shared
+    assert cell in told.ambiguous

@@ -9,10 +9,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.candidate import fitted_candidate
-from sim_plant.refine.search.completeness import (
-    explains_own_spectral_lines,
-    remaining_spectra,
-)
+from sim_plant.refine.search.completeness import explains_own_spectral_lines, remaining_spectra
 from sim_plant.refine.search.forward_selection import best_of
 from sim_plant.refine.search.outside_prior import (
     beyond_tolerance,
@@ -167,5 +164,8 @@ def test_a_drag_that_like_idlers_stand_in_for_settles_what_their_tolerances_are_
     candidate = replace(candidate, chi2_by_records=alone, chi2_reduction=300.0)
     (found,) = ending_conflict(objective, base, [candidate])
     assert found.ends_conflict is ends_conflict
+    whole = objective.whitened([fit.values[0][0] / RADIUS_M * WAVE[None, :]])
+    shown = float(whole @ whole) if ends_conflict else alone  # none of the seven counts then
+    assert found.chi2_by_records == pytest.approx(shown, rel=0.05)
     (other,) = ending_conflict(objective, base, [replace(candidate, chi2_by_records=0.0)])
-    assert other.ends_conflict is False  # no declared number by another name
+    assert other.ends_conflict is False  # no declared number is there to be told from it

@@ -210,7 +210,7 @@ def test_a_later_effect_that_is_a_declared_number_counts_by_what_the_record_says
 def test_beside_a_strong_effect_a_declared_number_counts_by_what_the_record_says(
     worth, chi2_by_records, taken
 ):
-    """0.1 % of 3e6 are 3000 of the record: no gain, which is the square of 13 tolerances at most."""
+    """0.1 % of 3e6 are 3000, of what records show: a gain is 13 tolerances squared at most."""
     found = found_first("slip", "swrap")
     found = replace(found, nominal=replace(found.nominal, cost=COST + 3e6), wander_is_free=True)
     missed = {DRAG.key: 900.0, MODULUS.key: worth}
@@ -224,22 +224,47 @@ def test_beside_a_strong_effect_a_declared_number_counts_by_what_the_record_says
         assert first.accepted.hypothesis.key == DRAG.key
 
 
-@pytest.mark.parametrize(("ends_conflict", "taken"), [(False, False), (True, True)])
-def test_a_later_effect_that_settles_what_no_tolerance_is_needs_no_more_than_a_first(
-    ends_conflict, taken
+@pytest.mark.parametrize(("chi2_by_records", "taken"), [(900.0, False), (5000.0, True)])
+def test_a_later_effect_that_settles_what_no_tolerance_is_is_named_with_all_that_would(
+    chi2_by_records, taken
 ):
-    """Like numbers that stand in for one keep what the record says of it small."""
+    """Which of the numbers that stood in for one is off, no tolerance tells."""
     found = found_first("torque_ripple", "unwind")
-    rivals = [
-        rival(DRAG, 230.0, 280.0, ends_conflict),
-        rival(FAR_DRAG, 228.0, 280.0, ends_conflict),
-    ]
-    said = claimed(rivals, {DRAG.key: 230.0, FAR_DRAG.key: 228.0}, found)
+    found = replace(found, nominal=replace(found.nominal, cost=COST + 1e6))  # 0.1 % are 1000
+    offset = hypothesis(BY_NAME["load_cell_calibration"], "R3")
+    near = hypothesis(BY_NAME["bearing_drag"], "R1")
+    delay = hypothesis(BY_NAME["loop_delay"], "unwind")
+    scores = [(DRAG, 230.0), (FAR_DRAG, 190.0), (offset, 50.0), (near, 45.0)]
+    rivals = [rival(h, worth, chi2_by_records, h is not near) for h, worth in scores]
+    rivals.append(rival(delay, 300.0, 0.0, True))
+    missed = {h.key: worth for h, worth in scores} | {delay.key: 300.0}
+    said = claimed(rivals, missed, found)
     assert (said is not None) is taken
     if taken:
-        assert said.accepted.ambiguous == (FAR_DRAG.key,)
-        large = replace(found, nominal=replace(found.nominal, cost=COST + 1e6))
-        assert claimed(rivals, {DRAG.key: 230.0, FAR_DRAG.key: 228.0}, large) is None
+        assert said.accepted.shared
+        # another cause that ends it as well is named, claim or not; what does not is not
+        assert said.accepted.ambiguous == (delay.key, FAR_DRAG.key, offset.key)
+        alone = [replace(r, ends_conflict=False) for r in rivals[:3]]
+        assert claimed(alone, missed, found).accepted.ambiguous == ()
+
+
+@pytest.mark.parametrize(
+    ("chi2_by_records", "ends_conflict", "taken"),
+    [(5000.0, True, False), (5000.0, False, True), (25_000.0, True, True)],
+)
+def test_several_numbers_together_answer_what_a_size_wanders(
+    chi2_by_records, ends_conflict, taken
+):
+    """Of a slip that explains 1e6 that is 2 %, 20 000."""
+    found = found_first("slip", "swrap")
+    found = replace(
+        found,
+        nominal=replace(found.nominal, cost=COST + 1e6),
+        accepted=(replace(found.accepted[0], score=1e6),),
+        wander_is_free=True,
+    )
+    rivals = [rival(DRAG, 230.0, chi2_by_records, ends_conflict)]
+    assert (claimed(rivals, {DRAG.key: 230.0}, found) is not None) is taken
 
 
 @pytest.mark.parametrize(
