@@ -9,7 +9,6 @@ from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import sure_fall
-from sim_plant.refine.search.outside_prior import chi2_by_records
 from sim_plant.refine.search.unexplained import strongest_peak
 from sim_plant.refine.spectra.coordinates import (
     RecordAxes,
@@ -51,8 +50,7 @@ def explains_own_spectral_lines(
 
     An effect that is not periodic must explain what the strongest free spectral line would, and a
     fair share of all that is left: the largest of up to three true ones does, an imitation of
-    something else seldom. A declared number explains what the records show of its change: what it
-    gains as an effect is its tolerance's. ``before`` are the spectra of what ``base`` leaves.
+    something else seldom. ``before`` are the spectra of what ``base`` leaves.
     """
     chi2_reduction = base.cost - fit.cost
     fresh = fit.hypotheses[len(base.hypotheses) :]
@@ -63,8 +61,7 @@ def explains_own_spectral_lines(
         sure = objective.excess(base.cost, base.residual) - sure_excess(objective)
         peak = strongest_peak(before)[2] - NOISE_PEAK
         needed = max(COMPLETENESS.explained_share * peak, COMPLETENESS.fair_share * sure)
-        explained = max(sure_fall(objective, base, fit), chi2_by_records(objective, fit))
-        return explained > needed
+        return sure_fall(objective, base, fit) > needed
     left = remaining_spectra(objective, fit, record_axes)
     for h in periodic:
         peak = _strongest_chi2_reduction(h, record_axes, before)

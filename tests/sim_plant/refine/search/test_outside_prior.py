@@ -9,7 +9,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.candidate import fitted_candidate
-from sim_plant.refine.search.completeness import explains_own_spectral_lines, remaining_spectra
+from sim_plant.refine.search.completeness import remaining_spectra
 from sim_plant.refine.search.forward_selection import best_of
 from sim_plant.refine.search.outside_prior import (
     beyond_tolerance,
@@ -24,7 +24,6 @@ from tests.sim_plant.refine.small import (
     formula_twin,
     line_with,
     objective_of,
-    one_peak,
     quiet,
     white,
 )
@@ -115,23 +114,6 @@ def test_a_modulus_beyond_its_tolerance_is_told_though_it_gains_no_120(factor, t
         assert found.fit.values[0][0] == pytest.approx(factor, abs=0.002)
         z = (factor - 1.0) / 0.01
         assert found.accepted.score == pytest.approx(z**2 - np.log(JUDGED / 4.0), abs=2.0)
-
-
-def test_a_declared_number_explains_what_the_records_show_of_it():
-    """Not the square of 10 tolerances that it gains: beside it 3000 are left of something else."""
-    line = line_with({"*": 0.0, "web.EA_N": 0.02})
-    twin = formula_twin(response, ["unwind_tension_N"], SAMPLES, line=line)
-    other = np.sqrt(2.0 * 3000.0 / JUDGED) * np.sin(2.0 * np.pi * np.arange(SAMPLES) / 17.0)
-    change_N = NEWTON * 0.1 * WAVE[None, :]
-    objective = objective_of(twin, change_N + other[None, :] + white((1, SAMPLES)))
-    base = gauss_newton_fit(objective, (), (), {})
-    fit = gauss_newton_fit(objective, (MODULUS,), (MODULUS.start,), {})
-    left = fit.cost - objective.expected_cost
-    assert base.cost - fit.cost < 0.1 * left
-    axes, nothing = [axes_at(np.ones(JUDGED))], one_peak(0.0)
-    assert explains_own_spectral_lines(objective, base, nothing, axes, fit)
-    small = gauss_newton_fit(objective, (MODULUS,), ((1.005,),), {}, rounds=0)
-    assert not explains_own_spectral_lines(objective, base, nothing, axes, small)
 
 
 def braked(case):
