@@ -332,7 +332,12 @@ def test_an_effect_not_told_from_what_stood_in_is_named_with_all_that_ends_the_c
         shared=shared,
     )
     selection = Selection(
-        nominal=nominal, fit=fit, accepted=(found,), record_axes=(), before=(), after=()
+        nominal=nominal,
+        fit=fit,
+        accepted=(found,),
+        record_axes=(),
+        spectra_declared=(),
+        spectra_left=(),
     )
     (told,) = exchanged(objective, selection, quiet).accepted
     places = {p.location for p in told.ambiguous if p.effect == "bearing_drag"}
