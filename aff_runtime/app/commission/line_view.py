@@ -124,8 +124,15 @@ def _bounds(site: Site, responses: dict[str, Response], speed_m_s: float) -> Pro
 
 
 def _longest_s(site: Site) -> float:
-    """Return how long a probe of every actuator takes at most, the choice of its size with it."""
-    return Probe(site_params(site), probe_params(site, tuple(site.actuators)), {}).expected_s
+    """Return how long a probe takes at most, the choice of its size with it.
+
+    It is one of all actuators of a kind of output: other kinds are probed by themselves.
+    """
+    params = site_params(site)
+    kinds: dict[str, list[str]] = {}
+    for name, actuator in site.actuators.items():
+        kinds.setdefault(actuator.output, []).append(name)
+    return max(Probe(params, probe_params(site, one), {}).expected_s for one in kinds.values())
 
 
 def _gain_of(former: Response | None) -> float:

@@ -73,6 +73,14 @@ def _of_record(path: KeyPath, roll: Roll) -> Iterator[Issue]:
     if roll.torque is not None and sides == (None, None):
         text = "without tension_before or tension_after nothing of it is known to be friction."
         yield Issue(path=(*path, "torque"), text=text, warning=True)
+    is_end = roll.radius is not None or roll.resets_on == "splice"
+    if roll.torque is not None and sides.count(None) == 1 and not is_end:
+        lacking = "tension_before" if roll.tension_before is None else "tension_after"
+        text = (
+            f"no {lacking}: the pull of the web on that side counts as friction, and its changes "
+            f"as growth of it. Add {lacking}."
+        )
+        yield Issue(path=(*path, "torque"), text=text, warning=True)
     if roll.torque is None and sides != (None, None):
         text = "a tension beside the roll is for the friction of its drive. Add torque."
         yield Issue(path=path, text=text, warning=True, at_key=True)

@@ -108,6 +108,31 @@ def test_manual_numbers_in_a_wire_base_warn(tmp_path):
     assert load_site(path).gateway.wire_address(40101) == 100
 
 
+CHANNELS = "      unwind_tension_N:"
+TORQUE_WORD = "      roll_torque_N_m: { register: 20, type: i16, scale: 0.1 }\n"
+TORQUE = "    torque: roll_torque_N_m\n"
+BEFORE, AFTER = "    tension_before: unwind_tension_N\n", "    tension_after: pullroll_tension_N\n"
+
+
+@pytest.mark.parametrize(
+    ("roll", "keys", "at", "said"),
+    [
+        ("swrap_follower", TORQUE, ".torque", "nothing of it is known to be friction"),
+        ("swrap_follower", AFTER, "", "Add torque"),
+        ("swrap_follower", TORQUE + AFTER, ".torque", "Add tension_before"),
+        ("swrap_follower", TORQUE + BEFORE, ".torque", "Add tension_after"),
+        ("swrap_follower", TORQUE + BEFORE + AFTER, None, ""),
+        ("unwind", TORQUE + AFTER, None, ""),  # on its other side it has no web
+    ],
+)
+def test_a_drive_whose_friction_would_hold_something_else_warns(roll, keys, at, said, tmp_path):
+    angle = f"    angle: {roll}_angle_rad\n"
+    path = edited(tmp_path, (CHANNELS, TORQUE_WORD + CHANNELS), (angle, angle + keys))
+    found = {at: text for at, text in warnings_of(path).items() if "friction" in text}
+    assert found.keys() == (set() if at is None else {f"rolls.{roll}{at}"})
+    assert all(said in text for text in found.values())
+
+
 def test_torque_output_uses_torque_keys(tmp_path):
     path = edited(
         tmp_path,
@@ -152,8 +177,9 @@ def test_velocity_scale_in_a_torque_unit_is_refused(tmp_path):
     ],
 )
 def test_key_that_another_key_asks_for(edit, said, tmp_path):
+    edits = edit if isinstance(edit[0], tuple) else (edit,)
     with pytest.raises(ConfigError, match=said):
-        load_site(edited(tmp_path, edit))
+        load_site(edited(tmp_path, *edits))
 
 
 def test_an_axis_in_tenths_of_a_degree_starts_over_after_a_turn(tmp_path):

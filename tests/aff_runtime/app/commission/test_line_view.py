@@ -52,6 +52,41 @@ def test_a_probe_that_chooses_its_size_is_said_to_take_as_long_as_it_may(where):
     assert found["probe"]["duration_s"] > site.probe.duration_s + listened * PERIOD_S
 
 
+SHIPPED = sorted(path.name for path in SITE_FILE.parent.glob("*.yaml"))
+A_TORQUE = (
+    ("velocity_reference\n    error: { signal: p", "torque_reference\n    error: { signal: p"),
+    ("limit_m_s: 0.04\n    slew_m_s2: 2.0", "limit_N_m: 2\n    slew_N_m_s: 50"),
+    ("settle_s: 8, amp_limit_m_s: 0.03", "settle_s: 8, amp_limit_N_m: 1"),
+    ("complement: 109, scale: 0.00001", "complement: 109, scale: 1 mNm"),
+    ("register: 17, scale: 0.00001", "register: 17, scale: 1 mNm"),
+    ("\nprobe:\n", "\nprobe:\n  amplitude_N_m: 0.1\n"),
+)
+ANGLE = "    angle: unwind_angle_rad\n"
+ABSOLUTE = (ANGLE, f"{ANGLE}    angle_is_absolute: true\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "edits"),
+    [
+        *((name, ()) for name in SHIPPED),
+        ("euclid_blocks.yaml", A_TORQUE),
+        ("euclid_canopen.yaml", (ABSOLUTE,)),
+    ],
+)
+def test_every_line_that_may_run_has_its_page(where, name, edits):
+    for file in (*SITE_FILE.parent.glob("*.dbc"), *SITE_FILE.parent.glob("*.eds")):
+        shutil.copy(file, where.site.parent)
+    text = (SITE_FILE.parent / name).read_text(encoding="utf-8")
+    for old, new in edits:
+        assert old in text, old
+        text = text.replace(old, new, 1)
+    where.site.write_text(text, encoding="utf-8")
+    site, found = load_site(where.site), plain(line(where, Request(do="line"), None))["line"]
+    assert found["errors"] == []
+    assert found["probe"]["duration_s"] > site.probe.duration_s
+    assert [row["actuator"] for row in found["probe"]["rows"]] == list(site.actuators)
+
+
 WEB = "  web_modulus_Pa: 2 GPa\n  web_thickness_m: 0.1 mm\n  web_width_m: 0.5\n"
 AT_2_M_S = StatusAnswer(
     line="l", state="READY", live=Live(signals={"line_speed_m_s": 2.0, "time_s": 0.0})
