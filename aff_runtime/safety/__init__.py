@@ -1,3 +1,3 @@
 """The last word on every output; knows no law."""
 
-__all__ = ["guard", "params"]
+__all__ = ["guard", "params", "reasons"]

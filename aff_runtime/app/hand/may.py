@@ -15,6 +15,7 @@ from aff_runtime.app.report.status import explain
 from aff_runtime.base.events import BY_NAME, Reaction
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import LATCHED_STATES, State
+from aff_runtime.safety.reasons import REMOTE, SHADOW
 
 
 class Action(StrEnum):
@@ -207,7 +208,6 @@ class Circumstances:
 _OF_LAW = re.compile(r"[a-z][A-Za-z0-9_]*: ")
 """What stands against an actuator's law begins with its name; a probe does without the law."""
 _MORE = re.compile(r"and \d+ more")
-WANTS_SHADOW = "SHADOW=1"
 
 
 def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...]:
@@ -287,13 +287,11 @@ def _without_law(now: Circumstances) -> Sequence[str]:
     """Return what does not stand against a law alone.
 
     How many more there are than are told is of the law where the last one told is: behind the
-    law's the guard has only remote and shadow, and where one of those is, the number stays.
+    law's the guard has only shadow and remote, which are always told.
     """
-    against = now.against
-    own = [one for one in against if not _OF_LAW.match(one)]
-    if now.remote or now.state is State.SHADOW or not against[1:]:
-        return own
-    is_of_law = _MORE.fullmatch(against[-1]) and _OF_LAW.match(against[-2])
+    named = [one for one in now.against if one not in (SHADOW, REMOTE)]
+    own = [one for one in now.against if not _OF_LAW.match(one)]
+    is_of_law = named[1:] and _MORE.fullmatch(named[-1]) and _OF_LAW.match(named[-2])
     return own[:-1] if is_of_law else own
 
 
@@ -306,8 +304,7 @@ def _of_rest(action: Action, now: Circumstances) -> tuple[Reason, ...]:
         Code.REMOTE: now.remote,
         Code.PROBING: now.probing,
         Code.SHADOWED: action is Action.SHADOW and is_shadow,
-        Code.NO_SHADOW: action is Action.END_SHADOW
-        and not (is_shadow or WANTS_SHADOW in now.against),
+        Code.NO_SHADOW: action is Action.END_SHADOW and not (is_shadow or SHADOW in now.against),
         Code.GOES_OUT: action is Action.FORGET and now.state in (State.ACTIVE, State.FADING),
     }
     reasons = [Reason(code=code) for code, stands in against.items() if stands]

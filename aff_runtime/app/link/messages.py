@@ -14,6 +14,7 @@ from pydantic import TypeAdapter
 
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.replies import ProbeResult, Reply
+from aff_runtime.safety.reasons import REMOTE, SHADOW
 from aff_runtime.telemetry.header import Right
 
 EXIT_UNHEARD = 7
@@ -108,9 +109,11 @@ class Blocked:
 
     @classmethod
     def by(cls, reasons: Sequence[str]) -> Self:
-        """Return what is told of all reasons, the first one first."""
-        told, left = list(reasons[:MOST_REASONS]) or [""], len(reasons) - MOST_REASONS
-        if left > 0:
+        """Return what is told of all reasons, the first one first; shadow and remote always."""
+        told, rest = list(reasons[:MOST_REASONS]) or [""], reasons[MOST_REASONS:]
+        told += [one for one in rest if one in (SHADOW, REMOTE)]
+        left = len(rest) - (len(told) - MOST_REASONS)
+        if rest and left:
             told.append(f"and {left} more")
         return cls(text=told[0], others=tuple(told[1:]))
 

@@ -20,6 +20,7 @@ from aff_runtime.app.hand.may import (
 )
 from aff_runtime.app.link.messages import Blocked
 from aff_runtime.base.signals import State
+from aff_runtime.safety.reasons import REMOTE, SHADOW
 
 STATES = (None, *State)
 ROLES = (None, *Role)
@@ -167,7 +168,7 @@ def test_what_stands_against_the_law_is_no_reason_against_the_probe_that_ends_it
 def test_more_reasons_than_are_told_are_of_the_law_where_the_last_one_told_is(
     first: str, code: Code | None
 ) -> None:
-    """Behind the law's the guard has remote and shadow alone: there the number stays."""
+    """Behind the law's the guard has shadow and remote alone, which are told whatever is not."""
     law = [f"unwind: {n}x: coherence 0.23 near 13.57 Hz is too low" for n in range(40)]
     guard = [f"permissive {n}" for n in range(40)]
     told = Blocked.by(law if code is None else guard)
@@ -175,8 +176,15 @@ def test_more_reasons_than_are_told_are_of_the_law_where_the_last_one_told_is(
     assert told.others[-1].startswith("and ")
     found = codes(Action.PROBE, CARL, now)
     assert found == ([] if code is None else [code] * (len(told.others) + 1))
-    for hides in ({"remote": True}, {"state": State.SHADOW}):
-        assert Code.GUARD in codes(Action.PROBE, CARL, replace(now, **hides))
+    for last in ([SHADOW], [REMOTE], [SHADOW, REMOTE]):
+        told = Blocked.by((law if code is None else guard) + last)
+        with_it = replace(now, blocked=told.text, also_blocking=told.others)
+        named = [one.name for one in may(Action.PROBE, CARL, with_it)]
+        assert [name for name in named if name in last] == last
+        assert len(named) == len(found) + len(last)
+        assert codes(Action.END_SHADOW, CARL, with_it) == (
+            [] if SHADOW in last else [Code.NO_SHADOW]
+        )
 
 
 RESTS = (Action.SHADOW, Action.END_SHADOW, Action.FORGET)

@@ -6,6 +6,7 @@ import pytest
 
 from aff_runtime.app.link import messages, replies
 from aff_runtime.app.link.messages import MessageError, decode, encode
+from aff_runtime.safety.reasons import REMOTE, SHADOW
 from tests.parameter_records import record_of
 
 SAID = [
@@ -47,6 +48,11 @@ def test_all_reasons_are_told_or_how_many_more_there_are() -> None:
     *named, last = told.text, *told.others
     assert tuple(named) == many[: len(named)]
     assert last == f"and {len(many) - len(named)} more"
+    for size in (len(named) - 1, len(named)):  # nothing is left that had a number
+        told = messages.Blocked.by((*many[:size], SHADOW, REMOTE))
+        assert (told.text, *told.others) == (*many[:size], SHADOW, REMOTE)
+    told = messages.Blocked.by((*many, SHADOW, REMOTE))
+    assert (told.text, *told.others) == (*named, SHADOW, REMOTE, last)
 
 
 @pytest.mark.parametrize("said", SAID, ids=lambda said: type(said).__name__)
