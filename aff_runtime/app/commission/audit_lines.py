@@ -2,44 +2,62 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import logging
-from collections.abc import Collection
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 from pathlib import Path
 
+from aff_runtime.app.commission.messages import Why
 from aff_runtime.app.hand.audit import Audit, Entry
 from aff_runtime.app.hand.audit_writer import AuditWriter
 from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.app.supervisor.hand.quotas import Shares
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.printable import text_or
+from aff_runtime.base.yaml_section import Section
 
 LOG = logging.getLogger("aff_runtime")
 
 BEGIN = "commissioning: "
 """Of what a line is about; the job and its step come behind."""
+_OF_A_PRESS = frozenset(Why)
 
 
 def unended(path: Path, jobs: Collection[str]) -> list[Entry]:
     """Return what was asked for and has no end on record: its commissioner was killed meanwhile.
 
+    A press that was refused while a job ran is no end of it: such a line has a word of ``Why``,
+    and a job that ends refused a sentence.
+
     Parameters
     ----------
-    path : of an audit that holds. ``jobs`` : those that are looked for.
+    path : of an audit that holds; the file before it is read too, as one may begin during a job.
+    jobs : those that are looked for.
     """
-    asked: dict[str, Entry] = {}
-    with path.open(encoding="utf-8") as lines:
-        for line in lines:
-            row = json.loads(line)
-            what = str(row["what"])
-            if what.removeprefix(BEGIN).partition(" ")[0] not in jobs:
-                continue
-            if row["result"] == "asked":
-                account, role = str(row["account"]), str(row["role"])
-                asked[what] = Entry(what=what, result="asked", account=account, role=role)
-            else:
-                asked.pop(what, None)
+    asked: dict[tuple[str, str], Entry] = {}
+    for row in (*_rows(path.with_name(f"{path.name}.1")), *_rows(path)):
+        what, result, why, account, role = (
+            text_or(row.get(name)) for name in ("what", "result", "why", "account", "role")
+        )
+        if what.removeprefix(BEGIN).partition(" ")[0] not in jobs:
+            continue
+        if result == "asked":
+            asked[what, account] = Entry(what=what, result=result, account=account, role=role)
+        elif result != "refused" or why not in _OF_A_PRESS:
+            asked.pop((what, account), None)
     return list(asked.values())
+
+
+def _rows(path: Path) -> Iterator[Section]:
+    """Yield the lines of a file, none where there is no file; what is no object is empty."""
+    if not path.exists():
+        return
+    with path.open("rb") as lines:
+        for line in lines:
+            with contextlib.suppress(ValueError, RecursionError):
+                yield Section.of(json.loads(line))
 
 
 class AuditLines:

@@ -11,12 +11,13 @@ import socket
 
 import pytest
 
+from aff_runtime.app.commission.audit_lines import unended
 from aff_runtime.app.commission.commissioner import Commissioner
 from aff_runtime.app.commission.listening import Listener
-from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.worker import KILLED
+from aff_runtime.app.commission.messages import Request, Why
+from aff_runtime.app.commission.worker import KEEPS, KILLED
 from aff_runtime.app.hand.accounts import Accounts
-from aff_runtime.app.hand.audit import Audit, verify
+from aff_runtime.app.hand.audit import START, Audit, Entry, verify
 from aff_runtime.app.hand.may import Place
 from tests.aff_runtime.app.commission import made_jobs
 from tests.aff_runtime.app.commission.made_jobs import say
@@ -68,6 +69,50 @@ def test_a_commissioner_killed_in_the_middle_of_a_job_says_so_when_it_is_back(
         quiet = another(line, folder, clock)
         assert asyncio.run(quiet.answer(Request(do="state"), PEER)).last is None
         quiet.close()
+
+
+def left_behind(folder, *said, max_bytes=1 << 20):
+    """Return what has no end in an audit of these lines: (account, what, result, why)."""
+    audit = Audit(folder, max_bytes=max_bytes)
+    for account, what, result, why in said:
+        audit.add(Entry(what=what, result=result, why=why, account=account))
+    audit.close()
+    return [(one.account, one.what) for one in unended(audit.path, KEEPS)]
+
+
+STEP = "commissioning: sign 4"
+ASKED = ("carl", STEP, "asked", "seen on the drive")
+
+
+@pytest.mark.parametrize(
+    ("then", "is_left"),
+    [
+        (("carl", STEP, "refused", Why.PASSWORD.value), True),  # another press: it ran on
+        (("carl", STEP, "refused", Why.WAIT.value), True),
+        (("dora", STEP, "done", ""), True),
+        (("carl", STEP, "refused", "the response was measured at another radius"), False),
+        (("carl", STEP, "noted", KILLED), False),
+        (("carl", STEP, "done", ""), False),
+    ],
+)
+def test_only_the_end_of_a_job_ends_it_on_record(tmp_path, then, is_left):
+    assert left_behind(tmp_path / "a", ASKED, then) == [("carl", STEP)] * is_left
+
+
+def test_a_job_that_was_killed_after_another_file_began_is_found(tmp_path):
+    other = ("carl", "commissioning opened", "done", "")
+    assert left_behind(tmp_path, ASKED, other, other, max_bytes=400) == [("carl", STEP)]
+    assert [path.name for path in sorted(tmp_path.glob("*.jsonl*"))] == [
+        "audit.jsonl",
+        "audit.jsonl.1",
+    ]
+
+
+def test_a_line_that_says_nothing_of_a_job_keeps_no_commissioner_from_starting(tmp_path):
+    (tmp_path / "audit.jsonl").write_text(f'{{"n":1,"prev":"{START}"}}\n')
+    (tmp_path / "audit.jsonl.1").write_bytes(b'\xff\n[1]\n{"what":3}\n')
+    tmp_path.chmod(0o700)
+    assert left_behind(tmp_path, ASKED) == [("carl", STEP)]
 
 
 def test_a_screen_killed_while_it_waits_for_a_signature_leaves_it_whole_and_the_place_free(
