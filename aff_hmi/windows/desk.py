@@ -32,7 +32,7 @@ from aff_runtime.base.printable import printable
 MOST_S = 60.0
 MOST_TICKS = 20_000
 LOST_SHARE = 0.1
-"""Of the window asked for: how much of its beginning may be gone while a person types its name."""
+"""Of the window asked for: how much may lack, such as what is gone while a person types."""
 LEAST_NAME, LONGEST_NAME, LONGEST_NOTE = 2, 60, 500
 NO_NAME = N_("give it a name of two characters or more")
 NO_TICKS = N_("these ticks are not kept any more, or are more than a minute or 20 000 ticks")
@@ -144,7 +144,7 @@ class WindowDesk:
         return await self._store.ask(lambda c: ticks_of(c, number))
 
     def _cut(self, first: int, last: int) -> Cut | None:
-        """Return the ticks of a span; None for none, too many, or a beginning that is gone."""
+        """Return the ticks of a span; None for none, too many, or where too much lacks."""
         cycle_s = self.scope.ticks.cycle_s
         if not 0 <= first <= last or cycle_s <= 0.0:
             return None
@@ -155,7 +155,7 @@ class WindowDesk:
         allowed_lost_ticks = LOST_SHARE * asked_ticks
         cut = self.scope.ticks.cut(first, asked_ticks)
         inside = cut.part(0, int((cut.ticks <= last).sum()))
-        is_whole = len(inside) > 1 and inside.ticks[0] - first <= allowed_lost_ticks
+        is_whole = len(inside) > 1 and asked_ticks - len(inside) <= allowed_lost_ticks
         return inside if is_whole else None
 
     def _tell(self, text: str, name: str, who: str) -> None:

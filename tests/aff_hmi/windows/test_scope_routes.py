@@ -233,7 +233,11 @@ def test_a_tenth_of_what_is_asked_for_may_be_gone(keeping: Pressed) -> None:
     assert keep(anna, first=0, last=502).said["text"] == NO_TICKS  # three ticks of 503 are left
     assert keep(anna, first=459, last=859).said["text"] == NO_TICKS  # 41 of 401 are gone
     assert keep(anna, first=460, last=859).status == 200  # 40 of 400
-    assert [(one["first"], one["last"]) for one in windows(keeping)] == [(500, 859)]
+    assert keep(anna, first=990, last=5000).said["text"] == NO_TICKS  # ten of 4011 are there
+    assert keep(anna, first=901, last=1011).said["text"] == NO_TICKS  # 12 of 111 are to come
+    assert keep(anna, first=901, last=1010).status == 200  # 11 of 110
+    found = sorted((one["first"], one["last"]) for one in windows(keeping))
+    assert found == [(500, 859), (901, 999)]
 
 
 @pytest.mark.parametrize(
