@@ -24,6 +24,8 @@ Numbers = NDArray[np.int64]
 
 WORD_COUNTS: Mapping[str, int] = {"u16": 2**16, "i16": 2**16, "u32": 2**32, "i32": 2**32}
 """Counts of a register by the type of its word."""
+LEAST_COUNTS = 8
+"""After which a count may start over, as the site file lets it."""
 ORIGIN_SLACK_RAD = 1e-3
 """A range this close to whole turns is whole turns."""
 LONGEST_GAP_CYCLES = 4.5
@@ -58,13 +60,14 @@ def modulus_rad(channel: Section) -> float:
     """Return the range after which the counter of a site file's channel starts over, rad.
 
     Infinite where it does not, and on CAN, where the reader unfolds the count before it is
-    recorded.
+    recorded. What no site file may have as ``wraps_after`` is left out: its word says the range.
     """
     counts = WORD_COUNTS.get(str(channel.get("type")))
     if counts is None or channel.get("wraps") is not True:
         return math.inf
     after = channel.get("wraps_after")
-    counts = after if isinstance(after, int) and after > 0 else counts
+    if isinstance(after, int) and not isinstance(after, bool):
+        counts = after if LEAST_COUNTS <= after <= counts else counts
     try:
         return counts * abs(read_scale(channel.get("scale"), "rad")) or math.inf
     except UnitError:

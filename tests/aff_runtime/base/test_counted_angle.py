@@ -108,7 +108,7 @@ def test_the_range_of_a_word_is_its_counts_times_what_one_is(word, scale, turns)
 def test_a_count_that_starts_over_within_its_word_has_the_range_that_is_given():
     channel = {"type": "u16", "scale": "3600 counts/turn", "wraps": True, "wraps_after": 7200}
     assert modulus_rad(Section(channel)) == pytest.approx(2.0 * math.tau)
-    for said in (0, -1, "x"):
+    for said in (0, -1, "x", True, 7, 65537, 10**400):
         assert modulus_rad(Section(channel | {"wraps_after": said})) == pytest.approx(
             65536 / 3600 * math.tau
         )
