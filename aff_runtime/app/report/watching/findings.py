@@ -16,6 +16,8 @@ from aff_runtime.app.report.watching.store import Store
 from aff_runtime.app.report.watching.trend import Array, Jump, Slope, at_least_small, jump, slope
 
 DAY = np.timedelta64(86_400_000_000, "us")
+PLACE_DIGITS = 3
+"""Decimals of a speed, m/s or rad/s, that readings may gather around."""
 Limits = Mapping[tuple[str, str], float]
 """Largest size of a roller's orders by (roller, SI unit)."""
 
@@ -255,8 +257,11 @@ def _readings(
 
 def _like(speed: Array) -> NDArray[np.bool_]:
     """Return the readings within half of ``LIKE_SPEED`` of one speed: of that with the most."""
-    places = np.unique(np.round(speed, 3))
-    near = [np.abs(speed - place) <= 0.5 * LIKE_SPEED * place for place in places]
+    places = np.unique(np.round(speed, PLACE_DIGITS))
+    rounded = 0.5 * 10.0**-PLACE_DIGITS
+    near = [
+        np.abs(speed - place) <= max(0.5 * LIKE_SPEED * abs(place), rounded) for place in places
+    ]
     return max(near, key=np.count_nonzero)
 
 

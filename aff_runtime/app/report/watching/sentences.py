@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from aff_runtime.app.report.watching.findings import Finding, Readings
+from aff_runtime.app.report.watching.findings import FRICTION, Finding, Readings
 from aff_runtime.app.report.watching.store import Taken
 from aff_runtime.app.report.watching.suppliers import MedianSize, SupplierRanking
 from aff_runtime.app.report.watching.trend import SIGMA, Slope
@@ -43,9 +43,10 @@ def table(findings: Sequence[Finding]) -> Iterator[str]:
             f"{np.ptp(readings.days):.0f} days at {readings.at_m_s:.3g} m/s{left}"
         )
         if one.per_km is None:
-            yield f"{head}; {_shown(readings, float(readings.size[-1]))}, too few for a trend"
+            told = f"{_shown(readings, float(readings.size[-1]))}, too few for a trend"
         else:
-            yield f"{head}; {_size_now(readings, one.per_km)}, {_slope(readings, one.per_km)}"
+            told = f"{_size_now(readings, one.per_km)}, {_slope(readings, one.per_km)}"
+        yield f"{head}; {told}{_sign(readings)}"
 
 
 def rolls(rankings: Sequence[Ranking]) -> Iterator[str]:
@@ -283,6 +284,13 @@ def _slope(readings: Readings, line: Slope) -> str:
     unit, factor = SHOWN[readings.quantity.unit]
     value, low, high = (f"{PER_KM * factor * v:.3g}" for v in (line.value, line.low, line.high))
     return f"{value} {unit} per 1000 km ({low} to {high})".replace("  ", " ")
+
+
+def _sign(readings: Readings) -> str:
+    """Return what is said of a friction beyond doubt below 0, which no drive has."""
+    highest = readings.size + SIGMA * readings.error
+    is_below = readings.quantity is FRICTION and float(np.median(highest)) < 0.0
+    return "; below 0: sign of torque" if is_below else ""
 
 
 def _size_now(readings: Readings, line: Slope) -> str:

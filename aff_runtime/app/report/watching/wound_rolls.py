@@ -38,7 +38,8 @@ class WoundRoll:
     first, last : UTC of the first and last reading of it. ``hours`` : of runs with a reading.
     sizes : by name of a quantity of ``RANKED``, each order's largest in any tension; ``worst`` :
         the largest of them. ``left`` : ripple while it was corrected.
-    supplier : number of its supplier, the last that the PLC gave of it; 0 where it gave none.
+    supplier : number of its supplier, the one that the PLC gave of it in the most hours; 0 where
+        it gave none.
     """
 
     roll: str
@@ -104,7 +105,6 @@ def _worst_first(by: Quantity | None) -> Callable[[WoundRoll], tuple[float, int]
 def _wound(orders: Columns, rows: np.ndarray, place: str, number: int) -> WoundRoll:
     part = {name: values[rows] for name, values in orders.items()}
     times = part["time_utc"]
-    given = part["supplier"][part["supplier"] > 0]
     hours = set(zip(part["run_id"], part["hour"].tolist(), strict=True))
     return WoundRoll(
         roll=place,
@@ -114,8 +114,24 @@ def _wound(orders: Columns, rows: np.ndarray, place: str, number: int) -> WoundR
         hours=len(hours),
         sizes={q.name: _sizes(part, q) for q in RANKED},
         left=max(_sizes(part, LEFT), key=lambda one: one.size, default=None),
-        supplier=int(given[-1]) if given.size else 0,
+        supplier=_supplier(part),
     )
+
+
+def _supplier(part: Columns) -> int:
+    """Return the number that was given in the most hours; of two the later one, 0 for none.
+
+    A number that stands for less is a word that came late, or was wrong meanwhile.
+    """
+    given = part["supplier"] > 0
+    numbers = part["supplier"][given].tolist()
+    hours: dict[int, set[tuple[str, int]]] = {}
+    for number, run, hour in zip(
+        numbers, part["run_id"][given], part["hour"][given].tolist(), strict=True
+    ):
+        hours.setdefault(int(number), set()).add((run, hour))
+    last = {int(number): at for at, number in enumerate(numbers)}
+    return max(last, key=lambda number: (len(hours[number]), last[number]), default=0)
 
 
 def _sizes(part: Columns, quantity: Quantity) -> tuple[OrderSize, ...]:

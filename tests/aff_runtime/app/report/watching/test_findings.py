@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from datetime import timedelta
 
 import numpy as np
@@ -143,3 +144,27 @@ def test_friction_is_followed_at_a_like_speed_of_the_roll_through_all_rolls_of_w
     (said,) = (one for one in sentences.notes([found]))
     assert said.startswith("unwind friction grows: 1.1")
     assert "N m per 1000 km" in said
+
+
+@pytest.mark.parametrize("speed_rad_s", [-5.0, 4e-4, -4e-4, 0.0])
+def test_a_drive_that_turns_backwards_or_hardly_has_its_trend(speed_rad_s):
+    store = made_store(DAYS)
+    rows = [
+        drive(day, friction_N_m=2.0, friction_error_N_m=0.1, speed_rad_s=speed_rad_s)
+        for day in range(DAYS)
+    ]
+    store.drives = table(DRIVE_FIELDS, [*rows, replace(rows[-1], speed_rad_s=9.0)])
+    (found,) = [one for one in findings(store) if one.readings.quantity == FRICTION]
+    assert (found.readings.size.size, found.readings.left_out) == (DAYS, 1)
+
+
+@pytest.mark.parametrize(("friction_N_m", "is_told"), [(-2.0, True), (-0.3, False), (2.0, False)])
+def test_a_friction_below_0_tells_of_the_sign_of_the_torque(friction_N_m, is_told):
+    for days in (1, DAYS):  # too few for a trend, and enough
+        store = made_store(1)
+        rows = [
+            drive(day, friction_N_m=friction_N_m, friction_error_N_m=0.1) for day in range(days)
+        ]
+        store.drives = table(DRIVE_FIELDS, rows)
+        (said,) = (one for one in sentences.table(findings(store)) if " friction " in one)
+        assert said.endswith("; below 0: sign of torque") == is_told

@@ -45,6 +45,24 @@ def ranked(of):
     return supplier_rankings(rankings(of))
 
 
+def test_the_number_of_the_most_hours_is_the_supplier_of_a_roll():
+    def of(*numbers):
+        made = {"roll": "unwind", "is_roll": True, "roll_id": FIRST_ROLL, "shape_m": 1e-4}
+        rows = [order(day, **made, supplier=number) for day, number in enumerate(numbers)]
+        (place,) = rankings(
+            Store(
+                line="Euclid",
+                hours=table(HOUR_FIELDS, [hour(day) for day in range(len(numbers))]),
+                orders=table(ORDER_FIELDS, rows),
+            )
+        )
+        return place.rolls[0].supplier
+
+    assert of(*[3] * 9, 4) == 3
+    assert of(8, *[3] * 2, 0, 0, 0) == 3
+    assert (of(3, 4), of(4, 3), of(0, 0)) == (4, 3, 0)
+
+
 def test_suppliers_are_ranked_by_the_median_of_their_rolls_in_the_first_three_orders():
     (place,) = ranked(store())
     assert (place.roll, place.by.name, place.unknown) == ("unwind", "shape_m", 1)
