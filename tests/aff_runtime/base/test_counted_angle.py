@@ -88,6 +88,15 @@ def test_a_clock_that_goes_back_and_rows_of_noise_end():
             assert (np.diff(found.angle_rad) >= 0.0).all()
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_word_beyond_the_range_of_its_count_is_no_reading(sign):
+    angle = 5.0 * TIME_S
+    count = sign * np.mod(angle, math.tau)
+    count[1000] = sign * 5000 / 4096 * math.tau
+    found = counted_angle(TIME_S, count, math.tau)
+    assert np.max(np.abs(found.angle_rad - angle)) < 1e-6
+
+
 @pytest.mark.parametrize(
     ("word", "scale", "turns"),
     [
