@@ -177,9 +177,8 @@ def test_velocity_scale_in_a_torque_unit_is_refused(tmp_path):
     ],
 )
 def test_key_that_another_key_asks_for(edit, said, tmp_path):
-    edits = edit if isinstance(edit[0], tuple) else (edit,)
     with pytest.raises(ConfigError, match=said):
-        load_site(edited(tmp_path, *edits))
+        load_site(edited(tmp_path, edit))
 
 
 def test_an_axis_in_tenths_of_a_degree_starts_over_after_a_turn(tmp_path):
