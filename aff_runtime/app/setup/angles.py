@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache, partial
 from itertools import pairwise
 
-from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours, is_signed, way_of
+from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours
 from aff_runtime.app.setup.decoding import HIGH_FIRST, LOW_FIRST, Decoding
+from aff_runtime.app.setup.ends import FULL, End, Steps, steps_of
 from aff_runtime.app.setup.reading import Watched
 from aff_runtime.app.setup.turns import CountsPerTurn, counts_per_turn
 from aff_runtime.base.units import plain
@@ -27,7 +29,6 @@ USUAL_COUNTS = tuple(
 FAR = 0.05
 """Usual numbers within this share of the measured one are shown too: a technician may take one."""
 LONGEST_S = 45.0  # for which words are watched, at most
-_FULL = 1 << 16  # counts of one word
 _ALONE = 8.0
 """What a candidate loses of its score when it leaves no word for another roll; a carry adds 6."""
 _OFF = 0.01
@@ -69,6 +70,11 @@ class AngleCandidate:
         """Return whether the interval holds this number."""
         return self.measured.holds(self.counts_per_turn)
 
+    @property
+    def reading(self) -> tuple[int, int, int]:
+        """Return its word, its counts per turn, and after how many it starts over."""
+        return self.low_word, self.counts_per_turn, self.wraps_after
+
     def without(self, roll: str) -> AngleCandidate:
         """Return it as one that leaves no word for another roll."""
         why = (*self.why, f"then no word is left that can be {roll}")
@@ -96,33 +102,60 @@ def angle_candidates(
     for address, did in (does or behaviours(seen)).items():
         if address in taken or did.kind not in (Kind.COUNTER, Kind.RAMP):
             continue
-        path = way_of(seen.words[address], did.restarts_at)
-        measured = counts_per_turn(seen.times_s, path, speeds_m_s, radius_m)
-        if measured is None:
+        steps = steps_of(seen.times_s, seen.words[address])
+        if steps is None:
             continue
-        for counts in _usual(measured):
-            signed = round(math.copysign(counts, measured.counts))
-            off = abs(counts / abs(measured.counts) - 1.0)
-            wraps_after = _whole_turns(did, seen, counts)
-            rows = (
-                _starting_over(address, did, seen, wraps_after)
-                if did.restarts_at
-                else _decodings(address, did, seen, taken, word_order)
-            )
-            for decoding, score, why in rows:
-                candidates.append(
-                    AngleCandidate(
-                        decoding=decoding,
-                        counts_per_turn=signed,
-                        measured=measured,
-                        low_word=address,
-                        why=(*_said(measured, counts), *why),
-                        score=score + _usualness(counts) - 0.5 * (off / _OFF) ** 2,
-                        usable=not did.restarts_at or wraps_after > 0,
-                        wraps_after=wraps_after,
-                    )
-                )
+        stored = _decodings(address, did, seen, taken, word_order)
+        measure = cache(partial(_measured, steps, did.end, seen, speeds_m_s, radius_m))
+        first = measure(did.restarts_at)
+        for counts in _usual(first) if first is not None else ():
+            for row in _rows(address, did, stored, counts):
+                # what was seen of its end is off by some counts, whole turns are not
+                measured = measure(row.wraps_after or did.restarts_at)
+                if measured is not None:
+                    candidates.append(_candidate(address, row, measured, counts))
     return _sorted(candidates)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Row:
+    """How a count may be stored, and why; ``wraps_after`` and ``usable`` as a candidate's.
+
+    ``carried`` : whether another word was seen to take its carry.
+    """
+
+    decoding: Decoding
+    score: float
+    why: str
+    carried: bool = False
+    wraps_after: int = 0
+    usable: bool = True
+
+
+def _measured(
+    steps: Steps,
+    end: End,
+    seen: Watched,
+    speeds_m_s: Sequence[float],
+    radius_m: float,
+    restarts_at: int,
+) -> CountsPerTurn | None:
+    path = steps.path(restarts_at, signed=end.signed)
+    return counts_per_turn(seen.times_s, path, speeds_m_s, radius_m)
+
+
+def _candidate(address: int, row: _Row, measured: CountsPerTurn, counts: int) -> AngleCandidate:
+    off = abs(counts / abs(measured.counts) - 1.0)
+    return AngleCandidate(
+        decoding=row.decoding,
+        counts_per_turn=round(math.copysign(counts, measured.counts)),
+        measured=measured,
+        low_word=address,
+        why=(*_said(measured, counts), row.why),
+        score=row.score + _usualness(counts) - 0.5 * (off / _OFF) ** 2,
+        usable=row.usable,
+        wraps_after=row.wraps_after,
+    )
 
 
 def beside(
@@ -144,11 +177,9 @@ def beside(
 
 
 def is_sure(rows: Sequence[AngleCandidate]) -> bool:
-    """Return whether the best row stands alone: no other word and no other number can be it."""
-    can_be = {
-        (one.low_word, one.counts_per_turn) for one in rows if one.is_held and not one.leaves_none
-    }
-    return len(can_be) == 1 and (rows[0].low_word, rows[0].counts_per_turn) in can_be
+    """Return whether the best row stands alone: no other word, number or end can be it."""
+    can_be = {one.reading for one in rows if one.is_held and not one.leaves_none}
+    return len(can_be) == 1 and rows[0].reading in can_be
 
 
 def _sorted(rows: Iterable[AngleCandidate]) -> list[AngleCandidate]:
@@ -179,53 +210,55 @@ def _usualness(counts: int) -> float:
     return 0.7 if counts & (counts - 1) == 0 or counts % 1000 == 0 else 0.0
 
 
-def _whole_turns(does: Behaviour, seen: Watched, counts: int) -> int:
-    """Return after how many counts a word starts over, as whole turns; 0 where it is none.
+def _whole_turns(end: End, counts: int) -> int:
+    """Return after how many counts a word starts over, as whole turns; 0 where it is none."""
+    whole = round(end.counts / counts) * counts
+    return whole if whole <= FULL and abs(end.counts - whole) <= end.off else 0
 
-    What was seen of its end is off by what it counts from one reading to the next.
+
+def _rows(address: int, does: Behaviour, stored: Sequence[_Row], counts: int) -> list[_Row]:
+    """Return how a count may be stored that has so many a turn.
+
+    Parameters
+    ----------
+    stored : how, where it takes its whole word.
     """
-    period_s = (seen.times_s[-1] - seen.times_s[0]) / (len(seen.times_s) - 1)
-    turns = round(does.restarts_at / counts)
-    off = abs(does.restarts_at - turns * counts)
-    return turns * counts if off <= 2.0 * abs(does.rate_per_s) * period_s + 1.0 else 0
-
-
-def _starting_over(
-    address: int, does: Behaviour, seen: Watched, wraps_after: int
-) -> list[tuple[Decoding, float, tuple[str, ...]]]:
-    """Return how a count is stored that starts over within its word, its score, and why."""
-    word = "i16" if is_signed(seen.words[address], does.restarts_at) else "u16"
-    decoding = Decoding(address=address, type=word)
-    if wraps_after:
-        return [(decoding, 4.0, (f"starts over after {wraps_after}",))]
+    whole = _whole_turns(does.end, counts)
+    decoding = Decoding(address=address, type="i16" if does.end.signed else "u16")
+    if not does.restarts_at:
+        if not does.end.seen or whole in (0, FULL) or any(row.carried for row in stored):
+            return list(stored)
+        why = f"starts over after {whole}"  # as likely, by what was seen
+        return [*stored, _Row(decoding=decoding, score=1.0, why=why, wraps_after=whole)]
+    if whole:
+        why = f"starts over after {whole}"
+        return [_Row(decoding=decoding, score=4.0, why=why, wraps_after=whole)]
     why = f"starts over at {does.restarts_at}, which is no whole turns. Let the PLC count on"
-    return [(decoding, -5.0, (why,))]
+    return [_Row(decoding=decoding, score=-5.0, why=why, usable=False)]
 
 
 def _decodings(
     address: int, does: Behaviour, seen: Watched, taken: frozenset[int], word_order: str
-) -> list[tuple[Decoding, float, tuple[str, ...]]]:
-    """Return how the count may be stored (one word, or two with the carry), its score, and why."""
-    rows: list[tuple[Decoding, float, tuple[str, ...]]] = []
+) -> list[_Row]:
+    """Return how a count may be stored that takes its word, or two with the carry."""
+    rows = []
     carries: Mapping[str, int] = {HIGH_FIRST: address - 1, LOW_FIRST: address + 1}
     proved = False
     for name, high in carries.items():
-        if high not in seen.words or high in taken:
+        if does.restarts_at or high not in seen.words or high in taken:
             continue
         carry = _carries(seen.words[address], seen.words[high])
         if carry is None:
             continue
-        first = min(address, high)
-        decoding = Decoding(address=first, type="i32", order=name)
+        decoding = Decoding(address=min(address, high), type="i32", order=name)
         proved = proved or carry
         score = 6.0 if carry else (0.5 if name == word_order else -1.0 if word_order else -0.5)
-        why = (f"word {high} takes its carry",) if carry else (f"no carry into {high} seen yet",)
-        rows.append((decoding, score, why))
-    wrapped = does.wraps > 0
-    one = "wraps at 65536" if wrapped and not proved else "its low word" if proved else "one word"
+        why = f"word {high} takes its carry" if carry else f"no carry into {high} seen yet"
+        rows.append(_Row(decoding=decoding, score=score, why=why, carried=carry))
+    wrapped = does.end.seen > 0
+    one = "its low word" if proved else "wraps at 65536" if wrapped else "one word"
     score = -2.0 if proved else 2.0 if wrapped else 0.0
-    rows.append((Decoding(address=address, type="u16"), score, (one,)))
-    return rows
+    return [*rows, _Row(decoding=Decoding(address=address, type="u16"), score=score, why=one)]
 
 
 def _carries(low: Sequence[int], high: Sequence[int]) -> bool | None:
@@ -236,8 +269,8 @@ def _carries(low: Sequence[int], high: Sequence[int]) -> bool | None:
     """
     wraps = 0
     for (a, b), (p, q) in zip(pairwise(low), pairwise(high), strict=True):
-        wrap = 1 if b - a < -_FULL // 2 else -1 if b - a > _FULL // 2 else 0
-        if (q - p) % _FULL != wrap % _FULL:
+        wrap = 1 if b - a < -FULL // 2 else -1 if b - a > FULL // 2 else 0
+        if (q - p) % FULL != wrap % FULL:
             return None
         wraps += wrap != 0
     return wraps > 0

@@ -12,9 +12,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from itertools import accumulate
 
-from aff_runtime.app.setup.behaviour import Kind, behaviours, way_of
+from aff_runtime.app.setup.behaviour import Kind, behaviours
 from aff_runtime.app.setup.candidates import Candidate, Observation
 from aff_runtime.app.setup.decoding import Decoding, all_decodings, values
+from aff_runtime.app.setup.ends import way_of
 from aff_runtime.app.setup.reading import Watched
 
 ALIKE = 3.0

@@ -6,8 +6,9 @@ import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import StrEnum
-from itertools import accumulate, pairwise
+from itertools import pairwise
 
+from aff_runtime.app.setup.ends import NOT_SEEN, End, signed_word, steps_of
 from aff_runtime.app.setup.reading import Watched
 
 FASTEST_SCAN_PER_S = 1100.0
@@ -15,11 +16,8 @@ SLOWEST_SCAN_PER_S = 5.0
 _ROUND_PERIODS_MS = (1, 2, 4, 5, 8, 10, 12, 16, 20, 25, 32, 40, 50, 100, 200)
 _UNEVEN_COUNTS = 3.0  # by which a counter of scans may be off a straight line
 _MOST_BITS = 3  # that change in a word of bits
-_LEAST_STEPS = 5  # changes of a counter or ramp while it is watched
-_LEAST_RESTART = 8  # a step back is a restart from so many usual steps on
 _LEAST_WAY = 12  # counts; less may be a swing
 _CROOKED = 0.03  # share of the way by which a ramp may be off a straight line
-_FULL = 1 << 16  # counts of one word
 
 
 class Kind(StrEnum):
@@ -40,8 +38,8 @@ class Behaviour:
     ----------
     last, mean, sd : the last reading as u16, mean and standard deviation as i16.
     rate_per_s : of a counter or ramp, counts per second with its sign; else 0.
-    wraps : how often it went through its end: steps longer than half of 65536.
     restarts_at : counts after which it starts over, where that is not 65536; 0 where it is.
+    end : what was seen of that.
     unevenness : of a counter or ramp, median distance from a straight line, counts.
     changed : the bits that changed, as a mask.
     """
@@ -51,8 +49,8 @@ class Behaviour:
     mean: float
     sd: float
     rate_per_s: float = 0.0
-    wraps: int = 0
     restarts_at: int = 0
+    end: End = NOT_SEEN
     unevenness: float = 0.0
     changed: int = 0
 
@@ -72,10 +70,10 @@ class Behaviour:
 
 def behaviour(times_s: Sequence[float], series: Sequence[int]) -> Behaviour:
     """Return what a word did; ``series`` are its readings as u16."""
-    signed = [_signed(word) for word in series]
     changed = 0
     for a, b in pairwise(series):
         changed |= a ^ b
+    signed = [signed_word(word) for word in (series if changed else series[-1:])]
     base = Behaviour(
         kind=Kind.STILL,
         last=series[-1],
@@ -104,25 +102,17 @@ def _as(base: Behaviour, *, kind: Kind) -> Behaviour:
 
 def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) -> Behaviour | None:
     """Return a counter or a ramp, None for what goes to and fro."""
-    steps = [_short_way(b - a) for a, b in pairwise(series)]
-    nonzero = [step for step in steps if step]
-    if len(nonzero) < _LEAST_STEPS or times_s[-1] <= times_s[0]:
+    steps = steps_of(times_s, series)
+    end = steps.end() if steps is not None else None
+    if steps is None or end is None:
         return None
-    usual = statistics.median(nonzero)
-    back = [step for step in nonzero if step * usual < 0 or abs(step - usual) > _FULL // 4]
-    spans = {round(abs(usual - step) if step * usual < 0 else _FULL - abs(step)) for step in back}
-    least_restart = _LEAST_RESTART * abs(usual)
-    if len(back) > max(1, len(nonzero) // 10) or (back and min(spans) < least_restart):
-        return None  # to and fro
-    restarts_at = min(spans, default=0)
-    if back and min(series) < least_restart + 1 and not is_signed(series, restarts_at):
-        restarts_at = max(series) + 1
-    path = way_of(series, restarts_at)
+    restarts_at = 0 if end.is_full else round(end.counts)
+    path = steps.path(restarts_at, signed=end.signed)
     rate, unevenness = _line(times_s, path)
     way = abs(path[-1])
     if way < _LEAST_WAY or unevenness > _CROOKED * way + 1.0:
         return None
-    is_scan = usual > 0 and SLOWEST_SCAN_PER_S <= rate <= FASTEST_SCAN_PER_S
+    is_scan = steps.usual > 0 and SLOWEST_SCAN_PER_S <= rate <= FASTEST_SCAN_PER_S
     is_counter = is_scan and unevenness < _UNEVEN_COUNTS
     return Behaviour(
         kind=Kind.COUNTER if is_counter else Kind.RAMP,
@@ -131,41 +121,10 @@ def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) ->
         sd=base.sd,
         changed=base.changed,
         rate_per_s=rate,
-        wraps=sum(abs(b - a) > _FULL // 2 for a, b in pairwise(series)),
         restarts_at=restarts_at,
+        end=end,
         unevenness=unevenness,
     )
-
-
-def way_of(series: Sequence[int], restarts_at: int = 0) -> list[int]:
-    """Return how far a counter or ramp has come at each reading, wraps and restarts taken out.
-
-    Parameters
-    ----------
-    restarts_at : counts after which it starts over, where that is not 65536; 0 where it is.
-    """
-    steps = [_short_way(b - a) for a, b in pairwise(series)]
-    if restarts_at:
-        usual = round(statistics.median([step for step in steps if step] or [0]))
-        words = [_signed(word) for word in series] if is_signed(series, restarts_at) else series
-        half = restarts_at // 2
-        turned = (b - a - usual for a, b in pairwise(words))
-        steps = [(step + half) % restarts_at - half + usual for step in turned]
-    return list(accumulate(steps, initial=0))
-
-
-def is_signed(series: Sequence[int], restarts_at: int) -> bool:
-    """Return whether a word that starts over after so many counts goes below zero in between."""
-    return max(series) - min(series) > restarts_at + _FULL // 8
-
-
-def _signed(word: int) -> int:
-    return word - _FULL if word & 0x8000 else word
-
-
-def _short_way(step: int) -> int:
-    """Return a step between two readings the short way round: -32768 to 32767 counts."""
-    return (step + _FULL // 2) % _FULL - _FULL // 2
 
 
 def _line(times_s: Sequence[float], path: Sequence[int]) -> tuple[float, float]:

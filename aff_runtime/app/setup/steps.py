@@ -98,7 +98,7 @@ class Steps(DisplaySteps):
                 return
             self.dialogue.say(f"  watching, {LONGEST_S:g} s at most, until the count starts over")
             seen = self.watch(LONGEST_S, lambda seen: self._shows_all(wanted, seen))
-            rows = self._angles(wanted, seen)[:SHOWN_BEST]
+            rows = self._angles(wanted, seen, behaviours(seen))[:SHOWN_BEST]
             shown = {
                 n: f"{one.decoding}: {one.scale_text}; {', '.join(one.why)}"
                 for n, one in enumerate(rows, 1)
@@ -125,9 +125,10 @@ class Steps(DisplaySteps):
             if not self.dialogue.is_patient:
                 raise ConfigError(f"{wanted.channel}: no word of the window can be it")
 
-    def _angles(self, wanted: Quantity, seen: Watched) -> list[AngleCandidate]:
+    def _angles(
+        self, wanted: Quantity, seen: Watched, does: Mapping[int, Behaviour]
+    ) -> list[AngleCandidate]:
         """Return what can be this roll's angle; last what leaves no word for another roll."""
-        does = behaviours(seen)
         rows = self._angles_of(wanted.roll, seen, does)
         draft = self.dialogue.draft
         for roll in roll_names(draft):
@@ -160,20 +161,20 @@ class Steps(DisplaySteps):
     def _shows_all(self, wanted: Quantity, seen: Watched) -> bool:
         """Return whether longer watching shows no more.
 
-        That is so when ``WHOLE_TURNS`` were seen, and the best word has gone through its end or
+        That is so when ``WHOLE_TURNS`` were seen, and the best word has shown its end or
         is too slow to do so within ``LONGEST_S``.
         """
         if seen.duration_s < LOOK_S:
             return False
-        rows = self._angles(wanted, seen)
         does = behaviours(seen)
+        rows = self._angles(wanted, seen, does)
         if not rows:
             return seen.duration_s > 2.0 * LOOK_S
         if rows[0].measured.turns < WHOLE_TURNS:
             return False
         moving = [does[place] for place in rows[0].decoding.addresses if does[place].rate_per_s]
         too_slow = all(65536.0 / abs(one.rate_per_s) > LONGEST_S for one in moving)
-        return too_slow or any(one.wraps or one.restarts_at for one in moving)
+        return too_slow or any(one.end.seen for one in moving)
 
     def find_bit(self, question: Question) -> None:
         """Find a status bit by changing its state."""
