@@ -11,7 +11,10 @@ QUESTIONS = (
     N_("DBC file, beside the site file"),
     N_("Our own CANopen node id, which no device has"),
     N_("CANopen node: name, node id and EDS file, such as unwind_drive 3 drive.eds; none ends"),
-    N_("Listen to the bus, to show what comes beside each signal? Nothing is sent. yes, no"),
+    N_(
+        "Listen to the bus, to show the present value beside each signal's name? Nothing is sent. "
+        "yes, no"
+    ),
     N_("Scan time of the PLC, ms"),
     N_("Which signal, that AFF reads, is the {what}?"),
     N_("Which signal, that AFF sends, is the {what}?"),
@@ -30,7 +33,7 @@ QUESTIONS = (
     N_("correction of {roll} that is really added (applied)"),
     N_("Counts of one turn of {name} ({channel}), from the manual, such as 4096 counts/turn"),
     N_("{unit} in one count of {name} ({channel}), from the manual, such as {value}, or {text}"),
-    N_("One count of {name}, m/s at the web, by the drive's own velocity unit"),
+    N_("One count of {name}, m/s at the web, as the drive's velocity unit is set; see its manual"),
     N_(
         "Object 0x6007 of {name}: its reaction to our lost heartbeat, a number of the drive's "
         "manual; none: not set"

@@ -74,6 +74,8 @@ class RunSegments:
             ends.append(end)
             end = end if start is None else start
         for path, start, end in zip(self.paths, self.starts_s, reversed(ends), strict=True):
+            # files are not trusted: one of another start, copied in, or altered, begins before
+            # this one, and where this one ends is then not known
             if start is None or (start < to_s and (end > from_s or end < start)):
                 yield path
 

@@ -68,6 +68,8 @@ def _within(rows: Sequence[FirstRow], from_s: float, to_s: float) -> Iterator[in
     """Yield the numbers of segments that hold rows of a window."""
     starts = [row.values["time_s"] for row in rows]
     for row, start, end in zip(rows, starts, [*starts[1:], float("inf")], strict=True):
+        # files are not trusted: one of another start, copied in, or altered, begins before this
+        # one, and where this one ends is then not known
         if start <= to_s and (end > from_s or end < start):
             yield row.number
 

@@ -61,7 +61,8 @@ class SettingsSection:
 
     Attributes
     ----------
-    roll : that they are about, where the path has a number in a list for it; else empty.
+    roll : that they are about, where the path has a number in a list for it, such as of
+        ``actuators.unwind.blocks[0]`` the roll of that block; else empty.
     """
 
     path: str
@@ -92,14 +93,14 @@ class SettingsView:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class DifferenceView:
-    """What would become of a text.
+    """What saving a text would change against the settings in force.
 
     Attributes
     ----------
     sha256 : of the text. ``changes`` : with units, and when each applies.
     said : new warnings; of a text that is refused, why. ``refused`` : it cannot run.
     waits : it cannot be tried, as something in it waits for bypass; it can be saved.
-    lines : of the text, with what is around them.
+    lines : changed lines with their context.
     """
 
     sha256: str
@@ -138,7 +139,7 @@ class VersionView:
     ----------
     lines : of its text, against the text that ran before it.
     back : what going back to it would change now; None where it cannot be said.
-    running : sha256 of the text that ran then.
+    running : sha256 of the text that runs now, when this is shown.
     against : why one cannot go back to it, or empty.
     """
 

@@ -107,7 +107,8 @@ def listen_question() -> Question:
     """Return the question whether to listen."""
     return Question(
         name="listen",
-        text="Listen to the bus, to show what comes beside each signal? Nothing is sent. yes, no",
+        text="Listen to the bus, to show the present value beside each signal's name? Nothing is "
+        "sent. yes, no",
         read=one_of("yes", "no"),
         default="yes",
     )
@@ -220,7 +221,8 @@ def count_question(name: str, signal: str) -> Question:
     """Return the question for one count of a correction that no file scales."""
     return Question(
         name=name,
-        text=f"One count of {signal}, m/s at the web, by the drive's own velocity unit",
+        text=f"One count of {signal}, m/s at the web, as the drive's velocity unit is set; see "
+        "its manual",
         read=number("m/s", 1e-9, 1.0),
         default="0.00001",
     )

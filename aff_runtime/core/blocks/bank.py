@@ -19,7 +19,8 @@ from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.residual import Residual
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response, arming_objections
 
-SAMPLES_PER_TURN = 20.0  # of an order's angle; an order with fewer does not go out
+SAMPLES_PER_TURN = 20.0
+"""Of an order's angle; an order with fewer does not go out. Our choice: one tick is 18 degrees."""
 FADE_FROM = 0.9
 """Of the frequency with so many samples: over the last tenth an order fades.
 

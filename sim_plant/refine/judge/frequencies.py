@@ -1,6 +1,6 @@
-"""The frequencies of the mains in the record that is judged: a grid is never at its name.
+"""The frequencies of the mains in the record judged: never exactly at their nominal one.
 
-49.98 Hz in one record and 50.02 Hz in another are three turns apart after 80 s.
+49.98 Hz in one record and 50.02 Hz in another are three cycles apart after 80 s.
 """
 
 from __future__ import annotations
@@ -24,8 +24,11 @@ FINER = 64
 QUARTER_RAD = 0.5 * np.pi
 
 
-def drifts(effect: Added) -> bool:
-    """Return whether the frequency of an effect belongs to the day: that of the mains does."""
+def differs_by_record(effect: Added) -> bool:
+    """Return whether the frequency of an effect differs from record to record, constant in each.
+
+    That of the mains does.
+    """
     shows = BY_NAME[effect.effect].shows
     return isinstance(shows, Frequency) and bool(shows.near_Hz)
 
@@ -37,9 +40,11 @@ def with_frequencies(
 
     One effect after the other, beside all others as they are.
 
-    Equation: of a response z exp(2 pi j d t), z that of a quarter turn apart as its imaginary
-    part, the d at which |sum w(r) conj(w(z)) exp(-2 pi j d t)| is largest, w(r) what the others
-    leave, whitened: a shift so small changes no answer of the line but its frequency.
+    Equation: z = y(phase) + j y(phase + quarter turn), y the effect's simulated response, which
+    lags as its phase grows; w() the whitening filter; r = measured less the other effects; d, the
+    shift of frequency, up to ``mains_share`` of it, maximises |sum w(r) conj(w(z))
+    exp(-2 pi j d t)| over channels and samples  [own]. A shift so small changes no answer of the
+    line but its frequency.
 
     Parameters
     ----------
@@ -47,7 +52,7 @@ def with_frequencies(
     """
     effects = case.effects
     for k, effect in enumerate(effects):
-        if drifts(effect):
+        if differs_by_record(effect):
             there = replace(case, effects=effects)
             shift_Hz = _shift_Hz(pool, measured, there, k, model)
             effects = (*effects[:k], _moved(effect, shift_Hz), *effects[k + 1 :])
@@ -55,7 +60,7 @@ def with_frequencies(
 
 
 def frequency_Hz(effect: Added) -> float:
-    """Return the frequency of an effect that ``drifts``."""
+    """Return the frequency of an effect that ``differs_by_record``."""
     record = BY_NAME[effect.effect]
     assert isinstance(record.shows, Frequency)
     values = {**record.parameters, **dict(effect.parameters)}
@@ -81,8 +86,9 @@ def _shift_Hz(
     if not all(np.isfinite(run).all() for run in (base, here, quarter)):
         return 0.0
     left = _centred(model.whiten(measured - base))
-    lags = -1.0 if BY_NAME[effect.effect].quadratures[0].against else 1.0
-    turning = model.whiten(here - base) + 1j * lags * model.whiten(quarter - base)
+    # +1 where the phase delays the response, cos(2 pi f t - phase): turned further it lags
+    sense = -1.0 if BY_NAME[effect.effect].quadratures[0].against else 1.0
+    turning = model.whiten(here - base) + 1j * sense * model.whiten(quarter - base)
     step_s = pool.twins[0].declaration.sample_time_s
     most_Hz = CRITERIA.judge.mains_share * frequency_Hz(effect)
     return best_shift_Hz(np.sum(left * np.conj(turning), axis=0), step_s, most_Hz)

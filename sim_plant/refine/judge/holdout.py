@@ -15,7 +15,7 @@ from sim_plant.refine.fit.roll_synchronisation import shifts_in_step
 from sim_plant.refine.fit.start_angles import costs_of, start_angles
 from sim_plant.refine.fit.start_states import changes_by_starts, with_start_state
 from sim_plant.refine.fit.turning import phased, turns_with, with_turned
-from sim_plant.refine.judge.frequencies import drifts, frequency_Hz, with_frequencies
+from sim_plant.refine.judge.frequencies import differs_by_record, frequency_Hz, with_frequencies
 from sim_plant.refine.judge.moments import has_moments, with_moments
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
@@ -152,7 +152,7 @@ def at_its_own_state(
     too.
     """
     first = OwnState(case=case)
-    sought = has_moments(case) or any(drifts(effect) for effect in case.effects)
+    sought = has_moments(case) or any(differs_by_record(effect) for effect in case.effects)
     if sought and any(phased(effect) for effect in case.effects):
         first = _with_rolls(pool, measured, first, model)
     first = _at_mains(pool, measured, first, model)
@@ -165,14 +165,16 @@ def _at_mains(
     pool: SimulationPool, measured: Array, found: OwnState, model: NoiseModel
 ) -> OwnState:
     """Return the state with the mains at their frequency in this record, if better."""
-    if not any(drifts(effect) for effect in found.case.effects):
+    if not any(differs_by_record(effect) for effect in found.case.effects):
         return found
     moved = replace(found.case, effects=with_frequencies(pool, measured, found.case, model))
     there = _with_rolls(pool, measured, replace(found, case=moved), model)
     as_it_was, anew = costs_of(pool, measured, model, [found.case, there.case])
     best = there if anew < as_it_was else found
     known = {
-        f"{e.effect} at {e.location}": frequency_Hz(e) for e in best.case.effects if drifts(e)
+        f"{e.effect} at {e.location}": frequency_Hz(e)
+        for e in best.case.effects
+        if differs_by_record(e)
     }
     return replace(best, frequencies_Hz=known)
 

@@ -21,9 +21,10 @@ def refuted(evaluation: Evaluation) -> bool:
     """Return whether the effects found are not there in a record held out.
 
     They leave most of what it shows, and it does not show their response: where it does, the rest
-    is something else, which only this record has. Where a moment was sought there it says nothing:
-    among all moments one has about that slope. Also where the line does not run there with
-    them (``after`` is not finite): no web follows some outlines on a smaller roll.
+    is something else, which only this record has. Where an event's moment was fitted on this
+    record the slope test of ``shows`` proves nothing: among so many moments some one gives a
+    slope near 1 by chance. Refuted too where the line does not run there with them (``after`` is
+    not finite), as some profiles cannot lie on a smaller roll: the simulation breaks down.
     """
     if not np.isfinite(evaluation.rms_amended).all():
         return True
@@ -48,14 +49,16 @@ def leaves_most(evaluation: Evaluation) -> bool:
 
 
 def shows(evaluation: Evaluation, without: Array) -> bool:
-    """Return whether a record shows what the effects change from the run ``without`` some.
+    """Return whether a record shows the response of some effects.
+
+    ``without`` (channels, samples): the simulation without the effects asked about.
 
     Something else in the record, however strong, moves the slope only as far as it is like that
     response. Equation: |b - 1| + ``slope_sd`` s < ``slope_off``, b = sum(r y) / sum(r^2) of record
     y and response r (both less ``without``, in floors), s^2 = sum over blocks of
-    sum(r (y - b r))^2 / sum(r^2)^2  [least squares; sandwich of blocks, own]. In one block s is 0
-    whatever the record has: (sum p)^2 / sum(p^2), p the power of r per block, is
-    ``slope_fewest_blocks`` at least  [participation ratio].
+    sum(r (y - b r))^2 / sum(r^2)^2  [White 1980, Liang and Zeger 1986]. In one block s is 0
+    whatever the record has: the number of blocks that count, (sum p)^2 / sum(p^2) with p the
+    power of r per block, is ``slope_fewest_blocks`` at least  [Kish 1965].
     """
     y = in_floors(evaluation, evaluation.measured - without)
     response = in_floors(evaluation, evaluation.amended - without)
@@ -90,7 +93,7 @@ def _sums(values: Array) -> Array:
 
 
 def left(evaluation: Evaluation) -> float:
-    """Return the power beyond that of noise that the effects leave, in powers of noise.
+    """Return the power beyond the noise that effects leave, as a multiple of the noise's power.
 
     Equation: mean of max(0, (after / floor)^2 - 1) over all channels but angles and radii  [own].
     """
@@ -120,30 +123,31 @@ def leaves_large(evaluation: Evaluation) -> bool:
     )
 
 
-def takes_less_than_left(evaluation: Evaluation, without: Evaluation) -> bool:
+def takes_less_than_left(evaluation: Evaluation, reduced: Evaluation) -> bool:
     """Return whether an effect takes less away than all effects leave: it can be an imitation.
 
-    ``without`` is the record judged without it. What is left may be what the others' models have
+    ``reduced`` is the record judged without it. What is left may be what the others' models have
     wrong: nothing on this record tells the two apart.
     """
-    return left(without) - left(evaluation) < JUDGE.taken_share * left(evaluation)
+    return left(reduced) - left(evaluation) < JUDGE.taken_share * left(evaluation)
 
 
-def takes_little(evaluation: Evaluation, without: Evaluation) -> bool:
+def takes_little(evaluation: Evaluation, reduced: Evaluation) -> bool:
     """Return whether an effect takes so little away that it is not claimed.
 
-    Of what ``takes_less_than_left`` it stays where the record shows its response and it takes more
-    than the others' models can have wrong, ``remainder_share`` of what all explain. What is left
-    is then unknown beside it: an imitation is shown too where its cause recurs. An effect whose
-    moment was sought in this record does not stay so, see ``refuted``.
+    An effect of which ``takes_less_than_left`` holds is claimed all the same where the record
+    shows its response and it takes more than the others' models can have wrong,
+    ``remainder_share`` of what all explain. What is left is then unknown beside it, as it may be
+    an imitation: where that cause acts in the held-out record too, the imitation's response
+    shows there as well. Not so an effect whose moment was fitted on this record, see ``refuted``.
     """
-    if not takes_less_than_left(evaluation, without):
+    if not takes_less_than_left(evaluation, reduced):
         return False
-    if evaluation.moments.keys() - without.moments.keys():
+    if evaluation.moments.keys() - reduced.moments.keys():
         return True
-    taken, rest = left(without) - left(evaluation), left(evaluation)
+    taken, rest = left(reduced) - left(evaluation), left(evaluation)
     explained = _beyond_noise(evaluation, evaluation.rms_declared) - rest
-    return taken <= REMAINDER_SHARE * explained or not shows(evaluation, without.amended)
+    return taken <= REMAINDER_SHARE * explained or not shows(evaluation, reduced.amended)
 
 
 def _beyond_noise(evaluation: Evaluation, rms: Array) -> float:

@@ -101,8 +101,8 @@ def unwrapped(columns: Mapping[str, Array]) -> tuple[dict[str, Array], list[str]
 def _one_stamp_off(steps: Array, step: float) -> Flags:
     """Return per step (samples - 1,) whether it and a neighbour are two usual steps together.
 
-    Odd steps of that kind are one misplaced stamp. All steps at once: how many are odd is up to
-    whoever wrote the file.
+    Odd steps of that kind are one misplaced stamp. In one pass over the array, as a hostile file
+    may make every step odd.
     """
     makes_two = np.abs(steps[1:] + steps[:-1] - 2.0 * step) < RECORDS.misplaced_stamp_share * step
     found: Flags = np.zeros(steps.size, dtype=np.bool_)
@@ -112,7 +112,10 @@ def _one_stamp_off(steps: Array, step: float) -> Flags:
 
 
 def _stamps_beside(odd: Flags) -> int:
-    """Return how many stamps make odd steps: one of two neighbours, or of one, is one stamp."""
+    """Return how many misplaced stamps make the odd steps (samples - 1,).
+
+    A run of one or two adjoining odd steps is one misplaced stamp, of three or four two.
+    """
     edges = np.flatnonzero(np.diff(np.concatenate([[False], odd, [False]]).astype(np.int8)))
     lengths = edges[1::2] - edges[::2]
     return int(np.sum((lengths + 1) // 2))
@@ -159,8 +162,12 @@ def oddities(
     return sentences
 
 
-def count_sizes_seen(columns: Mapping[str, Array], words: Mapping[str, float]) -> dict[str, float]:
+def count_sizes_seen(
+    columns: Mapping[str, Array], word_counts: Mapping[str, float]
+) -> dict[str, float]:
     """Return the size of one count per column of readings (samples,): its word's, or the sensor's.
+
+    ``word_counts``: one count of the word of a column, where the site file has it.
 
     A sensor may be coarser than its word; of few levels that is not told from a spike. To be asked
     before anything is filled in between two readings, which would show a smaller one.
@@ -169,7 +176,7 @@ def count_sizes_seen(columns: Mapping[str, Array], words: Mapping[str, float]) -
     for name, values in columns.items():
         levels = np.unique(values[np.isfinite(values)])
         seen = _smallest_step(levels) if levels.size > RECORDS.stuck_levels else 0.0
-        found[name] = max(words.get(name, 0.0), seen)
+        found[name] = max(word_counts.get(name, 0.0), seen)
     return found
 
 

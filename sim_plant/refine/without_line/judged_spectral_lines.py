@@ -53,9 +53,9 @@ def _fit(item: Remainder, rows: Array, spectral: SpectralLine) -> Array:
     b = basis(item, spectral.axis, spectral.frequency)
     columns = []
     for row in rows:
-        taps, _ = whitening_filter(row[None, :])
+        ar_weights, _ = whitening_filter(row[None, :])
         white = np.column_stack(
-            [np.convolve(taps, column)[taps.size : row.size] for column in (*b.T, row)]
+            [np.convolve(ar_weights, column)[ar_weights.size : row.size] for column in (*b.T, row)]
         )
         columns.append(np.linalg.lstsq(white[:, :-1], white[:, -1], rcond=None)[0])
     return np.stack(columns, axis=1)

@@ -223,7 +223,7 @@ def _at_stamps(o: _Output, view: View, judged_on: Stamped) -> dict[str, float]:
     if judged_on.time_s is None:
         return {}
     stamps_s = judged_on.time_s
-    first = view.margin * view.step_s
+    first = view.end_samples * view.step_s
     grid = first + view.step_s * np.arange(view.judged.size)
     use = (stamps_s >= grid[0]) & (stamps_s <= grid[-1])
     readings = judged_on.readings[o.name][use]

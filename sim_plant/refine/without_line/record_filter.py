@@ -45,7 +45,9 @@ class RecordDeclaration(BaseModel):
     outputs: tuple[Name, ...] = Field(min_length=1)
     inputs: tuple[Name, ...] = Field(default=(), description="none: outputs alone")
     derivative_of_inputs: bool = False
-    taps: Annotated[int, Field(ge=1, le=500)] = 40
+    taps: Annotated[int, Field(ge=1, le=500)] = Field(
+        default=40, description="furthest shift of an input in the filter to either side, samples"
+    )
     travel_speed: Name | None = Field(
         default=None, description="column with the web's own speed, no draw or ratio, m/s"
     )
@@ -80,11 +82,11 @@ class Remainder:
 
 def whiten(row: Array) -> Array:
     """Return unit-variance innovations of one series; its first samples are zero."""
-    taps, sd = whitening_filter(row[None, :])
+    ar_weights, sd = whitening_filter(row[None, :])
     if sd == 0.0:
         return np.zeros_like(row)
-    found = np.convolve(row - row.mean(), taps)[: row.size] / sd
-    found[: taps.size] = 0.0
+    found = np.convolve(row - row.mean(), ar_weights)[: row.size] / sd
+    found[: ar_weights.size] = 0.0
     return found
 
 
@@ -186,8 +188,8 @@ def view_of(declaration: RecordDeclaration, record: Recording, output: str) -> V
         inputs={name: record.columns[name] for name in declaration.inputs},
         speed_m_s=record.columns[speed] if speed else None,
         step_s=record.sample_time_s,
-        rates=declaration.derivative_of_inputs,
-        margin=declaration.taps,
+        derivative_of_inputs=declaration.derivative_of_inputs,
+        end_samples=declaration.taps,
     )
 
 

@@ -1,6 +1,6 @@
 """Step 11: each way of being tripped: time to zero, bump of the tension, and what comes after.
 
-One measurement is of one trip, which is typed. Of what ends the record the time is typed too.
+One measurement is of one trip, which is typed; of a trip that ends the record its time is too.
 """
 
 from __future__ import annotations
@@ -27,9 +27,18 @@ COMES_BACK = {
     "cable": False,
     "plc_stop": False,
 }
-"""Trips, and whether the correction comes back by itself."""
+"""Trips, and whether the correction comes back by itself.
+
+``restart`` is of the service (``systemctl restart aff-runtime``), ``kill`` is ``kill -9`` of the
+control process, ``bypass`` is an operator's; the PLC takes a permissive away (``web_break``), says
+that a new roll is joined (``splice``) or that the line stops (``stop``); ``cable`` is that of the
+wire, pulled, and ``plc_stop`` ends the PLC's program.
+"""
 ENDS_RECORD = ("restart", "kill")
-"""Trips whose time is typed."""
+"""Trips that end the control process, and the record with it: what the PLC does then is in no row.
+
+When it shows zero is typed, and whether the correction comes back is not measured.
+"""
 STALE = ("cable", "plc_stop")
 """Trips whose cause is the last fresh reading; of the others, a change of a word."""
 TENSION_STAYS = ("splice", "bypass")
@@ -57,7 +66,7 @@ def measure(evidence: Evidence) -> StepResult:
 
 
 def bump_sigmas(before: Sequence[float], after: Sequence[float]) -> float:
-    """Return the largest step of readings after, over the deviation of steps before.
+    """Return the largest step of readings after, over the standard deviation of steps before.
 
     Steps from one reading to the next: ripple that comes back slowly is no bump.
     """
@@ -148,9 +157,9 @@ def _figures(sample: Sample) -> Iterator[Figure]:
     if trip in TENSION_STAYS:
         bump = sample.number("bump_sigmas")
         yield Figure(
-            name=f"{trip}: largest step of the tension in 1 s",
+            name=f"{trip}: largest step of the tension between two readings within 1 s",
             value=bump,
-            unit="of its deviation before",
+            unit="standard deviations of such steps before",
             limit=f"at most {BUMP_SIGMAS:g}",
             good=at_most(bump, BUMP_SIGMAS),
         )

@@ -33,21 +33,21 @@ class View:
     inputs : name -> values as read (samples,).
     speed_m_s : absolute speed (samples,), or None.
     step_s : sample time.
-    rates : the filter takes the rate of change of the inputs.
-    margin : samples at each end that are not judged.
+    derivative_of_inputs : the filter takes the rate of change of the inputs.
+    end_samples : at each end, not judged.
     """
 
     output: Array
     inputs: Mapping[str, Array]
     speed_m_s: Array | None
     step_s: float
-    rates: bool
-    margin: int
+    derivative_of_inputs: bool
+    end_samples: int
 
     @property
     def keep(self) -> slice:
         """The judged samples."""
-        return slice(self.margin, self.output.size - self.margin)
+        return slice(self.end_samples, self.output.size - self.end_samples)
 
     @property
     def judged(self) -> Array:
@@ -74,7 +74,7 @@ class View:
     def states(self) -> dict[str, Array]:
         """Return what friction or a gain may depend on: inputs, and their rates by ``d/dt``."""
         found = dict(self.inputs)
-        if not self.rates:
+        if not self.derivative_of_inputs:
             found |= {f"d/dt {name}": self.rate_of(name) for name in self.inputs}
         return found
 

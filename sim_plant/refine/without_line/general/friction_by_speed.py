@@ -14,7 +14,7 @@ def columns(view: View, chosen: Chosen) -> Array:
     """Return s |s| of a state s, and s itself where the filter lacks it (samples, 1 or 2)."""
     state = view.states()[chosen.place]
     square = state * np.abs(state)
-    return np.stack([square, state] if view.rates else [square], axis=1)
+    return np.stack([square, state] if view.derivative_of_inputs else [square], axis=1)
 
 
 def starts(views: Sequence[View]) -> list[Chosen]:

@@ -85,7 +85,7 @@ def _driven(model: Model, view: View, index: int, name: str, shift: float) -> Ar
         if change:
             values = change(view, x, values)
     values = shifted(values, later) if raw else view.later(name, later)
-    if view.rates:
+    if view.derivative_of_inputs:
         values = np.gradient(values, view.step_s)
     for x in model.acting("driven"):
         change = BY_NAME[x.effect].change
@@ -96,7 +96,7 @@ def _driven(model: Model, view: View, index: int, name: str, shift: float) -> Ar
 
 def regressors(model: Model, view: View, shift: float) -> Array:
     """Return 1, the lagged inputs and the terms where the record is judged (judged, columns)."""
-    first, last = view.margin, view.output.size - view.margin
+    first, last = view.end_samples, view.output.size - view.end_samples
     rows = [np.ones(last - first)]
     for index, name in enumerate(view.inputs):
         values = _driven(model, view, index, name, shift)

@@ -20,8 +20,8 @@ def columns(view: View, chosen: Chosen) -> Array:
 
 
 def starts(views: Sequence[View]) -> list[Chosen]:
-    """Return every order that the margin of the records allows."""
-    most = min(view.margin for view in views)
+    """Return every order that is not above ``end_samples``."""
+    most = min(view.end_samples for view in views)
     return [
         Chosen(effect="past_outputs", place="output", constants=(float(order),))
         for order in ORDERS

@@ -102,15 +102,15 @@ def trial_of(effect: str, what: str, model: Model, found: Moments) -> Trial:
 
 def _delays(views: Sequence[View]) -> tuple[float, ...]:
     """Return the delay of every input by its strongest correlation with what is left, samples."""
-    reach = views[0].margin
+    reach = views[0].end_samples
     left = [view.judged - view.judged.mean() for view in views]
     delays: list[float] = []
     for name in views[0].inputs:
         best = (0.0, 0, 0.0)
-        series = [v.rate_of(name) if v.rates else v.inputs[name] for v in views]
+        series = [v.rate_of(name) if v.derivative_of_inputs else v.inputs[name] for v in views]
         for at in range(-reach, reach + 1):
             cut = [
-                x[v.margin - at : x.size - v.margin - at] - x.mean()
+                x[v.end_samples - at : x.size - v.end_samples - at] - x.mean()
                 for x, v in zip(series, views, strict=True)
             ]
             power = sum(float(x @ x) for x in cut)
@@ -119,7 +119,9 @@ def _delays(views: Sequence[View]) -> tuple[float, ...]:
                 best = (product**2 / power, at, product / power)
         _, at, gain = best
         for k, (x, v) in enumerate(zip(series, views, strict=True)):
-            left[k] = left[k] - gain * (x[v.margin - at : x.size - v.margin - at] - x.mean())
+            left[k] = left[k] - gain * (
+                x[v.end_samples - at : x.size - v.end_samples - at] - x.mean()
+            )
         delays.append(float(at))
     return tuple(delays)
 
@@ -129,7 +131,7 @@ def strongest_lag(view: View, explained: Array, mask: NDArray[np.bool_] | None =
     use = np.ones(explained.size, dtype=np.bool_) if mask is None else mask
     middle = explained - explained.mean()
     target = view.judged - view.judged.mean()
-    reach = min(view.margin, GENERAL.shift_reach)
+    reach = min(view.end_samples, GENERAL.shift_reach)
     lags = range(-reach, reach + 1)
     left = [float(np.sum((target - np.roll(middle, at))[use] ** 2)) for at in lags]
     return float(lags[int(np.argmin(left))])
@@ -184,7 +186,7 @@ def _filters(views: Sequence[View]) -> list[Trial]:
         return trials
     gain = Model(ahead=0, back=0, delays=_delays(views))
     trials.append(trial_of("filter_length", GAIN_ALONE, *refined(gain, views)))
-    for name, ahead, back in reaches(views[0].margin):
+    for name, ahead, back in reaches(views[0].end_samples):
         model = Model(ahead=ahead, back=back)
         trials.append(trial_of("filter_length", name, model, fit(model, views)))
     return sorted(trials, key=lambda trial: trial.weights.size)
@@ -206,7 +208,7 @@ def _lengthened(best: Trial, views: Sequence[View]) -> Trial:
     Otherwise the next effect would take the place of taps that are missing.
     """
     trials = [best]
-    for _, ahead, back in reaches(views[0].margin):
+    for _, ahead, back in reaches(views[0].end_samples):
         if best.model.back < 0 or ahead + back <= best.model.ahead + best.model.back:
             continue
         longer = replace(best.model, ahead=ahead, back=back, delays=())
@@ -258,7 +260,7 @@ def _past(best: Trial, views: Sequence[View]) -> list[Trial]:
         order = int(chosen.constants[0])
         base = best.model
         if views[0].inputs:  # what comes after a past output comes after its inputs too
-            base = replace(base, back=min(views[0].margin, base.back + order))
+            base = replace(base, back=min(views[0].end_samples, base.back + order))
         model = _with(base, chosen)
         what = f"one step ahead with {order} past outputs (ARX)"
         trials.append(trial_of(effect.name, what, model, fit(model, views)))
@@ -272,11 +274,11 @@ def search(views: Sequence[View], progress: Progress) -> Search:
     fitted from several sizes, as long as one saves enough on blocks left out.
     """
     filters = _filters(views)
-    margin = views[0].margin
+    end_samples = views[0].end_samples
     declared = max(
         filters, key=lambda trial: (trial.model.ahead + trial.model.back, trial.model.ahead)
     )
-    half = min(PLAIN_HALF, margin)
+    half = min(PLAIN_HALF, end_samples)
     plain = next((t for t in filters if t.model.ahead == t.model.back == half), declared)
     best, tried = _shortest(filters, len(views)), [*filters]
     for _ in range(GENERAL.most_effects):

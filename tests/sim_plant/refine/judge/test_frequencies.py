@@ -1,4 +1,4 @@
-"""Hum of another day: the frequency and the phase of the record held out are put in by hand."""
+"""Hum of another record: the frequency and the phase of the record held out are put in by hand."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.judge.frequencies import best_shift_Hz, drifts
+from sim_plant.refine.judge.frequencies import best_shift_Hz, differs_by_record
 from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.model.twin import Added, Case
 from tests.sim_plant.refine.small import STEP_S, formula_twin, pool_of, white
@@ -41,7 +41,7 @@ TURNED = replace(IDLER, parameters=(("eccentricity_m", 1e-4), ("angle_rad", 2.2)
 @pytest.mark.parametrize(
     ("fitted_Hz", "true_Hz"), [(59.98, 60.02), (49.9, 49.75), (99.7, 100.05), (50.0, 50.0)]
 )
-def test_mains_of_another_day_are_found_at_their_frequency_and_phase(fitted_Hz, true_Hz):
+def test_mains_of_another_record_are_found_at_their_frequency_and_phase(fitted_Hz, true_Hz):
     twin = formula_twin(hum_and_idler, CHANNELS, SAMPLES)
     measured = twin.simulate(Case(effects=(hum(true_Hz, 2.0), TURNED))) + white((2, SAMPLES), 3)
     found = evaluate(pool_of(twin), measured, (hum(fitted_Hz), IDLER), find_angles=True)
@@ -69,10 +69,10 @@ def test_on_the_record_that_was_fitted_nothing_is_sought_anew():
     assert found.effects == (hum(60.0),)
 
 
-def test_only_what_the_mains_make_has_a_frequency_of_the_day():
-    assert drifts(hum(50.0))
-    assert not drifts(IDLER)
-    assert not drifts(Added("roll_bounce", "unwind", ()))
+def test_only_what_the_mains_make_has_a_frequency_of_the_record():
+    assert differs_by_record(hum(50.0))
+    assert not differs_by_record(IDLER)
+    assert not differs_by_record(Added("roll_bounce", "unwind", ()))
 
 
 def test_the_strongest_line_within_the_bound_is_taken():

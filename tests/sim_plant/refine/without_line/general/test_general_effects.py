@@ -21,10 +21,15 @@ def smooth(rng, size=SIZE, width=15):
     return values / values.std()
 
 
-def view_of(output, u, speed=None, rates=False, margin=20):
+def view_of(output, u, speed=None, derivative_of_inputs=False, end_samples=20):
     inputs = {} if u is None else {"u": u}
     return View(
-        output=output, inputs=inputs, speed_m_s=speed, step_s=STEP_S, rates=rates, margin=margin
+        output=output,
+        inputs=inputs,
+        speed_m_s=speed,
+        step_s=STEP_S,
+        derivative_of_inputs=derivative_of_inputs,
+        end_samples=end_samples,
     )
 
 
@@ -118,7 +123,7 @@ def test_friction_by_speed_is_found_where_the_filter_takes_rates():
         rng = np.random.default_rng(seed)
         v = 2.0 + smooth(rng, width=101)
         y = 0.05 * np.gradient(v, STEP_S) + 0.7 * v * np.abs(v) + NOISE * rng.standard_normal(SIZE)
-        views.append(view_of(y, v, rates=True))
+        views.append(view_of(y, v, derivative_of_inputs=True))
     found, _ = traced(views[:2], views[2])
     assert set(found) == {"friction_by_speed"}
     said = found["friction_by_speed"]
