@@ -19,7 +19,7 @@ ENTRY = views.EntryView(
     release="1",
     reason="",
     figures=(views.FigureView(name="share", value="1 %", span="", limit="", good=None),),
-    missing=("a longer record",),
+    waits_for=("a longer record",),
     proposals=("settle_s: 6 -> 5",),
     remarks=("one remark",),
     typed=(),
