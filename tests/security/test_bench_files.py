@@ -131,7 +131,7 @@ def test_a_word_of_a_file_is_no_formula_in_any_plot():
         measured=rows,
         declared=0.5 * rows,
         amended=0.9 * rows,
-        before=np.ones(1),
+        rms_declared=np.ones(1),
         floor=np.ones(1),
         first=0,
         travel_m=0.01 * np.arange(4000.0),

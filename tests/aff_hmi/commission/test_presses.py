@@ -28,7 +28,7 @@ ENTRY = {
     "release": "1",
     "reason": "",
     "figures": [],
-    "missing": [],
+    "waits_for": [],
     "proposals": [],
     "remarks": [],
     "typed": ["reaction = ramp"],
