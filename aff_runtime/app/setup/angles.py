@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 from functools import cache, partial
 from itertools import pairwise
 
-from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours
+from aff_runtime.app.setup.behaviour import Behaviour, behaviours
 from aff_runtime.app.setup.decoding import HIGH_FIRST, LOW_FIRST, Decoding
-from aff_runtime.app.setup.ends import FULL, End, Steps, steps_of
+from aff_runtime.app.setup.ends import FULL, End, Steps
 from aff_runtime.app.setup.reading import Watched
 from aff_runtime.app.setup.turns import CountsPerTurn, counts_per_turn
 from aff_runtime.base.units import plain
@@ -100,13 +100,10 @@ def angle_candidates(
     """
     candidates = []
     for address, did in (does or behaviours(seen)).items():
-        if address in taken or did.kind not in (Kind.COUNTER, Kind.RAMP):
-            continue
-        steps = steps_of(seen.times_s, seen.words[address])
-        if steps is None:
+        if address in taken or did.steps is None:
             continue
         stored = _decodings(address, did, seen, taken, word_order)
-        measure = cache(partial(_measured, steps, did.end, seen, speeds_m_s, radius_m))
+        measure = cache(partial(_measured, did.steps, did.end, seen, speeds_m_s, radius_m))
         first = measure(did.restarts_at)
         for counts in _usual(first) if first is not None else ():
             for row in _rows(address, did, stored, counts):

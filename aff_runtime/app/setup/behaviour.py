@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
 
-from aff_runtime.app.setup.ends import NOT_SEEN, End, signed_word, steps_of
+from aff_runtime.app.setup.ends import NOT_SEEN, End, Steps, signed_word, steps_of
 from aff_runtime.app.setup.reading import Watched
 
 FASTEST_SCAN_PER_S = 1100.0
@@ -38,8 +38,7 @@ class Behaviour:
     ----------
     last, mean, sd : the last reading as u16, mean and standard deviation as i16.
     rate_per_s : of a counter or ramp, counts per second with its sign; else 0.
-    restarts_at : counts after which it starts over, where that is not 65536; 0 where it is.
-    end : what was seen of that.
+    steps : of a counter or ramp, from each reading to the next; ``end`` : where it starts over.
     unevenness : of a counter or ramp, median distance from a straight line, counts.
     changed : the bits that changed, as a mask.
     """
@@ -49,10 +48,15 @@ class Behaviour:
     mean: float
     sd: float
     rate_per_s: float = 0.0
-    restarts_at: int = 0
+    steps: Steps | None = field(default=None, repr=False)
     end: End = NOT_SEEN
     unevenness: float = 0.0
     changed: int = 0
+
+    @property
+    def restarts_at(self) -> int:
+        """Return the counts after which it starts over, where that is not 65536; 0 where it is."""
+        return self.end.restarts_at
 
     def __str__(self) -> str:
         """Return it as text for eyes."""
@@ -106,8 +110,7 @@ def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) ->
     end = steps.end() if steps is not None else None
     if steps is None or end is None:
         return None
-    restarts_at = 0 if end.is_full else round(end.counts)
-    path = steps.path(restarts_at, signed=end.signed)
+    path = steps.path(end.restarts_at, signed=end.signed)
     rate, unevenness = _line(times_s, path)
     way = abs(path[-1])
     if way < _LEAST_WAY or unevenness > _CROOKED * way + 1.0:
@@ -121,7 +124,7 @@ def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) ->
         sd=base.sd,
         changed=base.changed,
         rate_per_s=rate,
-        restarts_at=restarts_at,
+        steps=steps,
         end=end,
         unevenness=unevenness,
     )

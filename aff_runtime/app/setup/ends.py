@@ -43,6 +43,11 @@ class End:
         """Return whether the whole word can be it."""
         return abs(self.counts - FULL) <= self.off
 
+    @property
+    def restarts_at(self) -> int:
+        """Return the counts after which it starts over, where that is not 65536; 0 where it is."""
+        return 0 if self.is_full else round(self.counts)
+
 
 NOT_SEEN = End()
 """Of a word that was not seen to start over."""

@@ -8,7 +8,6 @@ from dataclasses import replace
 from types import MappingProxyType
 
 from aff_runtime.base.channel_units import unit_of_channel
-from aff_runtime.base.counted_angle import WORD_COUNTS
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.models import Actuator, Drive, Roll, Site
 from aff_runtime.config.models.drive import slow_band
@@ -158,9 +157,7 @@ def _modulus_rad(site: Site, angle: str | None, ranges_rad: Mapping[str, float])
     if angle is None or not site.gateway.read.channels[angle].wraps:
         return None
     channel = site.gateway.read.channels[angle]
-    if channel.type is None:
-        return ranges_rad.get(angle)
-    return (channel.wraps_after or WORD_COUNTS[channel.type]) * abs(channel.scale)
+    return ranges_rad.get(angle) if channel.type is None else channel.range_rad
 
 
 def _actuator(site: Site, name: str, actuator: Actuator) -> ActuatorParams:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
+from aff_runtime.base.counted_angle import WORD_COUNTS
 from aff_runtime.config.quantity import (
     Few,
     Flag,
@@ -118,6 +119,13 @@ class Channel(Section):
         ge=8,
         le=4294967296,
     )
+
+    @property
+    def range_rad(self) -> float | None:
+        """Return after how much an angle starts over, rad; None where its word does not say."""
+        if self.type is None or not self.wraps:
+            return None
+        return (self.wraps_after or WORD_COUNTS[self.type]) * abs(self.scale)
 
 
 class Applied(Section):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from aff_runtime.base.counted_angle import WORD_COUNTS
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.meetings import frequency_Hz, meetings_of
 from aff_runtime.config.models import Actuator, Roll, Site
@@ -43,9 +42,9 @@ def issues(site: Site) -> Iterator[Issue]:
 def _angle(path: KeyPath, roll: Roll, site: Site) -> Iterator[Issue]:
     """Yield where the range of an encoder is too short for what its roll turns in a cycle."""
     channel = site.gateway.read.channels.get(roll.angle or "")
-    if channel is None or channel.type is None or not channel.wraps or roll.smallest_radius_m == 0:
+    range_rad = None if channel is None else channel.range_rad
+    if range_rad is None or roll.smallest_radius_m == 0:
         return
-    range_rad = (channel.wraps_after or WORD_COUNTS[channel.type]) * abs(channel.scale)
     turned_rad = _speed_max_m_s(site) / roll.smallest_radius_m * site.cycle_s
     if 2.0 * turned_rad >= range_rad:
         text = (

@@ -31,12 +31,9 @@ def drive_rows(window: Window, hour: HourRow) -> Iterator[DriveRow]:
     for name, given in window.section("rolls").items():
         section = Section.of(given)
         torque = window.readings(text_or(section.get("torque")))
-        sides = [
-            window.readings(text_or(section.get(key)))
-            for key in ("tension_before", "tension_after")
-        ]
-        angle = roll_angle(window, section)
         named = [text_or(section.get(key)) for key in ("tension_before", "tension_after")]
+        sides = [window.readings(one) for one in named]
+        angle = roll_angle(window, section)
         lost = any(n and side is None for n, side in zip(named, sides, strict=True))
         if torque is None or angle is None or lost or not any(named):
             continue
