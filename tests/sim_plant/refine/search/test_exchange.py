@@ -39,6 +39,18 @@ def draw(case):
     return np.stack([behind, between])
 
 
+def found_without_spectra(nominal, fit, accepted):
+    """Return what is found, with nothing known of the spectra of what it leaves."""
+    return Selection(
+        nominal=nominal,
+        fit=fit,
+        accepted=accepted,
+        record_axes=(),
+        spectra_declared=(),
+        spectra_left=(),
+    )
+
+
 def found_beside(lead, follower):
     """Return the objective of slip (slope, threshold) on each roller, and it found on each."""
     kinds = [hypothesis(BY_NAME["slip"], at, line=LINE) for at in (LEAD, FOLLOWER)]
@@ -51,14 +63,7 @@ def found_beside(lead, follower):
         for h in kinds
     )
     fit = gauss_newton_fit(objective, kinds, (lead, follower), {}, rounds=6)
-    selection = Selection(
-        nominal=nominal,
-        fit=fit,
-        accepted=accepted,
-        record_axes=(),
-        spectra_declared=(),
-        spectra_left=(),
-    )
+    selection = found_without_spectra(nominal, fit, accepted)
     return objective, selection
 
 
@@ -108,14 +113,7 @@ def test_a_neighbour_that_was_ahead_stays_named_while_something_is_missing(missi
     nominal = nominal_fit(objective, {})
     accepted = AcceptedEffect(hypothesis=first, score=1.0, runner_up=None, margin=1.0, rejected=())
     fit = gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {})
-    selection = Selection(
-        nominal=nominal,
-        fit=fit,
-        accepted=(accepted,),
-        record_axes=(),
-        spectra_declared=(),
-        spectra_left=(),
-    )
+    selection = found_without_spectra(nominal, fit, (accepted,))
     (found,) = exchanged(objective, selection, lambda _text: None).accepted
     assert found.hypothesis.location == "R2"
     assert [place.location for place in found.ambiguous] == alike
@@ -152,14 +150,7 @@ def test_after_an_exchange_the_old_place_is_the_rival_and_the_new_one_none():
     )
     nominal = nominal_fit(objective, {})
     fit = gauss_newton_fit(objective, (first,), ((2e-4, 1e-4),), {})
-    selection = Selection(
-        nominal=nominal,
-        fit=fit,
-        accepted=(accepted,),
-        record_axes=(),
-        spectra_declared=(),
-        spectra_left=(),
-    )
+    selection = found_without_spectra(nominal, fit, (accepted,))
     moved = exchanged(objective, selection, lambda _text: None)
     (found,) = moved.accepted
     assert found.hypothesis.key == second.key
@@ -331,14 +322,7 @@ def test_an_effect_not_told_from_what_stood_in_is_named_with_all_that_ends_the_c
         ambiguous=(cell,),
         shared=shared,
     )
-    selection = Selection(
-        nominal=nominal,
-        fit=fit,
-        accepted=(found,),
-        record_axes=(),
-        spectra_declared=(),
-        spectra_left=(),
-    )
+    selection = found_without_spectra(nominal, fit, (found,))
     (told,) = exchanged(objective, selection, quiet).accepted
     places = {p.location for p in told.ambiguous if p.effect == "bearing_drag"}
     assert {"R4", "R6", "R7"} <= places
