@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import subprocess
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -56,6 +57,8 @@ LOOK_S = 1.0
 ARM_ATTEMPTS, ARM_PATIENCE_S = 4, 8.0
 NO_REPLY = "did not reply in time"
 """What the service says of a control process that the machine holds up."""
+STRETCHES = 3
+"""How often a stretch is recorded at most: one without a hole is what can be judged."""
 REFINE_S = 270.0
 """Longest time for the trace; it then says what it lacks: nothing is guessed."""
 RESTING = ("FAULT", "BYPASS", "READY", "OFF")
@@ -142,6 +145,7 @@ class _Script:
         self.bench, self.runtime, self.story = bench, runtime, story
         self._progress = progress
         self._before_run = ""
+        self._kill_is_due = story.plan.kills_recorder
 
     def say(self, text: str) -> None:
         """Tell who is watching."""
@@ -157,13 +161,7 @@ class _Script:
         self.arm()
         self.say("AFF on the unwind; two speeds and a step of tension are recorded")
         self.watch(LEARN_S)
-        self.ramp(FAST_M_S, SLOW_M_S)
-        self.watch(SLOW_S / 2.0)
-        if self.story.plan.kills_recorder:
-            self.say(f"SIGKILL to recorder {kill_recorder(self.runtime.process.pid)}")
-        self.watch(SLOW_S / 2.0)
-        self.set("tension_ref_N", STEP_N)
-        self.watch(STEP_S)
+        self.unbroken(self.both_speeds)
         runs = sorted((out / "runs").iterdir())
         start_s, end_s = _span_s(runs[-1])
         self.story.first_run = f"{runs[-1]}@{start_s + FIRST_S:.0f}..{end_s:.0f}"
@@ -171,8 +169,7 @@ class _Script:
         if self.story.plan.kills_recorder:
             self.story.loss = loss_of(self.story.first_run)
             self.say(str(self.story.loss))
-        self.set("tension_ref_N", TENSION_N)
-        self.ramp(SLOW_M_S, FAST_M_S)
+        self.back()
         self.refine()
         self.story.before, self._before_run = self.window()
         if (out / "refine/site_proposed.yaml").exists():
@@ -182,6 +179,38 @@ class _Script:
         self.later()
         self.story.history = runtime_command(self.bench, "settings", "history")
         self.story.missed_ticks = runtime_status(self.bench).missed_ticks or 0
+
+    def both_speeds(self) -> None:
+        """Record the slow speed and a step of tension; kill the recorder where that is asked."""
+        self.ramp(FAST_M_S, SLOW_M_S)
+        self.watch(SLOW_S / 2.0)
+        if self._kill_is_due:
+            self._kill_is_due = False
+            self.say(f"SIGKILL to recorder {kill_recorder(self.runtime.process.pid)}")
+        self.watch(SLOW_S / 2.0)
+        self.set("tension_ref_N", STEP_N)
+        self.watch(STEP_S)
+
+    def back(self) -> None:
+        """Return to the fast speed and the tension of the start."""
+        self.set("tension_ref_N", TENSION_N)
+        self.ramp(SLOW_M_S, FAST_M_S)
+
+    def unbroken(self, stretch: Callable[[], None]) -> float:
+        """Record a stretch; anew where the correction went to zero in it, ``STRETCHES`` times.
+
+        What acted from the machine's pause until it was armed again is not in the record. Returns
+        how long the last one took, s.
+        """
+        clock = MonotonicClock()
+        for left in reversed(range(STRETCHES)):
+            arms, began_ns = self.story.arms, clock.now_ns()
+            stretch()
+            if self.story.arms == arms or not left:
+                break
+            self.say("the correction went to zero in this stretch: it is recorded once more")
+            self.back()
+        return (clock.now_ns() - began_ns) * 1e-9
 
     def refine(self) -> None:
         """Trace the cause from the service's own records, beside the running line."""
@@ -260,15 +289,17 @@ class _Script:
         runtime_command(self.bench, "bypass")
         pause(1.0)
         self.arm()
-        began_ns = MonotonicClock().now_ns()
+        long_s = self.unbroken(self.slower_and_tighter)
+        start_s, end_s = _span_s(before)
+        self.story.later_run = f"{before}@{max(start_s, end_s - long_s):.0f}..{end_s:.0f}"
+
+    def slower_and_tighter(self) -> None:
+        """Record some seconds at the fast speed, a ramp, the slow speed and a step of tension."""
         self.watch(6.0)
         self.ramp(FAST_M_S, SLOW_M_S)
         self.watch(14.0)
         self.set("tension_ref_N", STEP_N)
         self.watch(8.0)
-        long_s = (MonotonicClock().now_ns() - began_ns) * 1e-9
-        start_s, end_s = _span_s(before)
-        self.story.later_run = f"{before}@{max(start_s, end_s - long_s):.0f}..{end_s:.0f}"
 
     def window(self) -> tuple[tuple[float, float], str]:
         """Let a window pass; return it in plant time, and as the service's own record has it."""
