@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
+from aff_hmi.objections import LONGEST as LONGEST_REASON
 from aff_hmi.press_desk import PressDesk
 from aff_hmi.reason import explained
 from aff_hmi.refused import RefusedPresses
@@ -198,7 +199,7 @@ def shortened(reasons: tuple[Reason, ...], say: Say) -> list[str]:
 def said_in(reason: Reason, say: Say) -> str:
     """Return a reason in the reader's language."""
     is_guards = reason.code is Code.GUARD
-    name = explained(printable(reason.name, 200), say)[0] if is_guards else reason.name
+    name = explained(printable(reason.name, LONGEST_REASON), say)[0] if is_guards else reason.name
     if reason.code is Code.CHANGED:
         name = say(name)
     return say(WORDS[reason.code]).replace("{name}", printable(name, 300))

@@ -24,8 +24,15 @@ SENTENCES = {
     N_("{order}: {f} Hz is outside the probed {low}..{high} Hz"): PROBE_HERE,
     N_("{order}: phase error at {f} Hz may reach {error} deg"): PROBE_HERE,
     N_("{order}: coherence {coherence} near {f} Hz is too low"): PROBE_HERE,
-    N_("{order}: {f} Hz exceeds 1/20 of the sample rate"): N_(
-        "run slower, or leave that order out of the site file"
+    N_("{order}: {f} Hz is above the {limit} Hz of the plain law at a cycle of {ms} ms"): N_(
+        "shorten cycle_ms, run slower or take out that order"
+    ),
+    N_(
+        "{order}: {f} Hz is above the {limit} Hz of the plain law, which stands in, at a cycle of "
+        "{ms} ms"
+    ): N_(
+        "identify the drive by a probe or declare it, else shorten cycle_ms, run slower or take "
+        "out that order"
     ),
     N_("{order}: {f} Hz is too fast to be learned from a reading every {ms} ms"): N_(
         "run slower, leave that order out of the site file, or take law: blocks"
@@ -40,6 +47,8 @@ SENTENCES = {
         "(counts per turn of the roll, gear), the radius or the channel"
     ): SITE_FILE,
 }
+LONGEST = 300
+"""Characters of a reason that are read: the longest sentence, with names of 60 characters."""
 MORE = N_("and {count} more")
 PREFIXED = "{actuator}: "
 """How a sentence of the law begins: with the actuator that it is about."""
@@ -64,7 +73,9 @@ def translated(blocked: str, say: Say) -> tuple[str, str] | None:
     if blocked in BY_GUARD:
         return say(blocked), say(BY_GUARD[blocked])
     for sentence, to_do in SENTENCES.items():
-        found = _pattern(PREFIXED + sentence).fullmatch(blocked)
+        # the service says some with what to do behind them: a console shows nothing else
+        said = blocked.removesuffix(f"; {to_do}")
+        found = _pattern(PREFIXED + sentence).fullmatch(said)
         if found is not None:
             named = found.groupdict()
             actuator = named.pop("actuator")

@@ -15,6 +15,7 @@ from itertools import groupby
 from aff_hmi.condition import RANK
 from aff_hmi.layout import Layout
 from aff_hmi.notices import Notice, is_probing, notices_of
+from aff_hmi.objections import LONGEST as LONGEST_REASON
 from aff_hmi.reason import SHAPES, STARTING, Reason, explained, reason_of
 from aff_hmi.recent_window import WINDOW_S
 from aff_hmi.watch import Observed
@@ -111,7 +112,7 @@ def view_of(
     """
     facts, row = seen.facts, seen.row
     site = seen.site
-    blocked = printable(facts.blocked, 200) if facts is not None else ""
+    blocked = printable(facts.blocked, LONGEST_REASON) if facts is not None else ""
     state = state_of(seen)
     why, to_do = _why(seen, state, blocked, say, standing or {})
     alarms = notices_of(seen, state, say, standing)
@@ -212,7 +213,7 @@ def _also(seen: Observed, state: str, say: Say) -> Iterator[Reason]:
     if seen.facts is None or state in NOT_IN_THE_WAY or is_probing(seen):
         return
     for text in seen.facts.also_blocking:
-        why, to_do = explained(printable(text, 200), say)
+        why, to_do = explained(printable(text, LONGEST_REASON), say)
         yield Reason(why=why, to_do=to_do)
 
 

@@ -19,12 +19,26 @@ The last tenth, so cut that the fade begins at 17.0 Hz on the Euclid line, as th
 """
 
 
+SAMPLES_PER_PERIOD = 20.0
+"""Of an order that the plain law sends, at least. Our choice, neither derived nor measured.
+
+One cycle is then 18 degrees of the order at most, so that a correction which is up to three cycles
+late stays within the 60 degrees at which it helps no more. The plain law knows no drive, so the
+cycle alone sets it.
+"""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Band:
     """Orders go out whole up to ``full_Hz`` and not at all from ``end_Hz`` on."""
 
     full_Hz: float
     end_Hz: float
+
+
+def plain_limit_Hz(cycle_s: float) -> float:
+    """Return up to which frequency the plain law sends an order: 10 Hz at a cycle of 5 ms."""
+    return 1.0 / (SAMPLES_PER_PERIOD * cycle_s)
 
 
 def hold_limit_Hz(cycle_s: float) -> float:

@@ -151,6 +151,7 @@ class ActuatorParams:
     mean_tau_s : time constant of the mean that is taken out of the error.
     law : key of ``core.laws.catalogue.LAWS``.
     drive, shape : of the shape law; without a drive the plain blocks stand in.
+    stands_in : ``law`` runs because law shape, which is wanted, waits for a drive.
     turns : roll that the drive turns, where ``drive`` does not say it; "": the first block's.
     """
 
@@ -163,6 +164,7 @@ class ActuatorParams:
     speed_scaled: bool | None = None
     mean_tau_s: float = 10.0
     law: str = "blocks"
+    stands_in: bool = False
     drive: DriveParams | None = None
     shape: ShapeParams = field(default_factory=ShapeParams)
     blocks: tuple[BlockParams, ...] = ()

@@ -12,7 +12,7 @@ from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.models import Actuator, Drive, Roll, Site
 from aff_runtime.config.models.drive import slow_band
 from aff_runtime.config.probe_bound import probe_bound
-from aff_runtime.core.blocks.bank import SAMPLES_PER_TURN
+from aff_runtime.core.bandwidth import plain_limit_Hz
 from aff_runtime.core.params import (
     ActuatorParams,
     BlockParams,
@@ -112,7 +112,7 @@ def _loudness(
 
 def _blocks_probe(site: Site) -> ProbeParams:
     """Return what the plain law needs: tones up to the highest order that it corrects."""
-    end_Hz = 1.0 / (SAMPLES_PER_TURN * site.cycle_s)
+    end_Hz = plain_limit_Hz(site.cycle_s)
     return ProbeParams(
         actuators=(), amplitude=0.0, f_max_Hz=end_Hz, louder_from_Hz=BLOCKS_LOUDER_FROM * end_Hz
     )
@@ -212,6 +212,7 @@ def _plain(name: str, actuator: Actuator) -> ActuatorParams:
         name=name,
         turns=actuator.drive.roll if actuator.drive is not None else "",
         law=actuator.law_that_runs,
+        stands_in=actuator.stands_in,
         signal=actuator.error.signal,
         reference=actuator.error.reference,
         output=OutputKind(actuator.output),

@@ -74,7 +74,7 @@ class Block(Section):
     roll: Name = key("Roll whose angle drives the blocks.")
     orders: Annotated[tuple[Order, ...], *Few] = key(
         "Harmonics to cancel, periods per turn (1..64). Add one at a time; take one out that "
-        "status shows as held. At least 20 samples per turn of the highest are needed.",
+        "status shows as held. The plain law needs 20 samples per period of the highest.",
         live=True,
     )
     settle_s: Seconds = key(
@@ -215,9 +215,14 @@ class Actuator(Section):
         return self.law == "shape" and self.drive is not None and self.drive.is_whole
 
     @property
+    def stands_in(self) -> bool:
+        """Return whether the plain blocks run in the place of law shape, which lacks a drive."""
+        return self.law == "shape" and not self.uses_shape
+
+    @property
     def law_that_runs(self) -> str:
         """Return the law's word; of the shape law without a drive, that of what stands in."""
-        return "blocks" if self.law == "shape" and not self.uses_shape else self.law
+        return "blocks" if self.stands_in else self.law
 
     @property
     def limit(self) -> float:

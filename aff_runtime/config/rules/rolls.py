@@ -9,8 +9,7 @@ from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.meetings import frequency_Hz, meetings_of
 from aff_runtime.config.models import Actuator, Roll, Site
 from aff_runtime.config.rules.issue import Issue
-
-MIN_SAMPLES_PER_PERIOD = 20
+from aff_runtime.core.bandwidth import SAMPLES_PER_PERIOD, plain_limit_Hz
 
 
 def issues(site: Site) -> Iterator[Issue]:
@@ -115,13 +114,17 @@ def _sampling(path: KeyPath, actuator: Actuator, site: Site) -> Iterator[Issue]:
         order = max(block.orders)
         frequency = frequency_Hz(order, speed_m_s, roll.smallest_radius_m)
         samples = 1.0 / (frequency * site.cycle_s)
-        if samples < MIN_SAMPLES_PER_PERIOD:
-            slower = speed_m_s * samples / MIN_SAMPLES_PER_PERIOD
+        if samples < SAMPLES_PER_PERIOD:
+            limit_Hz = plain_limit_Hz(site.cycle_s)
+            slower = speed_m_s * limit_Hz / frequency
+            first = ""
+            if actuator.stands_in:
+                first = "it stands in until the drive is known: probe, or declare drive; else "
             text = (
                 f"order {order} has {samples:.1f} samples per period at {speed_m_s:g} m/s and "
-                f"radius {roll.smallest_radius_m:g} m ({frequency:.2f} Hz). Need >= "
-                f"{MIN_SAMPLES_PER_PERIOD}: stay under {slower:.3g} m/s, leave the order out or "
-                "shorten cycle_ms."
+                f"radius {roll.smallest_radius_m:g} m ({frequency:.2f} Hz). The plain law sends "
+                f"nothing above {limit_Hz:.4g} Hz at a cycle of {1e3 * site.cycle_s:g} ms: "
+                f"{first}stay under {slower:.3g} m/s, leave the order out or shorten cycle_ms."
             )
             place = block.orders.index(order)
             where = (*path, "blocks", index, "orders", place)

@@ -31,7 +31,7 @@ def _law(path: KeyPath, actuator: Actuator) -> Iterator[Issue]:
     if actuator.law == "shape" and actuator.output != "velocity_reference":
         text = "law shape corrects a velocity_reference; this is a torque_reference. Write blocks."
         yield Issue(path=where, text=text)
-    elif actuator.law == "shape" and not actuator.uses_shape:
+    elif actuator.stands_in:
         text = (
             "no whole drive is declared: until a probe has identified the rest, the plain blocks "
             "stand in. Add drive (roll, speed_gain_rad_s, zeta, inertia_kg_m2), probe, or write "

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 
 from aff_runtime.base.order_columns import STATE
 from aff_runtime.base.signals import ActuatorStep
+from aff_runtime.core.bandwidth import plain_limit_Hz
 from aff_runtime.core.blocks.block import HarmonicBlock
 from aff_runtime.core.blocks.sharing import gain_share
 from aff_runtime.core.blocks.slot import Slot
@@ -19,10 +20,8 @@ from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.residual import Residual
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response, arming_objections
 
-SAMPLES_PER_TURN = 20.0
-"""Of an order's angle; an order with fewer does not go out. Our choice: one tick is 18 degrees."""
 FADE_FROM = 0.9
-"""Of the frequency with so many samples: over the last tenth an order fades.
+"""Of the highest frequency that goes out (``plain_limit_Hz``): over the last tenth an order fades.
 
 The shape law fades below another frequency, and from 0.895 of it (``core/bandwidth.py``).
 """
@@ -67,7 +66,8 @@ class Bank:
         self._p = params
         self._response = response
         self._lead_s = 0.5 * cycle_s + params.transport_s
-        self._omega_max = math.tau / (SAMPLES_PER_TURN * cycle_s)
+        self._cycle_s = cycle_s
+        self._omega_max = math.tau * plain_limit_Hz(cycle_s)
         self._residual = Residual(params.mean_tau_s)
         self._gate = SpeedGate(params.active_above_m_s)
         rolls = list(dict.fromkeys(b.roll for b in params.blocks))
@@ -272,15 +272,15 @@ class Bank:
         self._gate.opened = old._gate.opened
 
     def objections(self) -> tuple[str, ...]:
-        """Return why this actuator may not arm at the present speed."""
+        """Return why this actuator may not arm at the present speed.
+
+        Before the first probe of a drive that law shape waits for, no order is too fast: that law
+        has another limit, and the probe is what is lacking.
+        """
         wanted = [(slot.name, slot.omega_rad_s / math.tau) for slot in self.slots]
         sentences = list(arming_objections(self._response, wanted))
-        limit_Hz = self._omega_max / math.tau
-        for name, frequency_Hz in wanted:
-            if abs(frequency_Hz) > limit_Hz:
-                sentences.append(
-                    f"{name}: {abs(frequency_Hz):.2f} Hz exceeds 1/20 of the sample rate"
-                )
+        if self._response is not None or not self._p.stands_in:
+            sentences += self._too_fast(wanted)
         for slot in self.slots:
             if abs(slot.omega_rad_s) * self._interval_s > slot.block.widest_rad:
                 sentences.append(
@@ -292,6 +292,26 @@ class Bank:
             if phase.quality is Quality.LOST and phase.omega_rad_s != 0.0:
                 sentences.append(f"{roll}: its angle is lost")
         return tuple(sentences)
+
+    def _too_fast(self, wanted: list[tuple[str, float]]) -> Iterator[str]:
+        """Yield which orders are above what goes out at this cycle, and what to do."""
+        limit_Hz, cycle_ms = self._omega_max / math.tau, 1e3 * self._cycle_s
+        or_else = "shorten cycle_ms, run slower or take out that order"
+        for name, signed_Hz in wanted:
+            f = abs(signed_Hz)
+            if not f > limit_Hz:
+                continue
+            if self._p.stands_in:
+                yield (
+                    f"{name}: {f:.2f} Hz is above the {limit_Hz:.4g} Hz of the plain law, which "
+                    f"stands in, at a cycle of {cycle_ms:g} ms; identify the drive by a probe or "
+                    f"declare it, else {or_else}"
+                )
+            else:
+                yield (
+                    f"{name}: {f:.2f} Hz is above the {limit_Hz:.4g} Hz of the plain law at a "
+                    f"cycle of {cycle_ms:g} ms; {or_else}"
+                )
 
     def ripple(self) -> tuple[float, float]:
         """Return the root sum of squares of all orders' amplitudes, before and now."""

@@ -21,7 +21,11 @@ def test_too_few_samples_per_turn_is_a_warning_with_the_speed_that_still_works(t
     said = warnings_of(path)["actuators.unwind.blocks[0].orders[3]"]
     # 4 * 2 / (2 pi 0.1016) = 12.53 Hz, 1 / (12.53 * 0.005) = 15.96; 2 * 15.96 / 20 = 1.6
     assert "order 4 has 16.0 samples per period at 2 m/s and radius 0.1016 m (12.53 Hz)" in said
-    assert "stay under 1.6 m/s" in said
+    assert "nothing above 10 Hz at a cycle of 5 ms: stay under 1.6 m/s" in said
+    output = "    output: velocity_reference\n"
+    path.write_text(path.read_text().replace(output, f"{output}    law: shape\n", 1))
+    said = warnings_of(path)["actuators.unwind.blocks[0].orders[3]"]
+    assert "it stands in until the drive is known: probe, or declare drive; else stay" in said
 
 
 def test_plausible_maximum_stands_in_for_a_missing_highest_speed(tmp_path):

@@ -184,12 +184,26 @@ def test_output_fades_and_learning_stops_on_a_slow_line():
     assert column(law, "unwind.unwind_1x.state") == OrderState.IDLE
 
 
-def test_order_above_a_twentieth_of_the_sample_rate_is_held_and_silent():
+def test_order_above_the_limit_of_the_cycle_is_held_and_says_what_to_do():
     blocks = BlockParams(roll="unwind", orders=(13,), settle_s=4.0, amp_limit=0.01)
     line, law = Line(plant(), {}, omega=5.0), controller(with_blocks(blocks))
     line.run(law, 5.0)  # 10.3 Hz at 200 samples per second
     assert column(law, "unwind.unwind_13x.state") == OrderState.HELD_FREQUENCY
-    assert any("1/20" in text for text in law.arming_objections()["unwind"])
+    found = law.arming_objections()["unwind"]
+    said = "unwind_13x: 10.35 Hz is above the 10 Hz of the plain law at a cycle of 5 ms; "
+    assert any(text.startswith(f"{said}shorten cycle_ms, run slower") for text in found), found
+
+
+def test_an_order_that_only_the_stand_in_refuses_is_no_objection_before_a_first_probe():
+    blocks = BlockParams(roll="unwind", orders=(13,), settle_s=4.0, amp_limit=0.01)
+    waiting = replace(with_blocks(blocks), stands_in=True)
+    line, law = Line(plant(), {}, omega=5.0), Controller(site(waiting), {})
+    line.run(law, 0.1)
+    assert law.arming_objections()["unwind"] == ("no measured response; run the probe",)
+    probed = controller(waiting)
+    line.run(probed, 0.1)
+    (said,) = (text for text in probed.arming_objections()["unwind"] if "plain law" in text)
+    assert "the plain law, which stands in, at a cycle of 5 ms; identify the drive" in said
 
 
 def test_block_outside_the_probed_band_is_held():
