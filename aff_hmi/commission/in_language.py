@@ -144,8 +144,13 @@ def line_in(line: LineView, say: Say) -> LineView:
         line,
         orders=tuple(sentence(text, say) for text in line.orders),
         limits=tuple(sentence(text, say) for text in line.limits),
+        drives=tuple(sentence(text, say) for text in line.drives),
         responses=tuple(
-            replace(one, drive=tuple(_drive_row(row, say) for row in one.drive))
+            replace(
+                one,
+                drive=tuple(_drive_row(row, say) for row in one.drive),
+                no_drive=sentence(one.no_drive, say),
+            )
             for one in line.responses
         ),
     )

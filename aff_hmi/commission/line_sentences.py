@@ -1,7 +1,7 @@
 """What the service and the check say of a line, as patterns of the reader's language.
 
 What came of a probe, what became of a shape, how the service is reached, and the orders and limits
-of the site file. Errors and warnings of the check, and what it says of drives, stay English.
+of the site file. Errors and warnings of the check stay English.
 """
 
 from __future__ import annotations

@@ -17,6 +17,7 @@ from aff_hmi.commission.bus_sentences import BUS
 from aff_hmi.commission.card_lacks import LACKS
 from aff_hmi.commission.card_sentences import CARD
 from aff_hmi.commission.choices import all_named
+from aff_hmi.commission.drive_sentences import DRIVES, WHY_NONE
 from aff_hmi.commission.line_sentences import LINE
 from aff_hmi.commission.run_sentences import RUNS
 from aff_hmi.commission.setup_sentences import SETUP
@@ -93,6 +94,8 @@ PATTERNS = (
     *LACKS,
     *VERDICTS,
     *LINE,
+    *DRIVES,
+    *WHY_NONE,
 )
 _PLACE = re.compile(r"\\\{(\w+)\\\}")
 _NESTED = ("what", "why")
@@ -106,7 +109,9 @@ _KINDS = {
     "file": r"/\S+?",
     "all": r"\d+",
     "roll": _NO_COLON,
+    "both": r"\d+",
     **dict.fromkeys(("actuator", "frequency", "order", "radius", "rpm", "speed"), _ONE_WORD),
+    **dict.fromkeys(("measured", "setting"), _ONE_WORD),
 }
 """What is narrow in every sentence: else a text with many colons has more ways to be taken apart
 than a server's loop has time for."""

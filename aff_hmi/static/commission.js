@@ -169,7 +169,7 @@ function response(one) {
     ]);
     made.append(table([words.number, words.value, words.span], rows));
   }
-  if (!one.drive.length) made.append(part("p", "note", words.noDrive));
+  if (one.no_drive) made.append(part("p", "note", fill(words.noDrive, { why: one.no_drive })));
   const points = one.points.map(([f, gain, phase, error, coherence]) => [
     `${number(f, 2)} Hz`,
     `${short(gain)} ${one.unit}`,
@@ -242,7 +242,7 @@ function showLine() {
   done("check", line !== null && errors.length === 0);
   done("probe", isProbed);
   done("found", isProbed);
-  done("tune", isProbed && line.drives.every((text) => !text.includes("stand in")));
+  done("tune", isProbed && line.stands_in.length === 0);
 }
 
 // --- arm and proof: what the line shows, since when ---------------------------------------------

@@ -83,7 +83,8 @@ def _once(options: argparse.Namespace, site: Site, names: list[str], *, louder: 
     for kept in ProbeDone.from_json(answer).results:
         actuator = site.actuators[kept.result.actuator]
         measured = Response.from_json(kept.result.text)
-        for line in table(kept, actuator.response_unit, actuator.unit):
+        wants_drive = actuator.stands_in
+        for line in table(kept, actuator.response_unit, actuator.unit, wants_drive=wants_drive):
             say(line)
         bound = probe_bound(site, kept.result.actuator)
         if bound.given is None:
@@ -118,8 +119,13 @@ def bounds(site: Site, names: Sequence[str]) -> Iterator[str]:
         yield f"{name}: {sent}{moved}"
 
 
-def table(kept: KeptResponse, unit: str, sent_unit: str) -> Iterator[str]:
-    """Yield one probed actuator as text; ``unit`` is that of its gain."""
+def table(
+    kept: KeptResponse, unit: str, sent_unit: str, *, wants_drive: bool = False
+) -> Iterator[str]:
+    """Yield one probed actuator as text; ``unit`` is that of its gain.
+
+    ``wants_drive`` : its law waits for the numbers of the drive.
+    """
     result = kept.result
     yield f"{result.actuator}: sign {result.sign:+d}, delay {result.delay_s * 1e3:.0f} ms"
     measured = Response.from_json(result.text)
@@ -140,8 +146,8 @@ def table(kept: KeptResponse, unit: str, sent_unit: str) -> Iterator[str]:
         )
     if measured.drive is not None:
         yield f"  drive: {numbers_of(measured.drive)}"
-    elif result.no_drive:
-        yield f"  drive not identified: {result.no_drive}"
+    elif wants_drive:
+        yield f"  drive not identified: {measured.no_drive}"
     for remark in result.remarks:
         yield f"  remark: {remark}"
     yield f"  kept in {kept.file}"

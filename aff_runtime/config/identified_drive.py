@@ -10,7 +10,7 @@ from pydantic import ValidationError
 
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.models import Actuator, Drive, Site
-from aff_runtime.core.identified import IdentifiedDrive
+from aff_runtime.core.identified import WIDEST, Estimate, IdentifiedDrive
 from aff_runtime.core.response import Response
 
 DIGITS = 4
@@ -68,8 +68,13 @@ def _filled(actuator: Actuator, response: Response | None) -> tuple[Drive, str]:
         When what was identified cannot be used.
     """
     found = None if response is None else response.drive
-    if response is None or found is None:
+    if response is None:
         raise RefusedError("no drive is declared whole, and no probe has identified one")
+    if found is None:
+        raise RefusedError(
+            f"the probe of {response.provenance.measured_at or 'an unknown time'} identified no "
+            f"drive: {why_no_drive(response)}"
+        )
     declared = actuator.drive
     if declared is not None and declared.roll != found.roll:
         raise RefusedError(f"a probe identified {found.roll}, the drive turns {declared.roll}")
@@ -93,6 +98,11 @@ def _filled(actuator: Actuator, response: Response | None) -> tuple[Drive, str]:
     if given:
         text += f"; declared: {', '.join(key for key in given if key in _NUMBERS) or 'the web'}"
     return drive, text
+
+
+def why_no_drive(response: Response) -> str:
+    """Return why a response holds no numbers of its drive, and what to do."""
+    return response.no_drive or "the file of the response does not say why; probe again"
 
 
 _NUMBERS = ("speed_gain_rad_s", "zeta", "integral_time_s", "inertia_kg_m2", "transport_ms")
@@ -128,16 +138,28 @@ def _open(found: IdentifiedDrive, declared: Drive | None) -> dict[str, float]:
             continue
         least = estimate.low > 0.0 if key == "integral_time_s" else estimate.is_sure
         if not least:
-            raise RefusedError(
-                f"{key} is not sure enough, {estimate}; probe longer or with more "
-                "probe.amplitude_m_s, or declare it"
-            )
+            raise RefusedError(_unsure(key, estimate))
         filled[key] = _rounded(estimate.value)
     if "inertia_kg_m2" in filled:
         filled["inertia_kg_m2"] = _rounded(_core_kg_m2(found, declared))
     if declared is None or declared.transport_ms is None:
         filled["transport_ms"] = _rounded(max(0.0, 1e3 * found.delay_s.value))
     return filled
+
+
+def _unsure(key: str, estimate: Estimate) -> str:
+    """Return by how much a number is not sure enough, and what to do."""
+    to_do = (
+        "raise probe.duration_s, or probe.amplitude_m_s (probe.bound_m_s where it is chosen), or "
+        "declare it"
+    )
+    span = f"{estimate.low:.3g} to {estimate.high:.3g}"
+    if not estimate.low > 0.0:
+        return f"{key} is not shown: its 95 % interval {span} is not all above 0; {to_do}"
+    return (
+        f"{key} is not sure enough: the 95 % interval {span} spans a factor of "
+        f"{estimate.high / estimate.low:.3g}, {WIDEST:g} is the most; {to_do}"
+    )
 
 
 def _core_kg_m2(found: IdentifiedDrive, declared: Drive | None) -> float:

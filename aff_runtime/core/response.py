@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
 from aff_runtime.base.errors import UNREADABLE, ConfigError
+from aff_runtime.base.printable import printable
 from aff_runtime.core.identified import IdentifiedDrive
 
 FORMAT = "aff-response-1"
@@ -24,6 +25,7 @@ MIN_COHERENCE = 0.73  # 1 / (1 + e^2) at the error e whose phase is known to 60 
 BAND_SLACK = 1.02  # an order this little outside the probed band, by ratio, may arm
 GAIN_RANGE = (1e-9, 1e12)  # signal unit per output unit; far outside what any line does
 COHERENCE_ROUNDING = 1e-6  # of a coherence above 1
+LONGEST_REASON = 400  # characters of a sentence in a response file
 MEASURED = ("cycle_s", "amplitude", "amplitude_needed", "repeat_sigmas")
 
 
@@ -81,6 +83,7 @@ class Response:
         "_phase",
         "delay_s",
         "drive",
+        "no_drive",
         "points",
         "provenance",
     )
@@ -92,10 +95,12 @@ class Response:
         delay_s: float,
         provenance: Provenance,
         drive: IdentifiedDrive | None = None,
+        no_drive: str = "",
     ) -> None:
         """Order the points; ConfigError when there is none or one is not a positive number.
 
-        ``drive`` is what the same probe found of the drive itself, None where it found nothing.
+        ``drive`` is what the same probe found of the drive itself, None where it found nothing;
+        ``no_drive`` says why, as a sentence.
         """
         self.points = tuple(sorted(points, key=lambda point: point.frequency_Hz))
         if not self.points:
@@ -107,6 +112,7 @@ class Response:
                 raise ConfigError(f"{name} is unusable; probe again")
         self.delay_s = delay_s
         self.drive = drive
+        self.no_drive = no_drive
         self.provenance = provenance
         self._f = [p.frequency_Hz for p in self.points]
         self._log_gain = [math.log(p.gain) for p in self.points]
@@ -189,6 +195,7 @@ class Response:
             "provenance": provenance,
             "points": [asdict(point) for point in self.points],
             **({} if self.drive is None else {"drive": self.drive.to_plain()}),
+            **({"no_drive": self.no_drive} if self.no_drive else {}),
         }
         return json.dumps(said, indent=1, allow_nan=False)
 
@@ -208,6 +215,7 @@ class Response:
                 delay_s=float(data["delay_s"]),
                 provenance=Provenance(**kept),
                 drive=None if drive is None else IdentifiedDrive.from_plain(drive),
+                no_drive=printable(str(data.get("no_drive", "")), LONGEST_REASON),
             )
         except UNREADABLE as error:
             raise ConfigError(f"not a response file: {error}; run the probe again") from error

@@ -145,7 +145,7 @@ def measured(line: DrawnLine, noise: int) -> tuple[Response, str, float]:
     """Return what a probe finds, why it found nothing of the drive, and how far it pulled (N)."""
     law, played = probe(line, noise)
     (result,) = law.result({"unwind": replace(ABOUT, radius_m=line.radius_m)})
-    return result.response, result.no_drive, _pulled_N(line, np.array(played))
+    return result.response, result.response.no_drive, _pulled_N(line, np.array(played))
 
 
 def _pulled_N(line: DrawnLine, played: npt.NDArray[np.float64]) -> float:

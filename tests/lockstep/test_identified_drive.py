@@ -53,7 +53,7 @@ def result(site_file) -> ProbeResult:
 def test_the_drive_is_found_inside_its_intervals(result):
     line = load_declaration(LINE)
     found = result.response.drive
-    assert found is not None, result.no_drive
+    assert found is not None, result.response.no_drive
     drive, web = line.control.drives[0], line.web
     core_4 = line.initial_radii_m.core**4
     wound = 0.5 * math.pi * web.density_kg_m3 * web.width_m * (found.radius_m**4 - core_4)

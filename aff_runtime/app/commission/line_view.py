@@ -25,7 +25,7 @@ from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.config.check import check_site
-from aff_runtime.config.identified_drive import with_identified
+from aff_runtime.config.identified_drive import why_no_drive, with_identified
 from aff_runtime.config.learned_responses import MAX_RESPONSE_BYTES
 from aff_runtime.config.models import Site
 from aff_runtime.config.plain_file import read_plain
@@ -53,13 +53,13 @@ def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
     if site is None or facts is None:
         return LineShown(line=view)
     responses = _responses(site, where)
+    in_use, _ = with_identified(site, responses)
     proof = None
     speed_m_s = math.nan
     with contextlib.suppress(AffError):
         status = status_of(where.socket)
         if status is not None and status.live is not None:
             speed_m_s = status.live.tick.number(site.line.speed)
-        in_use, _ = with_identified(site, responses)
         proof = proof_times(in_use, status) if status is not None else None
     view = replace(
         view,
@@ -67,6 +67,7 @@ def line(where: Paths, asked: Request, talk: Talk) -> LineShown:
         limits=tuple(str(one) for one in facts.limits)[:MOST_MESSAGES],
         probe=_bounds(site, responses, speed_m_s),
         proof=proof,
+        stands_in=tuple(name for name, one in in_use.actuators.items() if one.stands_in),
         responses=tuple(_response(name, one, site) for name, one in responses.items()),
     )
     return LineShown(line=view)
@@ -169,6 +170,9 @@ def _response(name: str, response: Response, site: Site) -> ResponseView:
             for one in response.points
         ),
         drive=_drive(response.drive) if response.drive is not None else (),
+        no_drive=why_no_drive(response)
+        if response.drive is None and site.actuators[name].stands_in
+        else "",
         repeat_sigmas=finite_or_none(about.repeat_sigmas),
         repeat_most=MOST_REPEAT_ERRORS,
     )

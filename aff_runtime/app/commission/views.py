@@ -210,8 +210,10 @@ class PointView(NamedTuple):
 class ResponseView:
     """A measured response; ``unit`` is its gain's, speed and radius None where not known.
 
-    ``repeat_sigmas`` is how far it is from the one before, of the same speed and radius, in their
-    stated errors, ``repeat_most`` up to where those are right; None where there was none before.
+    ``no_drive`` says why no numbers of the drive are in it where its law waits for them, else it
+    is empty. ``repeat_sigmas`` is how far it is from the one before, of the same speed and radius,
+    in their stated errors, ``repeat_most`` up to where those are right; None where there was none
+    before.
     """
 
     actuator: str
@@ -222,6 +224,7 @@ class ResponseView:
     delay_s: float
     points: tuple[PointView, ...]
     drive: tuple[DriveRow, ...]
+    no_drive: str = ""
     repeat_sigmas: float | None = None
     repeat_most: float | None = None
 
@@ -233,11 +236,13 @@ class LineView:
     Attributes
     ----------
     orders, limits : facts of the site, a sentence each. ``drives`` : what is said of drives.
+    stands_in : actuators on which the plain law stands in for law shape, which lacks a drive.
     """
 
     errors: tuple[str, ...]
     warnings: tuple[str, ...]
     drives: tuple[str, ...]
+    stands_in: tuple[str, ...] = ()
     orders: tuple[str, ...] = ()
     limits: tuple[str, ...] = ()
     probe: ProbeView | None = None

@@ -173,5 +173,4 @@ def _told(result: ProbeResult) -> replies.ProbeResult:
         remarks=tuple(result.remarks),
         delay_s=result.response.delay_s,
         text=result.response.to_json(),
-        no_drive=result.no_drive,
     )

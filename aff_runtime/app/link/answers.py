@@ -91,7 +91,6 @@ class KeptResponse:
             "sign": result.sign,
             "remarks": list(result.remarks),
             "delay_s": result.delay_s,
-            "no_drive": result.no_drive,
             "response": json.loads(result.text),
             "file": str(self.file),
         }
@@ -120,7 +119,6 @@ def _kept(row: Any) -> KeptResponse:
         sign=row["sign"],
         remarks=tuple(row["remarks"]),
         delay_s=row["delay_s"],
-        no_drive=row.get("no_drive", ""),
         text=json.dumps(row["response"]),
     )
     return KeptResponse(result=result, file=Path(row["file"]))

@@ -25,11 +25,10 @@ class Reply:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProbeResult:
-    """One measured response; ``text`` is its file, ``no_drive`` why it holds no drive."""
+    """One measured response; ``text`` is its file."""
 
     actuator: str
     sign: int
     remarks: tuple[str, ...]
     delay_s: float
     text: str
-    no_drive: str = ""

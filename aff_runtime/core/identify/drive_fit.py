@@ -88,17 +88,15 @@ def fit_drive(phasors: Phasors, *, cycle_s: float, roll: str, radius_m: float) -
     _refuse_other_way(heard)
     fits = _fit_bands(heard, cycle_s)
     if not fits:
-        raise RefusedError(
-            f"of {phasors.omega_rad_s.size} tones too few are heard below {BANDS_Hz[0]:g} Hz in "
-            "speed and tension; raise probe.amplitude_m_s or probe.duration_s"
-        )
+        raise RefusedError(_too_few(phasors))
     best = fits[0]
     _refuse_torque(best)
     if best.misfit > WORST_MISFIT:
         raise RefusedError(
             f"no simple web path explains what was heard (misfit {best.misfit:.1f}, at most "
             f"{WORST_MISFIT:g}): is line.speed that of the driven roller that ends this zone, "
-            "and the tension this zone's?"
+            "and the tension this zone's? If so, probe again at a steady speed, or declare the "
+            "drive"
         )
     return _numbers(fits, roll, radius_m)
 
@@ -132,9 +130,26 @@ def _fit_bands(heard: Phasors, cycle_s: float) -> Sequence[_Fitted]:
 
 def _heard(phasors: Phasors) -> Phasors:
     """Return the tones that stand out of the noise in the roll's speed and in the tension."""
+    return phasors.only(np.asarray(_clear(phasors).all(axis=1)))
+
+
+def _clear(phasors: Phasors) -> npt.NDArray[np.bool_]:
+    """Return which tones stand out of the noise, (tones, 2): in the roll's speed, the tension."""
     noise = np.sqrt(np.einsum("kii->ki", phasors.noise).real)
-    clear = (np.abs(phasors.seen[:, :2]) > CLEAR * noise[:, :2]).all(axis=1)
-    return phasors.only(clear)
+    return np.asarray(np.abs(phasors.seen[:, :2]) > CLEAR * noise[:, :2])
+
+
+def _too_few(phasors: Phasors) -> str:
+    """Return how many tones are heard and are needed, and which signal they are lacking in."""
+    clear = _clear(phasors.below(BANDS_Hz[0]))
+    speed, tension = clear.sum(axis=0)
+    both = clear.all(axis=1).sum()
+    return (
+        f"{both} of {len(clear)} tones below {BANDS_Hz[0]:g} Hz are {CLEAR:g} standard errors "
+        f"above the noise in speed and tension, {FEWEST_TONES} are needed (in the roll's speed "
+        f"{speed}, in the tension {tension}): raise probe.amplitude_m_s, or probe.bound_m_s where "
+        "it is chosen, or probe.duration_s"
+    )
 
 
 def _refuse_other_way(heard: Phasors) -> None:

@@ -88,7 +88,10 @@ def read_phasors(
         seen = solution[at] + 1j * solution[at + 1]
         noise, places = regression.noise(residual, omega, at)
         if places < SIDES // 2:
-            raise RefusedError("the tones stand too close to tell their noise; probe for longer")
+            raise RefusedError(
+                f"the tones stand too close to tell their noise: beside {omega / math.tau:.2f} Hz "
+                f"from {places} places, {SIDES // 2} are needed; raise probe.duration_s"
+            )
         rows.append((omega, amplitude, seen, noise))
     rows.sort(key=lambda row: row[0])
     omegas, sent, seen_rows, noises = zip(*rows, strict=True)

@@ -99,7 +99,7 @@ class DriveRecord:
         except RefusedError as error:
             return None, str(error)
         except np.linalg.LinAlgError:
-            return None, "the tones do not suffice for a fit; probe for longer"
+            return None, "the tones do not suffice for a fit; raise probe.duration_s"
 
     def _refuse_unseen(self, keep: npt.NDArray[np.bool_]) -> None:
         """Refuse where the balances lack a signal; each refusal says which.
@@ -130,7 +130,18 @@ class DriveRecord:
                 "declare the drive"
             )
         if self._foreign > STRANGE_SHARE * len(self._theta):
-            raise RefusedError(f"the angle of {roll.name} was lost at times; probe again")
+            share = self._foreign / len(self._theta)
+            raise RefusedError(
+                f"the angle of {roll.name} was lost in {share:.1%} of the readings, "
+                f"{STRANGE_SHARE:.0%} may be; look at its encoder, then probe again"
+            )
         missing = ~np.isfinite(np.asarray(self._theta)) | ~np.isfinite(np.asarray(self._speed))
-        if not self._radius_m > 0.0 or bool(missing[keep].any()):
-            raise RefusedError("line speed or radius was missing at times; probe again")
+        if not self._radius_m > 0.0:
+            raise RefusedError(
+                f"{roll.radius} was no radius above 0 m; look at that channel, then probe again"
+            )
+        if bool(missing[keep].any()):
+            raise RefusedError(
+                f"line speed or angle was missing in {missing[keep].sum()} of {keep.sum()} "
+                "readings, none may be; look at those channels, then probe again"
+            )

@@ -53,15 +53,13 @@ class ProbeResult:
     """What the probe found for one actuator.
 
     ``sign`` of P at low frequency (0: undecided); ``remarks`` are reasons to distrust the
-    response, empty when there is none; ``no_drive`` says why the response holds no numbers of the
-    drive.
+    response, empty when there is none.
     """
 
     actuator: str
     response: Response
     sign: int
     remarks: tuple[str, ...]
-    no_drive: str = ""
 
 
 class Probe:
@@ -341,10 +339,11 @@ class Probe:
         limited = float(np.ptp(ratio)) > RATIO_SPREAD
         return ProbeResult(
             actuator=name,
-            response=Response(points=points, delay_s=delay_s, provenance=about, drive=drive),
+            response=Response(
+                points=points, delay_s=delay_s, provenance=about, drive=drive, no_drive=no_drive
+            ),
             sign=measured_sign(points, delay_s),
             remarks=(*_remarks(limited, fit.strange), *chosen),
-            no_drive=no_drive,
         )
 
     def _sent(self, j: int, keep: npt.NDArray[np.bool_]) -> list[Tone]:

@@ -14,6 +14,7 @@ from types import ModuleType
 
 import pytest
 
+from aff_hmi.commission.drive_sentences import WHY_NONE
 from aff_hmi.commission.in_language import state_in
 from aff_hmi.commission.line_sentences import PROBES, SERVICE, SHAPES
 from aff_hmi.commission.sentences import PATTERNS, _compiled, parts, sentence
@@ -28,8 +29,10 @@ from aff_runtime.app.supervisor import probe_session, shape_shelf
 from aff_runtime.app.supervisor.settings import desk
 from aff_runtime.app.wiring import shape_file
 from aff_runtime.app.wiring.shape_file import read_shapes
+from aff_runtime.config import identified_drive
 from aff_runtime.config.check import check_site
-from aff_runtime.core.probe import bounds, choosing, probe
+from aff_runtime.core.identify import drive_fit, phasors
+from aff_runtime.core.probe import bounds, choosing, drive_record, probe
 from aff_runtime.core.shape.trial import Fit
 from tests.aff_hmi.commission.steps_of import Steps
 from tests.aff_hmi.moments import facts as told
@@ -38,6 +41,7 @@ from tests.aff_hmi.moments import seen
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 SITES = sorted((Path(__file__).parents[3] / "config").glob("*.yaml"))
 SAYS = {
+    WHY_NONE: (identified_drive, drive_fit, phasors, drive_record),
     PROBES: (probe_run, probe_session, probe, bounds, choosing),
     SHAPES: (known_shape, shape_keeper, shape_shelf, shape_file),
     SERVICE: (request_client, desk),

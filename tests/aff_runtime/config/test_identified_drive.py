@@ -69,7 +69,7 @@ def test_one_declared_number_wins_and_the_rest_is_identified(tmp_path):
 @pytest.mark.parametrize(
     ("declared", "found", "said"),
     [
-        ("", None, "no probe has identified one"),
+        ("", None, "an unknown time identified no drive: the file"),
         ("", drive(inertia_kg_m2=estimate(0.4, 0.5)), "inertia_kg_m2 is not sure enough"),
         ("", drive(speed_gain_rad_s=estimate(0.1)), "identified speed_gain_rad_s is 0.1"),
         (WEB, drive(inertia_kg_m2=estimate(0.14)), "mend web_density_kg_m3"),
@@ -77,7 +77,7 @@ def test_one_declared_number_wins_and_the_rest_is_identified(tmp_path):
         (
             "",
             drive(integral_time_s=Estimate(value=0.1, low=-0.1, high=0.3)),
-            "integral_time_s is not sure enough",
+            "integral_time_s is not shown: its 95 % interval -0.1 to",
         ),
     ],
 )

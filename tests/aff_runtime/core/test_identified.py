@@ -46,6 +46,14 @@ def test_a_drive_goes_into_the_file_and_comes_back():
     assert Response.from_json(response(drive()).to_json()).drive == drive()
 
 
+def test_why_there_is_no_drive_goes_into_the_file_and_comes_back_on_one_line():
+    given = response(None)
+    told = Response(
+        points=given.points, delay_s=0.0, provenance=given.provenance, no_drive="6 of 37\ntones"
+    )
+    assert Response.from_json(told.to_json()).no_drive == "6 of 37\\ntones"
+
+
 def test_a_file_without_a_drive_reads_and_is_written_as_before():
     text = response(None).to_json()
     assert "drive" not in json.loads(text)
