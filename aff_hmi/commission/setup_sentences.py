@@ -130,6 +130,10 @@ SAID = (
     N_("the scale of row 1 is not round"),
     N_("no row stood out when it was moved"),
     N_("another word or number can be it too"),
+    N_(
+        "its end was not seen in {seconds} s: watch again at a higher speed, or take one word or "
+        "two, and where it starts over, from the PLC's manual"
+    ),
     N_("several words count up like a scan"),
     N_("several bits changed with it"),
     N_("no word turns as this roll does at this line speed. Does it run?"),
@@ -181,7 +185,8 @@ ROWS = (
     N_("its low word"),
     N_("wraps at 65536"),
     N_("word {word} takes its carry"),
-    N_("no carry into {word} seen yet"),
+    N_("no carry into {word} seen"),
+    N_("its end was not seen in {seconds} s"),
     N_("counts every {period} ms"),
     N_("a scan of {period} ms"),
     N_("counts up by {rate} a second"),

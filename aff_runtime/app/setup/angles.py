@@ -47,6 +47,7 @@ class AngleCandidate:
     why : reasons for and against. ``score`` : without unit; the higher, the likelier.
     wraps_after : counts after which it starts over, where that is not all that its words hold; 0
         where it is. ``usable`` : False for a count that starts over after no whole turns.
+    unseen_s : for how long its end was looked for and not seen; 0 where it was seen.
     leaves_none : another roll that no other word can be then; empty where there is none.
     """
 
@@ -58,6 +59,7 @@ class AngleCandidate:
     score: float
     usable: bool = True
     wraps_after: int = 0
+    unseen_s: float = 0.0
     leaves_none: str = ""
 
     @property
@@ -74,6 +76,11 @@ class AngleCandidate:
     def reading(self) -> tuple[int, int, int]:
         """Return its word, its counts per turn, and after how many it starts over."""
         return self.low_word, self.counts_per_turn, self.wraps_after
+
+    def unseen(self, seconds: float) -> AngleCandidate:
+        """Return it as one whose end was not seen in so many seconds."""
+        why = (*self.why, f"its end was not seen in {seconds:.0f} s")
+        return replace(self, unseen_s=seconds, why=why)
 
     def without(self, roll: str) -> AngleCandidate:
         """Return it as one that leaves no word for another roll."""
@@ -110,7 +117,9 @@ def angle_candidates(
                 # what was seen of its end is off by some counts, whole turns are not
                 measured = measure(row.wraps_after or did.restarts_at)
                 if measured is not None:
-                    candidates.append(_candidate(address, row, measured, counts))
+                    one = _candidate(address, row, measured, counts)
+                    is_seen = did.end.seen or any(each.carried for each in stored)
+                    candidates.append(one if is_seen else one.unseen(seen.duration_s))
     return _sorted(candidates)
 
 
@@ -173,10 +182,21 @@ def beside(
     return _sorted([one if free - {one.low_word} else one.without(roll) for one in rows])
 
 
-def is_sure(rows: Sequence[AngleCandidate]) -> bool:
-    """Return whether the best row stands alone: no other word, number or end can be it."""
+def doubt(rows: Sequence[AngleCandidate]) -> str:
+    """Return why the best row is not sure; empty where it is.
+
+    It has to stand alone, and its end to have been seen: before that a word may be the low one of
+    two, or start over at any count that it has not come to.
+    """
     can_be = {one.reading for one in rows if one.is_held and not one.leaves_none}
-    return len(can_be) == 1 and rows[0].reading in can_be
+    if len(can_be) != 1 or rows[0].reading not in can_be:
+        return "another word or number can be it too"
+    if rows[0].unseen_s:
+        return (
+            f"its end was not seen in {rows[0].unseen_s:.0f} s: watch again at a higher speed, or "
+            "take one word or two, and where it starts over, from the PLC's manual"
+        )
+    return ""
 
 
 def _sorted(rows: Iterable[AngleCandidate]) -> list[AngleCandidate]:
@@ -250,7 +270,7 @@ def _decodings(
         decoding = Decoding(address=min(address, high), type="i32", order=name)
         proved = proved or carry
         score = 6.0 if carry else (0.5 if name == word_order else -1.0 if word_order else -0.5)
-        why = f"word {high} takes its carry" if carry else f"no carry into {high} seen yet"
+        why = f"word {high} takes its carry" if carry else f"no carry into {high} seen"
         rows.append(_Row(decoding=decoding, score=score, why=why, carried=carry))
     wrapped = does.end.seen > 0
     one = "its low word" if proved else "wraps at 65536" if wrapped else "one word"

@@ -46,7 +46,8 @@ class FoundWord(BaseModel):
 
     ``order`` : which of two words comes first. ``scale`` : SI units of one count, or such as
     ``4096 counts/turn``, as the site file writes it. ``wraps_after`` : counts after which an angle
-    starts over, where that is not all that its words hold; else 0.
+    starts over, where that is not all that its words hold; else 0. ``unseen_s`` : for how long an
+    angle was watched without its start over being seen; 0 where it was seen.
     """
 
     model_config = STRICT
@@ -56,6 +57,7 @@ class FoundWord(BaseModel):
     order: Literal["", "high_first", "low_first"]
     scale: ScaleText
     wraps_after: int = Field(default=0, ge=0, le=65536, strict=True)
+    unseen_s: float = Field(default=0.0, ge=0.0, le=3600.0)
 
     @property
     def decoding(self) -> Decoding:

@@ -65,15 +65,22 @@ class Look:
         return True
 
     def keep_word(
-        self, channel: str, decoding: Decoding, scale: str, *, wraps_after: int = 0
+        self,
+        channel: str,
+        decoding: Decoding,
+        scale: str,
+        *,
+        wraps_after: int = 0,
+        unseen_s: float = 0.0,
     ) -> None:
-        """Keep where a quantity was found, and after how many counts an angle starts over."""
+        """Keep where a quantity was found, and of an angle what ``FoundWord`` says of its end."""
         word = FoundWord(
             address=decoding.address,
             type=decoding.type,
             order=decoding.order,
             scale=scale,
             wraps_after=wraps_after,
+            unseen_s=unseen_s,
         )
         self.dialogue.keep(self.dialogue.draft.with_word(channel, word))
 

@@ -109,6 +109,10 @@ def _rows(draft: Draft, channels: Iterable[str]) -> Iterator[str]:
         register = register_number(draft, word.address)
         wraps = ", wraps: true" if channel.endswith("_rad") else ""
         wraps += f", wraps_after: {word.wraps_after}" if word.wraps_after else ""
+        if word.unseen_s:
+            watched = f"Its end was not seen in {word.unseen_s:.0f} s of setup"
+            yield f"      # {watched}: take from the manual of"
+            yield "      # the PLC whether it is one word or two, and where it starts over."
         said = f"{{ register: {register}, type: {word.type}, scale: {word.scale}{wraps} }}"
         yield f"      {channel}: {said}"
 

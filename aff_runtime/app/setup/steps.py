@@ -5,13 +5,7 @@ from __future__ import annotations
 import statistics
 from collections.abc import Mapping
 
-from aff_runtime.app.setup.angles import (
-    LONGEST_S,
-    AngleCandidate,
-    angle_candidates,
-    beside,
-    is_sure,
-)
+from aff_runtime.app.setup.angles import LONGEST_S, AngleCandidate, angle_candidates, beside, doubt
 from aff_runtime.app.setup.behaviour import Behaviour, Kind, behaviours, heartbeats
 from aff_runtime.app.setup.candidates import SHOWN_BEST
 from aff_runtime.app.setup.display_steps import AGAIN, DisplaySteps
@@ -110,12 +104,16 @@ class Steps(DisplaySteps):
                     shown,
                     AGAIN,
                     at={n: one.decoding.address for n, one in enumerate(rows, 1)},
-                    unsure="" if is_sure(rows) else "another word or number can be it too",
+                    unsure=doubt(rows),
                 )
                 if pick != AGAIN and rows[int(pick) - 1].usable:
                     one = rows[int(pick) - 1]
                     self.keep_word(
-                        wanted.channel, one.decoding, one.scale_text, wraps_after=one.wraps_after
+                        wanted.channel,
+                        one.decoding,
+                        one.scale_text,
+                        wraps_after=one.wraps_after,
+                        unseen_s=one.unseen_s,
                     )
                     return
             else:

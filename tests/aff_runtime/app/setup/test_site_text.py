@@ -47,6 +47,18 @@ def test_a_small_line_is_a_valid_site(tmp_path: Path) -> None:
     assert "For the record alone, under" not in path.read_text(encoding="utf-8")
 
 
+def test_an_angle_whose_end_was_not_seen_says_so_and_for_how_long(tmp_path: Path) -> None:
+    word = FoundWord(address=11, type="u16", order="", scale="4096 counts/turn", unseen_s=44.98)
+    text = site_text(DRAFT.with_word("unwind_angle_rad", word), file="line2")
+    at = text.splitlines().index(
+        "      # Its end was not seen in 45 s of setup: take from the manual of"
+    )
+    assert text.splitlines()[at + 2].startswith("      unwind_angle_rad: { register")
+    path = tmp_path / "line2.yaml"
+    path.write_text(text)
+    assert load_site(path).gateway.read.channels["unwind_angle_rad"].wraps
+
+
 def test_a_count_that_starts_over_early_says_after_how_many_counts(tmp_path: Path) -> None:
     word = FoundWord(address=11, type="u16", order="", scale="3600 counts/turn", wraps_after=3600)
     path = tmp_path / "line2.yaml"
