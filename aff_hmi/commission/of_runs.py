@@ -10,7 +10,12 @@ from dataclasses import dataclass, replace
 
 from aff_hmi.commission.sentences import sentence, sentences
 from aff_hmi.words import N_, Say
-from aff_runtime.app.commission.maintenance_views import MaintenanceView, RankingRow, TrendRow
+from aff_runtime.app.commission.maintenance_views import (
+    MaintenanceView,
+    RankingRow,
+    SupplierRankingRow,
+    TrendRow,
+)
 from aff_runtime.app.commission.refine_views import (
     LackingView,
     ProposalView,
@@ -106,6 +111,7 @@ def maintenance_in(view: MaintenanceView, say: Say) -> MaintenanceView:
         nothing=sentence(view.nothing, say),
         trends=tuple(_trend(one, say) for one in view.trends),
         rankings=tuple(_ranking(one, say) for one in view.rankings),
+        suppliers=tuple(_suppliers(one, say) for one in view.suppliers),
     )
 
 
@@ -163,3 +169,19 @@ def _ranking(row: RankingRow, say: Say) -> RankingRow:
         for one in row.rolls
     )
     return replace(row, by=say(word) if word is not None else row.by, rolls=rolls)
+
+
+def _suppliers(row: SupplierRankingRow, say: Say) -> SupplierRankingRow:
+    word = QUANTITIES.get(row.by)
+    rows = tuple(
+        one
+        if one.worst is None
+        else replace(one, worst=replace(one.worst, unit=UNITS.get(one.worst.unit, one.worst.unit)))
+        for one in row.suppliers
+    )
+    return replace(
+        row,
+        by=say(word) if word is not None else row.by,
+        unit=UNITS.get(row.unit, row.unit),
+        suppliers=rows,
+    )

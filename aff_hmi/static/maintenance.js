@@ -1,4 +1,4 @@
-// A line over weeks: what grows, the lives of its rollers, exchanges, rolls of web by rank.
+// A line over weeks: what grows, lives of rollers, exchanges, rolls of web and suppliers by rank.
 // `roll` of a trend or a life is a body by its name in the site file, a roller or a roll of web.
 import { row } from "/static/curves.js";
 import { drawTrend } from "/static/weeks.js";
@@ -146,10 +146,46 @@ function ranking(one) {
     ]),
   );
   table.append(row([...heads, words.seen], "th"), ...rows);
+  box.append(scrolled(table));
+  return box;
+}
+
+function scrolled(table) {
   const scroll = part("div", "scroll");
   scroll.tabIndex = 0;
   scroll.append(table);
-  box.append(scroll);
+  return scroll;
+}
+
+function median(found, order) {
+  const one = found.find((each) => each.order === order);
+  if (one === undefined) return "—";
+  const interval = one.low === null ? words.fewRolls : `${short(one.low)} … ${short(one.high)}`;
+  return `${short(one.size)} (${interval})`;
+}
+
+function suppliers(one) {
+  const box = part("div", "ranking");
+  if (!one.suppliers.length) {
+    box.append(part("p", "", fill(words.noNumber, { roll: one.roll })));
+    return box;
+  }
+  const of = { roll: one.roll, quantity: one.by, unit: one.unit || "1" };
+  box.append(part("h3", "", fill(words.suppliersBy, of)));
+  const table = part("table", "wide");
+  const orders = one.orders.map((order) => `${order}x`);
+  const rows = one.suppliers.map((who, n) =>
+    row([
+      String(n + 1),
+      String(who.number),
+      String(who.rolls),
+      ...one.orders.map((order) => median(who.medians, order)),
+      who.worst_roll === null ? "—" : `${who.worst_roll}: ${worst(who.worst)}`,
+    ]),
+  );
+  table.append(row([words.rank, words.supplier, words.rolls, ...orders, words.worstRoll], "th"), ...rows);
+  box.append(scrolled(table));
+  if (one.unknown) box.append(part("p", "note", fill(words.withoutNumber, { count: one.unknown })));
   return box;
 }
 
@@ -168,6 +204,9 @@ function showView(view) {
   lives(view.lives);
   renewIfChanged(byId("rankings"), view.rankings, () =>
     view.rankings.length ? view.rankings.map(ranking) : [part("p", "", words.noRolls)],
+  );
+  renewIfChanged(byId("suppliers"), view.suppliers, () =>
+    view.suppliers.length ? view.suppliers.map(suppliers) : [part("p", "", words.noSuppliers)],
   );
 }
 

@@ -12,10 +12,13 @@ from aff_runtime.app.commission.maintenance_views import (
     FitRow,
     LifeRow,
     MaintenanceView,
+    MedianRow,
     RankingRow,
     ReachedRow,
     Reading,
     SlopeRow,
+    SupplierRankingRow,
+    SupplierRow,
     TrendRow,
     WorstRow,
     WoundRow,
@@ -28,11 +31,18 @@ from aff_runtime.app.report.watching import ingest, sentences
 from aff_runtime.app.report.watching.findings import QUANTITIES, Finding, findings
 from aff_runtime.app.report.watching.lives import Life, lives
 from aff_runtime.app.report.watching.store import Store, load_store
+from aff_runtime.app.report.watching.suppliers import (
+    ORDERS,
+    Supplier,
+    SupplierRanking,
+    supplier_rankings,
+)
 from aff_runtime.app.report.watching.trend import Slope
 from aff_runtime.app.report.watching.wound_rolls import OrderSize, Ranking, WoundRoll, rankings
 from aff_runtime.app.supervisor.settings.history import kept_folder
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.base.run_window import names_a_run
 
 MOST_READINGS = 120
@@ -88,6 +98,7 @@ def maintenance_view(folder: Path, store: Store) -> MaintenanceView:
     """Return what a screen is shown of a store."""
     found = findings(store, now=ingest.parse_utc(wall_time_iso()))
     times = store.hours["time_utc"]
+    ranked = rankings(store)
     nothing = "none of the rollers in place has been read yet: runs at a steady speed are needed"
     return MaintenanceView(
         store=str(folder),
@@ -100,7 +111,8 @@ def maintenance_view(folder: Path, store: Store) -> MaintenanceView:
         notes=tuple(sentences.notes(found)),
         lives=tuple(_life(one) for one in lives(store)),
         trends=tuple(_trend(one) for one in _first(found)[:MOST_TRENDS]),
-        rankings=tuple(_ranking(one) for one in rankings(store)),
+        rankings=tuple(_ranking(one) for one in ranked),
+        suppliers=tuple(_suppliers(one) for one in supplier_rankings(ranked)),
     )
 
 
@@ -188,6 +200,36 @@ def _ranking(one: Ranking) -> RankingRow:
         roll=one.roll,
         by="" if one.by is None else one.by.word,
         rolls=tuple(_wound(roll) for roll in one.rolls[:MOST_ROLLS]),
+    )
+
+
+def _suppliers(one: SupplierRanking) -> SupplierRankingRow:
+    unit, factor = sentences.SHOWN[one.by.unit]
+    return SupplierRankingRow(
+        roll=one.roll,
+        by=one.by.word,
+        unit=unit,
+        orders=ORDERS,
+        suppliers=tuple(_supplier(who, one.by.unit, factor) for who in one.suppliers[:MOST_ROLLS]),
+        unknown=one.unknown,
+    )
+
+
+def _supplier(one: Supplier, unit: str, factor: float) -> SupplierRow:
+    return SupplierRow(
+        number=one.number,
+        rolls=one.rolls,
+        medians=tuple(
+            MedianRow(
+                order=median.order,
+                size=factor * median.size,
+                low=finite_or_none(factor * median.low),
+                high=finite_or_none(factor * median.high),
+            )
+            for median in one.medians
+        ),
+        worst_roll=one.worst_roll,
+        worst=_worst(one.worst, unit),
     )
 
 

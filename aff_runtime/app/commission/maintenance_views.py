@@ -124,6 +124,48 @@ class RankingRow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MedianRow:
+    """The median of an order over a supplier's rolls; its 95 % interval None of too few."""
+
+    order: int
+    size: float
+    low: float | None
+    high: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SupplierRow:
+    """The rolls of one supplier; ``number`` is the PLC's, ``rolls`` how many ran.
+
+    ``worst_roll``, ``worst`` : its roll that is the farthest from round; None where none was read.
+    """
+
+    number: int
+    rolls: int
+    medians: tuple[MedianRow, ...]
+    worst_roll: int | None
+    worst: WorstRow | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SupplierRankingRow:
+    """Suppliers at one place, those first whose rolls are the farthest from round.
+
+    Attributes
+    ----------
+    by : quantity that they are ranked by, in ``unit``. ``orders`` : that have medians.
+    unknown : rolls without a supplier's number; where there are no others none is known.
+    """
+
+    roll: str
+    by: str
+    unit: str
+    orders: tuple[int, ...]
+    suppliers: tuple[SupplierRow, ...]
+    unknown: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class MaintenanceView:
     """A line over weeks.
 
@@ -146,3 +188,4 @@ class MaintenanceView:
     lives: tuple[LifeRow, ...] = ()
     trends: tuple[TrendRow, ...] = ()
     rankings: tuple[RankingRow, ...] = ()
+    suppliers: tuple[SupplierRankingRow, ...] = ()

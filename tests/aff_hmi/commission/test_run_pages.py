@@ -57,7 +57,23 @@ TREND = {
     "jump_s": None,
     "readings": [[1.0, 40.0, 0.5], [2.0, 47.0, 0.5]],
 }
-MAINTENANCE = {"store": "/watch", "line": "Euclid", "trends": [TREND]}
+SUPPLIERS = {
+    "roll": "unwind",
+    "by": "shape",
+    "unit": "um",
+    "orders": [1, 2, 3],
+    "suppliers": [
+        {
+            "number": 9,
+            "rolls": 2,
+            "medians": [{"order": 1, "size": 500.0, "low": None, "high": None}],
+            "worst_roll": 44,
+            "worst": {"order": 1, "size": 900.0, "error": 10.0, "unit": "um"},
+        }
+    ],
+    "unknown": 1,
+}
+MAINTENANCE = {"store": "/watch", "line": "Euclid", "trends": [TREND], "suppliers": [SUPPLIERS]}
 
 
 @pytest.fixture
@@ -97,6 +113,13 @@ def test_a_trend_is_told_in_the_readers_words_with_its_day(at: Pressed) -> None:
     assert (trend["quantity"], trend["unit"]) == ("Hub", "\u00b5m")
     assert trend["reached"] == TREND["reached"]
     assert trend["readings"] == TREND["readings"]
+
+
+def test_suppliers_by_rank_are_told_in_the_readers_words(at: Pressed) -> None:
+    (place,) = at.browser("vera").get("/data/maintenance?lang=de").said["maintenance"]["suppliers"]
+    assert (place["by"], place["unit"], place["unknown"]) == ("Form", "\u00b5m", 1)
+    (who,) = place["suppliers"]
+    assert (who["number"], who["worst_roll"], who["worst"]["unit"]) == (9, 44, "\u00b5m")
 
 
 @pytest.mark.parametrize("number", ["", "x", "-1", "\u0663", "9" * 40])

@@ -249,6 +249,24 @@ MAINTENANCE = of_weeks.MaintenanceView(
             ),
         ),
     ),
+    suppliers=(
+        of_weeks.SupplierRankingRow(
+            roll="unwind",
+            by="shape",
+            unit="um",
+            orders=(1, 2, 3),
+            suppliers=(
+                of_weeks.SupplierRow(
+                    number=7,
+                    rolls=1,
+                    medians=(of_weeks.MedianRow(order=1, size=120.0, low=None, high=None),),
+                    worst_roll=41,
+                    worst=WORST,
+                ),
+            ),
+            unknown=0,
+        ),
+    ),
 )
 ROW = Version(number=3, when="u", who="w", verb="kept", why="a", sha256="2" * 64, run="r")
 ONE = of_settings.SettingView(

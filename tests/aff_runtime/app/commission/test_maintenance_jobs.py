@@ -11,6 +11,7 @@ from aff_runtime.app.commission.maintenance_jobs import (
     add_runs,
     exchange,
     maintenance,
+    maintenance_view,
     store_of,
 )
 from aff_runtime.app.commission.messages import Request
@@ -25,6 +26,7 @@ from tests.aff_runtime.app.report.watching.made_store import (
     LIMIT_M,
     made_store,
 )
+from tests.aff_runtime.app.report.watching.test_suppliers import store as supplied_store
 
 DAYS = 30
 
@@ -119,6 +121,24 @@ def test_an_exchange_that_cannot_be_is_refused_and_nothing_is_changed(where, kep
     with pytest.raises(ConfigError, match=says):
         exchange(where, Request(do="exchange", roll=roll, on=on, account="carl"), Talk())
     assert not load_store(store_of(where)).exchanges["roll"].size
+
+
+def test_suppliers_are_ranked_as_the_console_does_in_the_unit_of_the_screen(tmp_path):
+    (place,) = maintenance_view(tmp_path, supplied_store()).suppliers
+    assert (place.roll, place.by, place.unit, place.unknown) == ("unwind", "shape", "um", 1)
+    first, second = place.suppliers
+    assert [(one.number, one.rolls) for one in (first, second)] == [(9, 2), (7, 3)]
+    assert [(m.order, m.size, m.low) for m in second.medians] == [
+        (1, pytest.approx(400.0), None),
+        (2, pytest.approx(200.0), None),
+    ]
+    assert first.worst_roll == 44
+    assert (first.worst.order, first.worst.size) == (1, pytest.approx(900.0))
+
+
+def test_rolls_without_a_suppliers_number_leave_their_place_without_a_row(tmp_path):
+    (place,) = maintenance_view(tmp_path, supplied_store([(0, 1e-4), (0, 2e-4)])).suppliers
+    assert (place.suppliers, place.unknown) == ((), 2)
 
 
 def test_without_a_store_it_says_so_and_what_begins_one(where):
