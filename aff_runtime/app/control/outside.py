@@ -43,6 +43,7 @@ ARM_LEAST_TICKS = 3
 SHADOW_RETRY_TICKS = 100
 ARMED = (State.ARMED, State.ACTIVE)
 FRESH = HEAD.index("fresh")
+PLC_STALE = BY_NAME["PLC_STALE"].code
 CONFIG_DIFFERS = BY_NAME["CONFIG_DIFFERS"].code
 
 
@@ -105,6 +106,7 @@ class ControlOutside:
         if self._next_law is not None and self._next_law.is_stepping:
             self._exchange_law(self._next_law)
         self._ring.write((*record, *self._law.law_telemetry()))
+        self._troubles.follow(fresh=bool(record[FRESH]))
         self._troubles.look(self._tick)
         first = len(HEAD)
         self._shapes.listen(
@@ -115,8 +117,10 @@ class ControlOutside:
         )
 
     def event(self, tick: int, t_ns: int, code: int) -> None:
-        """Keep one event in the ring."""
+        """Keep one event in the ring, and of a lost PLC log what came first."""
         self._ring.event(tick, t_ns, code)
+        if code == PLC_STALE:
+            self._troubles.stale()
 
     def fault_text(self, text: str) -> None:
         """Pass the traceback of an internal fault to the supervisor's log."""

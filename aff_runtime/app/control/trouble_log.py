@@ -14,6 +14,8 @@ EVERY_TICKS: Final = 100
 class TroubleLog:
     """Looks at the gateway every ``EVERY_TICKS``; a trouble of less than two looks is not logged.
 
+    One that has made the PLC's data stale is, however short.
+
     Parameters
     ----------
     gateway : the wire.
@@ -35,6 +37,19 @@ class TroubleLog:
         self._show = show
         self._seen: tuple[str, ...] = ()
         self._said: tuple[str, ...] = ()
+        self._first: tuple[str, ...] = ()
+
+    def follow(self, *, fresh: bool) -> None:
+        """Keep what the wire said first since the PLC's data were fresh; each tick."""
+        if fresh:
+            self._first = ()
+        elif not self._first:
+            self._first = self._gateway.troubles
+
+    def stale(self) -> None:
+        """Log what the loss of the PLC began with: when it is told, the wire may work again."""
+        first = "; ".join(self._first) or "no trouble of the wire: its heartbeat did not move"
+        self._say(f"PLC_STALE began with: {first}")
 
     def look(self, tick: int) -> None:
         """Log the troubles when two looks in a row found the same and they are not logged yet."""

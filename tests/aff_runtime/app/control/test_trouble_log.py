@@ -45,6 +45,26 @@ def test_a_radius_that_the_law_does_not_take_stands_beside_the_wire_s_troubles()
     assert shown[2:] == [()]
 
 
+def test_a_lost_plc_is_told_with_what_came_first_though_the_wire_works_again() -> None:
+    wire, said = Wire(), []
+    log = TroubleLog(wire, tuple, said.append)  # type: ignore[arg-type]
+    for fresh, trouble in (
+        (False, "an older one"),
+        (True, ""),
+        (False, "closed by the other side"),
+        (False, "no connection within 0.05 s"),
+        (False, ""),  # connected anew, and not heard twice yet
+    ):
+        wire.troubles = (trouble,) if trouble else ()
+        log.follow(fresh=fresh)
+    log.stale()
+    assert said == ["PLC_STALE began with: closed by the other side"]
+    log.follow(fresh=True)
+    log.follow(fresh=False)
+    log.stale()
+    assert said[1:] == ["PLC_STALE began with: no trouble of the wire: its heartbeat did not move"]
+
+
 def test_a_trouble_of_a_moment_is_not_said() -> None:
     wire, said = Wire(), []
     log = TroubleLog(wire, tuple, said.append)  # type: ignore[arg-type]
