@@ -1,4 +1,4 @@
-"""A radius outside the site's range reaches the supervisor in words."""
+"""What reaches the supervisor in words: a radius outside the range of the site, a lost PLC."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from collections.abc import Iterator
 import pytest
 
 from aff_runtime.app.control.trouble_log import EVERY_TICKS
-from aff_runtime.app.link.messages import WireTroubles
+from aff_runtime.app.link.messages import LogLine, WireTroubles
+from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import Outcome, Permission, Snapshot
 from tests.aff_runtime.app.control.test_late_questions import Ends
 from tests.parameter_records import EUCLID
@@ -52,3 +53,9 @@ def test_it_is_told_once_and_its_end_too(ends: Ends) -> None:
     ((said,),) = read(ends, 10, 0.10)
     assert "below radius_min_m 0.1016 m" in said
     assert read(ends, 13, 0.15) == [()]
+
+
+def test_a_lost_plc_reaches_the_log_with_the_event(ends: Ends) -> None:
+    ends.outside.event(7, 0, BY_NAME["PLC_STALE"].code)
+    (said,) = (one.text for one in ends.heard() if isinstance(one, LogLine))
+    assert said.startswith("PLC_STALE began with: ")
