@@ -7,6 +7,7 @@ from pathlib import Path
 
 from aff_runtime.base.clock import wall_time_iso
 from benchmarks.runtime.facts import Row, Section, machine
+from benchmarks.runtime.instructions import instructions
 from benchmarks.runtime.latency import latency
 from benchmarks.runtime.law_time import law_time
 from benchmarks.runtime.page import markdown, text
@@ -29,6 +30,7 @@ def main() -> None:
     sections = [machine(), kernel(), latency(20.0 * share), law_time(8.0 * share)]
     sections += shape_time(6.0 * share)
     sections += [parts(20.0 * share), shape_tick(20.0 * share), *whole_tick(20.0 * share)]
+    sections.append(instructions())
     print(text(sections))
     if not options.quick:
         options.page.write_text(markdown(sections, date=wall_time_iso()), encoding="utf-8")

@@ -9,6 +9,7 @@ import pytest
 
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response
 from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
+from benchmarks.runtime.instructions import costs_of_calls
 from benchmarks.runtime.latency import parse
 from benchmarks.runtime.paced import law_of, law_step
 from benchmarks.runtime.page import markdown, text
@@ -114,3 +115,29 @@ def test_the_written_response_is_that_of_the_declared_line(tmp_path: Path) -> No
     # the tension loop takes slow pushes away
     assert abs(found.at(0.2)) < abs(found.at(2.0))
     assert found.phase_error_bound_rad(2.0) < MAX_PHASE_ERROR_RAD
+
+
+def test_calls_through_the_door_of_a_part_cost_what_runs_inside() -> None:
+    """Names are given once; a door inside a door has a level of recursion in its name."""
+    counts = """fn=(1) cfunction_call
+12 30
+cfn=(2) guard_door
+calls=2 7
+12 500
+cfn=(3) law_door
+calls=1 7
+12 900
+fn=(3)
+7 11
+cfn=(4) PyObject_Call
+calls=1 4
+7 870
+fn=(5) cfunction_call'2
+cfn=(2)
+calls=1 7
+12 250
+cfn=(6) guard_door'2
+calls=1 7
+12 50
+"""
+    assert costs_of_calls(counts) == {"guard": 800, "law": 900}
