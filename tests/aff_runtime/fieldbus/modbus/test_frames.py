@@ -2,7 +2,15 @@
 
 from __future__ import annotations
 
+import random
+
 import pytest
+from pymodbus.framer import FramerSocket
+from pymodbus.pdu import DecodePDU
+from pymodbus.pdu.register_message import (
+    ReadWriteMultipleRegistersRequest,
+    ReadWriteMultipleRegistersResponse,
+)
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Outcome
@@ -131,3 +139,34 @@ def test_transaction_id_is_big_endian() -> None:
 def test_numbers_no_frame_can_carry_are_refused(bad: dict[str, int]) -> None:
     with pytest.raises(ConfigError):
         ModbusFrames(**({"device_id": 1, "read_start": 0, "read_count": 1} | bad))
+
+
+def test_a_library_makes_the_same_request_and_its_reply_is_read() -> None:
+    """Blocks of other sizes than the golden bytes, against pymodbus."""
+    framer, chance = FramerSocket(DecodePDU(is_server=False)), random.Random(1)
+    for _ in range(20):
+        read_count, write_count = chance.randint(1, 125), chance.randint(1, 121)
+        read_start, write_start = chance.randint(0, 9000), chance.randint(0, 9000)
+        words = [chance.randrange(1 << 16) for _ in range(write_count)]
+        tid, device = chance.randrange(1, 1 << 16), chance.randrange(256)
+        ours = ModbusFrames(
+            device_id=device,
+            read_start=read_start,
+            read_count=read_count,
+            write_start=write_start,
+            write_count=write_count,
+        )
+        theirs = ReadWriteMultipleRegistersRequest(
+            read_address=read_start,
+            read_count=read_count,
+            write_address=write_start,
+            write_registers=words,
+            dev_id=device,
+            transaction_id=tid,
+        )
+        assert ours.read_write_request(tid, words) == framer.buildFrame(theirs)
+        seen = [chance.randrange(1 << 16) for _ in range(read_count)]
+        reply = ReadWriteMultipleRegistersResponse(
+            registers=seen, dev_id=device, transaction_id=tid
+        )
+        assert ours.parse_reply(framer.buildFrame(reply), READ_WRITE) == (Outcome.OK, seen)
