@@ -8,6 +8,7 @@ from math import isnan
 from aff_runtime.base.signals import Outcome, Snapshot
 from aff_runtime.safety.params import AppliedParams
 
+_OK = Outcome.OK
 _RING = 1024  # commands kept: 3 x 290 ms at 1 ms, the longest that a site file may ask for
 _MASK = _RING - 1
 SIGNS_TO_ACCUSE = 3  # readings, as with a foreign echo
@@ -183,7 +184,7 @@ class AppliedCheck:
         if not self.params.tolerances:
             return False
         self._note(snapshot.tick)
-        if snapshot.applied and snapshot.fresh and snapshot.outcome is Outcome.OK:
+        if snapshot.applied and snapshot.fresh and snapshot.outcome is _OK:
             self._take(snapshot, now_ns)
         return self._signs >= SIGNS_TO_ACCUSE
 

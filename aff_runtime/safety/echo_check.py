@@ -5,6 +5,7 @@ from __future__ import annotations
 from aff_runtime.base.signals import Outcome, Snapshot
 from aff_runtime.safety.params import EchoParams
 
+_OK = Outcome.OK
 _WORD = 0xFFFF
 _SURE = 3  # foreign echoes that prove another writer; a PLC that starts twice in a row shows two
 _FORGOTTEN_AFTER_NS = 500_000_000  # since the last foreign echo, so long that none counts any more
@@ -37,7 +38,7 @@ class EchoCheck:
 
     def judge(self, snapshot: Snapshot, now_ns: int) -> bool:
         """Return whether the PLC takes the commands of somebody else, or of nobody."""
-        if snapshot.echo_age >= 0 and snapshot.fresh and snapshot.outcome is Outcome.OK:
+        if snapshot.echo_age >= 0 and snapshot.fresh and snapshot.outcome is _OK:
             self._take(snapshot, now_ns)
         return self._is_foreign
 

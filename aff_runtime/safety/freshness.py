@@ -8,6 +8,7 @@ from math import inf
 from aff_runtime.base.signals import Outcome, Snapshot
 from aff_runtime.safety.params import FreshnessParams
 
+_OK = Outcome.OK
 _EDGE_S = 1e-6  # exactly on the edge is still in time, whatever the rounding
 
 
@@ -31,7 +32,7 @@ class FreshnessCheck:
 
     def judge(self, snapshot: Snapshot, now_ns: int) -> Freshness:
         """Return the trust in ``snapshot`` at ``now_ns``."""
-        if snapshot.fresh and snapshot.outcome is Outcome.OK:
+        if snapshot.fresh and snapshot.outcome is _OK:
             self._moved_ns = now_ns
         own_age_s = inf if self._moved_ns is None else (now_ns - self._moved_ns) * 1e-9
         age_s = snapshot.age_s if snapshot.age_s >= 0.0 else inf

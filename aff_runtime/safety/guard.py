@@ -27,12 +27,14 @@ from aff_runtime.safety.reasons import reasons
 from aff_runtime.safety.state_machine import Inputs, Standing, advance
 from aff_runtime.safety.state_word import state_word
 
+_ACTIVE, _FAULT, _OK, _GOOD = State.ACTIVE, State.FAULT, Outcome.OK, Freshness.GOOD
 _POWER_UP = BY_NAME["POWER_UP"].code
 _BYPASSED = BY_NAME["BYPASSED"].code
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
 _SECOND_MASTER = bit("SECOND_MASTER")
 _APPLIED_DIFFERS = bit("APPLIED_DIFFERS")
 _APPLIED_CODE = BY_NAME["APPLIED_DIFFERS"].code
+_STAYS = HOLDING | FADING  # causes in which nothing is learned
 _OF_START = bit("PLC_STALE") | bit("OVERRUN")  # no news until there was a connection
 _IDLE_SCANS = 3  # of the PLC, without ACTIVE and FADING, before a new start
 _ZEROS_TO_SEND = 3  # commands with zero that still say FADING: the PLC holds what it last accepted
@@ -65,6 +67,7 @@ class Guard:
             for actuator in params.actuators
         )
         self._limiters = tuple(Limiter(actuator, params.fade_s) for actuator in params.actuators)
+        self._outputs = tuple(zip(self._envelopes, self._limiters, strict=True))
         self._steps: tuple[ActuatorStep | None, ...] = (None,) * len(params.actuators)
         self._arm_edge = self._bypass_edge = self._shadow_edge = False
         self._shadow = self._fade_once = False
@@ -139,7 +142,7 @@ class Guard:
         FADING goes out in place of the last one, and nothing rises again after it.
         """
         self._latch(bit("OVERRUN"))
-        for envelope, limiter in zip(self._envelopes, self._limiters, strict=True):
+        for envelope, limiter in self._outputs:
             envelope.shut()
             limiter.output = 0.0
         self._applied.note_sent((0.0,) * len(self._limiters))
@@ -163,7 +166,7 @@ class Guard:
     @property
     def limits(self) -> tuple[float, ...]:
         """Limit in force per actuator, in its SI unit."""
-        return tuple(limiter.limit for limiter in self._limiters)
+        return tuple([limiter.limit for limiter in self._limiters])
 
     def first_blocking(self) -> str:
         """Return ``blocked by <reason>`` for the first thing against an armed output, or ''."""
@@ -196,9 +199,10 @@ class Guard:
         if self._idle_sent and snapshot.fresh and self._idle_scans < _IDLE_SCANS:
             self._idle_scans += 1
         freshness = self._freshness.judge(snapshot, now_ns)
-        self._comm_warn = freshness is not Freshness.GOOD or snapshot.outcome is not Outcome.OK
+        is_good = freshness is _GOOD
+        self._comm_warn = not is_good or snapshot.outcome is not _OK
         # before the readings are judged: it accepts the radius that they bring, as `arm` does
-        if self._plc_reset.step(snapshot, trusted=freshness is Freshness.GOOD):
+        if self._plc_reset.step(snapshot, trusted=is_good):
             self._take_arm_edge()
         causes = self._found_in_tick | self._line.judge(snapshot, now_ns)
         causes |= self._timing_causes(now_ns, freshness, overrun, supervisor_alive)
@@ -207,7 +211,7 @@ class Guard:
         if self._applied.judge(snapshot, now_ns):
             causes |= _APPLIED_DIFFERS
         self._found_in_tick = 0
-        self._was_connected = self._was_connected or freshness is Freshness.GOOD
+        self._was_connected = self._was_connected or is_good
         news = causes if self._was_connected else causes & ~_OF_START
         if not self._echo.heard:
             news &= ~_SECOND_MASTER
@@ -215,15 +219,12 @@ class Guard:
         self._causes = causes
         self._advance(news & LATCHING)
         return Permission(
-            adapt=self.standing.state is State.ACTIVE
-            and not self._comm_warn
-            and not causes & (HOLDING | FADING),
+            adapt=self.standing.state is _ACTIVE and not self._comm_warn and not causes & _STAYS,
             applied_ratio=tuple(
-                envelope.level * limiter.scale
-                for envelope, limiter in zip(self._envelopes, self._limiters, strict=True)
+                [envelope.level * limiter.scale for envelope, limiter in self._outputs]
             ),
-            limit_ratio=tuple(limiter.wanted_scale for limiter in self._limiters),
-            headroom=tuple(limiter.headroom for limiter in self._limiters),
+            limit_ratio=tuple([limiter.wanted_scale for limiter in self._limiters]),
+            headroom=tuple([limiter.headroom for limiter in self._limiters]),
         )
 
     def limit(
@@ -238,15 +239,16 @@ class Guard:
         """
         dt_s = dt_s if dt_s > 0.0 else 0.0
         self._take(steps)
-        for index, limiter in enumerate(self._limiters):
-            may_open = self.standing.state is State.ACTIVE and self._line.gates[index]
-            level = self._envelopes[index].step(may_open, dt_s)
+        is_active = self.standing.state is _ACTIVE
+        for index, (envelope, limiter) in enumerate(self._outputs):
+            level = envelope.step(is_active and self._line.gates[index], dt_s)
             limiter.step(self._steps[index], level, dt_s)
-        corrections = tuple(limiter.output for limiter in self._limiters)
+        corrections = tuple([limiter.output for limiter in self._limiters])
         self._applied.note_sent(corrections)
-        zeros_sent = self.quiet and self._zeros >= _ZEROS_TO_SEND
-        self._zeros = min(self._zeros + 1, _ZEROS_TO_SEND) if self.quiet else 0
-        self._idle_sent = zeros_sent and self.standing.state is not State.ACTIVE
+        quiet = self.quiet
+        zeros_sent = quiet and self._zeros >= _ZEROS_TO_SEND
+        self._zeros = min(self._zeros + 1, _ZEROS_TO_SEND) if quiet else 0
+        self._idle_sent = zeros_sent and not is_active
         if not self._idle_sent:
             self._idle_scans = 0
         return corrections, self._state_word(zeros_sent=zeros_sent), self._alarm()
@@ -278,7 +280,7 @@ class Guard:
             causes |= bit("PLC_STALE")
         if not supervisor_alive:
             causes |= bit("SUPERVISOR_LOST")
-        if self.ripple_rose and self.standing.state is State.ACTIVE:
+        if self.ripple_rose and self.standing.state is _ACTIVE:
             causes |= bit("RIPPLE_ROSE")
         return causes
 
@@ -311,8 +313,8 @@ class Guard:
                 quiet=quiet,
             ),
         )
-        is_news = before is not State.FAULT or self._first_cause == _POWER_UP
-        if self.standing.state is State.FAULT and news and is_news:
+        is_news = before is not _FAULT or self._first_cause == _POWER_UP
+        if self.standing.state is _FAULT and news and is_news:
             self._first_cause = first_code(news)
         # An early press of "arm" waits for the end of a fade, but never outlives a new cause.
         waits = before in LATCHED_STATES and self.standing.state is before and not quiet
@@ -322,7 +324,7 @@ class Guard:
 
     def _is_blocked(self) -> bool:
         """Objections keep an output closed; an open one they leave to the law."""
-        objects = self.standing.state is not State.ACTIVE and len(self.objections) > 0
+        objects = self.standing.state is not _ACTIVE and len(self.objections) > 0
         return objects or self._fade_once or self._causes & FADING != 0
 
     def _latch(self, cause: int) -> None:
@@ -359,7 +361,7 @@ class Guard:
         state = self.standing.state
         if state in LATCHED_STATES and self._causes & _APPLIED_DIFFERS:
             return first_code(_APPLIED_DIFFERS)  # the one alarm that matters while at rest
-        if state is State.FAULT:
+        if state is _FAULT:
             return self._first_cause
         if state is State.BYPASS:
             return _BYPASSED

@@ -48,7 +48,7 @@ class Limiter:
     @property
     def saturated(self) -> bool:
         """Whether the law wants more than the limits give."""
-        return min(self.scale, self.wanted_scale) < _SATURATED_BELOW
+        return self.scale < _SATURATED_BELOW or self.wanted_scale < _SATURATED_BELOW
 
     @property
     def headroom(self) -> tuple[float, float]:
@@ -93,9 +93,15 @@ def makes_sense(step: ActuatorStep) -> bool:
     )
 
 
+def _within(low: float, value: float, high: float) -> float:
+    """Return max(low, min(high, value)) without their calls, which cost more than all the rest."""
+    value = value if value < high else high
+    return value if value > low else low
+
+
 def _towards(value: float, target: float, reach: float) -> float:
-    return max(value - reach, min(value + reach, target))
+    return _within(value - reach, target, value + reach)
 
 
 def _bounded(target: float, *, previous: float, reach: float, ceiling: float) -> float:
-    return max(-ceiling, min(ceiling, _towards(previous, target, reach)))
+    return _within(-ceiling, _towards(previous, target, reach), ceiling)

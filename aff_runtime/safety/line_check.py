@@ -10,6 +10,7 @@ from aff_runtime.safety.causes import bit
 from aff_runtime.safety.params import GuardParams
 from aff_runtime.safety.plausibility import ChannelCheck, RadiusCheck
 
+_OK = Outcome.OK
 _PERMISSIVE_LOST = bit("PERMISSIVE_LOST")
 _SPLICE = bit("SPLICE")
 _RADIUS_JUMP = bit("RADIUS_JUMP")
@@ -69,7 +70,7 @@ class LineCheck:
 
     def judge(self, snapshot: Snapshot, now_ns: int) -> int:
         """Return the causes present in the line at ``now_ns`` as a mask of event codes."""
-        if snapshot.outcome is Outcome.OK:
+        if snapshot.outcome is _OK:
             self._status = snapshot.status
             self._watch_rolls(snapshot.roll_id, now_ns)
             if snapshot.fresh:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from aff_runtime.base.signals import Outcome, Snapshot, Status
 
+_OK = Outcome.OK
 _REMOTE, _RESET_EDGE = int(Status.REMOTE), int(Status.RESET_EDGE)
 
 
@@ -24,12 +25,12 @@ class PlcReset:
 
     def step(self, snapshot: Snapshot, trusted: bool) -> bool:
         """Return True in the tick of an edge; ``trusted`` False forgets what was seen."""
-        if snapshot.outcome is Outcome.OK:
+        if snapshot.outcome is _OK:
             self.remote = bool(snapshot.status & _REMOTE)
         if not trusted:
             self._was_low = False
             return False
-        if snapshot.outcome is not Outcome.OK or not snapshot.fresh:
+        if snapshot.outcome is not _OK or not snapshot.fresh:
             return False
         high = bool(snapshot.status & _RESET_EDGE)
         rises = high and self._was_low and self.remote

@@ -12,8 +12,11 @@ out; FADING takes it back. BYPASS and FAULT are one tick away from everywhere.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from aff_runtime.base.signals import LATCHED_STATES, State
+
+_ACTIVE, _FADING, _SHADOW = State.ACTIVE, State.FADING, State.SHADOW
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -24,8 +27,7 @@ class Standing:
     armed: bool = False
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Inputs:
+class Inputs(NamedTuple):
     """What one tick brings.
 
     Attributes
@@ -56,9 +58,9 @@ def advance(standing: Standing, inputs: Inputs) -> Standing:
         return _from_rest(standing, inputs)
     if inputs.latching or inputs.shadow:
         return Standing(state=State.FAULT if inputs.latching else State.SHADOW)
-    if standing.state is State.SHADOW:
+    if standing.state is _SHADOW:
         return _unarmed(inputs)
-    if standing.state in (State.ACTIVE, State.FADING):
+    if standing.state in (_ACTIVE, _FADING):
         return _from_live(standing, inputs)
     return _from_waiting(standing, inputs)
 
@@ -75,7 +77,7 @@ def _from_rest(standing: Standing, inputs: Inputs) -> Standing:
 def _from_live(standing: Standing, inputs: Inputs) -> Standing:
     """ACTIVE and FADING: what fades, fades to the end."""
     closing = inputs.blocked or not inputs.moving
-    if standing.state is State.ACTIVE:
+    if standing.state is _ACTIVE:
         return Standing(state=State.FADING, armed=True) if closing else standing
     if not inputs.quiet:
         return standing

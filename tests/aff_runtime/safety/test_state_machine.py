@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-from dataclasses import replace
 from itertools import product
 
 import pytest
@@ -8,6 +7,7 @@ import pytest
 from aff_runtime.base.signals import State
 from aff_runtime.safety.state_machine import Inputs, Standing, advance
 
+replace = Inputs._replace
 CALM = Inputs(
     arm_edge=False,
     bypass_edge=False,
