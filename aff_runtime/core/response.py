@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import json
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 
@@ -153,6 +153,17 @@ class Response:
         i = bisect_right(self._f, frequency_Hz) - 1
         return i, (frequency_Hz - self._f[i]) / (self._f[i + 1] - self._f[i])
 
+    def nearest(self, frequency_Hz: float) -> ResponsePoint:
+        """Return the point nearest to a frequency; the lower of two that are equally near."""
+        above = bisect_left(self._f, frequency_Hz)
+        if above == 0:
+            return self.points[0]
+        below = bisect_left(self._f, self._f[above - 1])  # the first of equal frequencies
+        if above == len(self._f):
+            return self.points[below]
+        is_below = frequency_Hz - self._f[below] <= self._f[above] - frequency_Hz
+        return self.points[below if is_below else above]
+
     def _lerp(self, table: list[float], i: int, share: float) -> float:
         return table[i] if share == 0.0 else table[i] + share * (table[i + 1] - table[i])
 
@@ -253,7 +264,7 @@ def arming_objections(
         if bound > MAX_PHASE_ERROR_RAD:
             degrees = math.degrees(bound)
             objections.append(f"{name}: phase error at {f:.2f} Hz may reach {degrees:.0f} deg")
-        nearest = min(response.points, key=lambda point: abs(point.frequency_Hz - f))
+        nearest = response.nearest(f)
         if nearest.coherence < MIN_COHERENCE:
             objections.append(
                 f"{name}: coherence {nearest.coherence:.2f} near {f:.2f} Hz is too low"

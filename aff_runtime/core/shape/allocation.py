@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,8 +24,7 @@ LEAST_SLEW = 0.2  # of the slew limit, what learning leaves at least
 TINY = 1e-12  # output units, rad/s or ripple: no less is divided by
 
 
-@dataclass(frozen=True, slots=True)
-class Headroom:
+class Headroom(NamedTuple):
     """What the guard lets out unscaled: value and slew, output units and per second."""
 
     limit: float

@@ -37,7 +37,7 @@ class ResponseConfidence:
     def judge(self, frequency_Hz: Floats) -> None:
         """Look at every column at once, at the start and before arming."""
         for at in range(self.held.size):
-            self._look(at, float(frequency_Hz[at]))
+            self._look(at, frequency_Hz.item(at))
 
     def step(self, frequency_Hz: Floats, dt_s: float) -> None:
         """Advance: renew a few columns, move all shares."""
@@ -45,7 +45,7 @@ class ResponseConfidence:
             return
         for _ in range(RENEWED_PER_TICK):
             self._next = (self._next + 1) % self.held.size
-            self._look(self._next, float(frequency_Hz[self._next]))
+            self._look(self._next, frequency_Hz.item(self._next))
         if self._settled:
             return
         target = np.where(self.held, 0.0, 1.0)
@@ -80,6 +80,6 @@ class ResponseConfidence:
         if self._response is not None and frequency_Hz > 0.0:
             bound = self._response.phase_error_bound_rad(frequency_Hz)
             held = bound > MAX_PHASE_ERROR_RAD
-            if held != self.held[at]:
+            if held is not self.held.item(at):
                 self.held[at] = held
                 self._settled = False

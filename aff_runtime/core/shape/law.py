@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import repeat
 from typing import Protocol
 
 import numpy as np
@@ -215,7 +216,8 @@ class ShapeLaw:
         return self.availability, self.monitor, self.confidence
 
     def _others(self) -> npt.NDArray[np.float64]:
-        return np.asarray(math.prod(part.share for part in self._sharing()))
+        of_angle, of_help, of_response = (part.share for part in self._sharing())
+        return np.asarray(of_angle * of_help * of_response)
 
     def shares(self) -> npt.NDArray[np.float64]:
         """Return how much of every column's ripple may be taken off, 0..1, the gate apart."""
@@ -348,25 +350,28 @@ class ShapeLaw:
 
     def states(self) -> list[float]:
         """Return the state of every column as the record keeps it."""
-        return [float(self._state(at)) for at in range(self.state.count)]
-
-    def _state(self, at: int) -> OrderState:
         if self._gate.share == 0.0:
-            return OrderState.IDLE
-        if self.basis.fade[at] < 1.0:
-            return OrderState.HELD_FREQUENCY
-        if self.confidence.held[at]:
-            return OrderState.HELD_PHASE
-        if self.allocation.share[at] < GIVES_WAY:
-            return OrderState.CLAMPED
-        if not self.adapting:
-            return OrderState.FROZEN
-        return self.monitor.state(at)
+            return [float(OrderState.IDLE)] * self.state.count
+        learning = self.monitor.states() if self.adapting else repeat(OrderState.FROZEN)
+        fade, held = self.basis.fade.tolist(), self.confidence.held.tolist()
+        columns = zip(fade, held, self.allocation.share.tolist(), learning, strict=False)
+        return [float(_state(*column)) for column in columns]
+
+
+def _state(fade: float, is_held: bool, share: float, learning: OrderState) -> OrderState:
+    """Return the state of an order that goes out: why it may not, else how its learning goes."""
+    if fade < 1.0:
+        return OrderState.HELD_FREQUENCY
+    if is_held:
+        return OrderState.HELD_PHASE
+    return OrderState.CLAMPED if share < GIVES_WAY else learning
 
 
 COLUMNS: tuple[Column[ShapeLaw], ...] = (
     Column("shape_mm", lambda law: (1e3 * np.abs(law.weight)).tolist()),
-    Column("phase_deg", lambda law: np.degrees(np.angle(law.weight)).tolist()),
+    Column(
+        "phase_deg", lambda law: np.degrees(np.arctan2(law.weight.imag, law.weight.real)).tolist()
+    ),
     Column(STATE, lambda law: law.states()),
     Column("ripple_before", lambda law: law.monitor.without.tolist()),
     Column("ripple", lambda law: law.monitor.now.tolist()),

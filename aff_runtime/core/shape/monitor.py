@@ -45,6 +45,11 @@ NUMBERS = np.array(
 )
 
 
+# members of an enum are looked up once: each look costs as much as a comparison of ten numbers
+_IDLE, _RISING, _SETTLED = OrderState.IDLE, OrderState.RISING, OrderState.SETTLED
+_CONVERGING, _STALLED = OrderState.CONVERGING, OrderState.STALLED
+
+
 class Estimate(Protocol):
     """What a filter estimates per column: disturbance, m, and true P over the assumed one."""
 
@@ -254,17 +259,20 @@ class ShapeMonitor:
         self._ticks, self._passed_s = old._ticks, old._passed_s
         self.calm = not self._rest.any() and bool((self.share == 1.0).all())
 
-    def state(self, at: int) -> OrderState:
-        """Return where a column stands."""
-        now, without = float(self.now[at]), float(self.without[at])
-        if not (math.isfinite(now) and math.isfinite(without)) or self._judged[at] < TURNS:
-            return OrderState.IDLE
-        if self._rest[at] > 0.0 or self._bad[at] > 1.0:
-            return OrderState.RISING
-        if now <= SETTLED_RATIO * without:
-            return OrderState.SETTLED
-        return (
-            OrderState.CONVERGING
-            if now < CONVERGING_RATIO * self._slow[at]
-            else OrderState.STALLED
-        )
+    def states(self) -> list[OrderState]:
+        """Return where every column stands."""
+        of = self.now, self.without, self._judged, self._rest, self._bad, self._slow
+        return [_state(*column) for column in zip(*(each.tolist() for each in of), strict=True)]
+
+
+def _state(
+    now: float, without: float, judged: float, rest: float, bad: float, slow: float
+) -> OrderState:
+    """Return where a column stands: its ripple, and turns of being judged, resting, doing harm."""
+    if not (math.isfinite(now) and math.isfinite(without)) or judged < TURNS:
+        return _IDLE
+    if rest > 0.0 or bad > 1.0:
+        return _RISING
+    if now <= SETTLED_RATIO * without:
+        return _SETTLED
+    return _CONVERGING if now < CONVERGING_RATIO * slow else _STALLED

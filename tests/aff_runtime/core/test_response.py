@@ -25,6 +25,14 @@ def test_negative_frequency_is_the_conjugate():
     assert response.at(-1.3) == pytest.approx(response.at(1.3).conjugate())
 
 
+def test_the_nearest_point_is_the_first_of_those_equally_near():
+    """Against a look at every point; two points of one frequency, ties, and beyond both ends."""
+    response = measured(LagDelay(3.0).at, (1.0, 2.0, 2.0, 4.0))
+    for f in (0.5, 1.0, 1.4, 1.5, 1.6, 2.0, 2.5, 3.0, 3.1, 4.0, 9.0):
+        wanted = min(response.points, key=lambda point: abs(point.frequency_Hz - f))
+        assert response.nearest(f) is wanted
+
+
 def test_memory_of_a_pure_delay_is_the_delay():
     response = measured(LagDelay(3.0, 19).at, GRID_HZ, delay_s=0.1)
     assert response.memory_s(1.0) == pytest.approx(0.1, rel=1e-6)

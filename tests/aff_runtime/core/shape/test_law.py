@@ -166,7 +166,7 @@ def test_a_drive_that_takes_no_correction_winds_nothing_up():
     rig.run(30.0)
     rests = np.flatnonzero(rig.law.monitor.resting)
     assert rests.size
-    assert rig.law._state(int(rests[0])) is OrderState.RISING
+    assert rig.law.states()[int(rests[0])] == OrderState.RISING
     rig.plant.gain = takes
     after = rig.run(60.0)
     assert np.abs(after).max() < 1.3 * sum(abs(c) for c in RIPPLE.values())
