@@ -90,6 +90,7 @@ class Controller:
         self._references = [index[a.reference] if a.reference else -1 for a in site.actuators]
         self._line_speed = index.get(site.line_speed or "", -1)
         self._inputs = Inputs()
+        self._names = self._columns()
 
     def step(
         self, snapshot: Snapshot, dt_s: float, permission: Permission
@@ -207,10 +208,13 @@ class Controller:
 
     def order_statuses(self) -> tuple[OrderStatus, ...]:
         """Return every order of every actuator as its law sees it now."""
-        return order_statuses(dict(zip(self.telemetry_names(), self.telemetry(), strict=True)))
+        return order_statuses(dict(zip(self._names, self.telemetry(), strict=True)))
 
     def telemetry_names(self) -> tuple[str, ...]:
-        """Return the columns of ``telemetry``."""
+        """Return the columns of ``telemetry``, the same for the controller's life."""
+        return self._names
+
+    def _columns(self) -> tuple[str, ...]:
         columns = ("theta_rad", "omega_rad_s", "source", "quality")
         names = [f"{roll}.{column}" for roll in self._phases.by_name for column in columns]
         for actuator, law in zip(self._site.actuators, self._laws, strict=True):

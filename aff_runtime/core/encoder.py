@@ -32,6 +32,9 @@ class Trust(Enum):
     """It only stood with the line: back in service, with the origin that it had."""
 
 
+_BELIEVED, _OUT = Trust.BELIEVED, Trust.OUT
+
+
 class EncoderCheck:
     """Compares what an encoder turns with the speed channel: a frozen one is out of service.
 
@@ -76,7 +79,7 @@ class EncoderCheck:
         """
         if not math.isfinite(speed_rad_s):
             self.in_service = True
-            return Trust.BELIEVED
+            return _BELIEVED
         if abs(speed_rad_s) < stands_below_rad_s:
             return self._stand(gap_s)
         self._stood_s = 0.0
@@ -95,16 +98,16 @@ class EncoderCheck:
         if abs(self._model_rad) >= STUCK_CHECK_RAD:
             change_rad_s = abs(abs(speed_rad_s) - self._first_rad_s)
             self._decide(change_rad_s > CHANGES_SHARE * self._first_rad_s)
-        return Trust.BELIEVED if self.in_service else Trust.OUT
+        return _BELIEVED if self.in_service else _OUT
 
     def _stand(self, gap_s: float) -> Trust:
         """Begin the judgement anew; after a stop an encoder that went out with it is right."""
         self._encoder_rad = self._model_rad = 0.0
         self._stood_s += gap_s
         if self.in_service:
-            return Trust.BELIEVED
+            return _BELIEVED
         if self._stood_s < STOOD_S or self._out_s > TAIL_S:
-            return Trust.OUT
+            return _OUT
         self.begin()
         return Trust.STOOD
 

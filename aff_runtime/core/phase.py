@@ -34,6 +34,11 @@ class Quality(IntEnum):
     GOOD = 2
 
 
+_ENCODER = Source.ENCODER
+_LOST, _PREDICTED, _GOOD = Quality.LOST, Quality.PREDICTED, Quality.GOOD
+_OUT, _STOOD = Trust.OUT, Trust.STOOD
+
+
 class RollPhase:
     """Continuous angle and speed of one roll.
 
@@ -99,7 +104,7 @@ class RollPhase:
         """Forget speed and encoder reference (a new roll); the angle goes on from where it is."""
         self.omega_rad_s = 0.0
         self.source = Source.NONE
-        self.quality = Quality.LOST
+        self.quality = _LOST
         self.origin_lost = False
         self._raw = math.nan
         self._raw_gap_s = 0.0
@@ -162,7 +167,7 @@ class RollPhase:
         self.theta_rad, self.origin_losses = old.theta_rad, old.origin_losses
         self.restart()
         self.omega_rad_s = old.omega_rad_s
-        self.quality = min(old.quality, Quality.PREDICTED)
+        self.quality = min(old.quality, _PREDICTED)
         self._seeded, self._gap_s = old._seeded, old._gap_s  # a gap goes on: no origin comes back
 
     @property
@@ -172,7 +177,7 @@ class RollPhase:
         A counter that starts over after anything else than whole turns has no origin, nor has
         a roll whose encoder is not the present source.
         """
-        if self.source is not Source.ENCODER or not has_whole_turns(self._modulus):
+        if self.source is not _ENCODER or not has_whole_turns(self._modulus):
             return math.nan
         return math.remainder(self._theta_at_raw - self._raw, math.tau)
 
@@ -215,7 +220,7 @@ class RollPhase:
         step_rad = self.omega_rad_s * dt_s
         self.theta_rad += step_rad
         late = self._gap_s > PREDICT_MAX_S or not self._seeded
-        self.quality = Quality.LOST if late else Quality.PREDICTED
+        self.quality = _LOST if late else _PREDICTED
 
     def _integrate(self, omega: float, source: Source, dt_s: float) -> None:
         before = self._last_model if math.isfinite(self._last_model) else omega
@@ -228,12 +233,12 @@ class RollPhase:
         self._accepted(source)
 
     def _accepted(self, source: Source, *, origin_is_known: bool = False) -> None:
-        self.origin_lost = self._seeded and self.quality is Quality.LOST and not origin_is_known
+        self.origin_lost = self._seeded and self.quality is _LOST and not origin_is_known
         self.origin_losses += self.origin_lost
         self._seeded = True
         self._gap_s = 0.0
         self.source = source
-        self.quality = Quality.GOOD
+        self.quality = _GOOD
 
     def _read_radius(self, values: Sequence[float]) -> None:
         if self._radius >= 0:
@@ -279,18 +284,18 @@ class RollPhase:
                 return True
             self._own_raw, self._own_theta = self._raw, self._theta_at_raw
         trust = self._judge(turned, model, gap_s)
-        if trust is Trust.OUT:
+        if trust is _OUT:
             # the reference goes along, so that a recovered encoder continues without a jump
             self._hold_reference(angle, self.theta_rad + (model * dt_s))
             return False
-        if trust is Trust.STOOD:
+        if trust is _STOOD:
             self._go_back(angle)
             return True
         self._hold_reference(angle, self._theta_at_raw + turned)
         self.theta_rad = self._theta_at_raw
         self._track(gap_s)
         self._agreeing = 0
-        self._accepted(Source.ENCODER)
+        self._accepted(_ENCODER)
         return True
 
     def _fits(self, turned: float) -> bool:
@@ -324,11 +329,11 @@ class RollPhase:
         self._hold_reference(angle, self._theta_at_raw + turned)
         self.theta_rad = self._tracked = self._theta_at_raw
         self._agreeing = 0
-        self._accepted(Source.ENCODER, origin_is_known=True)
+        self._accepted(_ENCODER, origin_is_known=True)
 
     def _judge(self, turned: float, model: float, gap_s: float) -> Trust:
         if gap_s > PREDICT_MAX_S and math.isfinite(model):
-            return Trust.OUT  # as before: nobody knows what the speed did meanwhile
+            return _OUT  # as before: nobody knows what the speed did meanwhile
         return self._check.judge(turned, model, gap_s, self._stands_below_rad_s)
 
     def _hold_reference(self, angle: float, theta_rad: float) -> None:
@@ -355,7 +360,7 @@ class RollPhase:
         self._tracked = self.theta_rad
         self._hold_reference(angle, self.theta_rad)
         self._agreeing = 0
-        self._accepted(Source.ENCODER)
+        self._accepted(_ENCODER)
 
     def _try_rebase(self, angle: float, dt_s: float) -> bool:
         """Accept a new encoder origin after samples that agree with each other; no phase jump."""
@@ -379,7 +384,7 @@ class RollPhase:
         self._agreeing = 0
         self._candidate = math.nan
         self._check.begin()
-        self._accepted(Source.ENCODER)
+        self._accepted(_ENCODER)
         return True
 
 

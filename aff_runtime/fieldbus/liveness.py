@@ -6,6 +6,7 @@ from typing import Final
 
 from aff_runtime.base.signals import NO_ECHO, Outcome
 
+_OK = Outcome.OK
 _LONGEST_STEP: Final = 256  # of a PLC that started again: scans of 1 ms, seen each 100 ms and more
 
 
@@ -87,7 +88,7 @@ class Liveness:
         self.fresh = False
         if outcome is Outcome.NOT_CONNECTED:
             self._lost = True
-        elif outcome is Outcome.OK:
+        elif outcome is _OK:
             moved = self._known and heartbeat != self.heartbeat
             self.heartbeat, self._known = heartbeat, True
             if self._lost:

@@ -28,6 +28,7 @@ from aff_runtime.loop.record import TickTiming, build_record
 from aff_runtime.loop.seams import GuardPort, Outside
 from aff_runtime.loop.ticker import Ticker
 
+_OK = Outcome.OK
 _INTERNAL_FAULT = BY_NAME["INTERNAL_FAULT"].code
 _WORD = 0xFFFF
 
@@ -179,14 +180,14 @@ class Cycle:
         self._snapshot = self._gateway.exchange(
             command, self._tick, self._started_ns + self._settings.io_budget_ns
         )
-        if is_zero and self._snapshot.outcome is Outcome.OK and self._snapshot.command_sent:
+        if is_zero and self._snapshot.outcome is _OK and self._snapshot.command_sent:
             self._zero_stands = True
             self._zeros_taken += self._is_quiet
             self._quiet_ticks = 0
         self._ticker.shift(self._gateway.shift_ns)
         read_ns = self._clock.now_ns()
         self._io_ns = read_ns - self._started_ns
-        if self._snapshot.outcome is Outcome.OK:
+        if self._snapshot.outcome is _OK:
             self._wire_worked = True
             self._echo = self._snapshot.plc_heartbeat
         overrun = self._late_in_a_row >= self._settings.overruns_in_a_row

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import nan
+from typing import NamedTuple
 
 from aff_runtime.base.signals import Permission, Snapshot, State
 
@@ -27,8 +27,7 @@ OF_OUTPUTS = ("wanted_", "correction_", "plc_applied_", "applied_ratio_", "limit
 TIMING = ("wake_us", "io_us", "tick_us", "missed_count")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class TickTiming:
+class TickTiming(NamedTuple):
     """When a tick was and how long it took.
 
     Attributes

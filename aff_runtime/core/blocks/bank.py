@@ -36,6 +36,7 @@ A weight W that is wholly to be learned moves by 2 lam |W| = 8 |W| / settle_s an
 omega |W|: half of it where ``settle_s`` is 2.5 turns of the order.
 """
 SILENT = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
+LOST = Quality.LOST
 RATIO_EPS = 1e-9  # a limit ratio this close to 1 is none
 BlockKind = Callable[[int, float, float], HarmonicBlock]
 """Order, settling time (s) and limit of amplitude to a block."""
@@ -134,7 +135,7 @@ class Bank:
     def _see_angles(self, dt_s: float) -> None:
         """Fade what goes out of every roll whose angle is lost, or has come back."""
         for at, (phase, angle) in enumerate(zip(self._rolls, self._angles, strict=True)):
-            known = phase.quality is not Quality.LOST
+            known = phase.quality is not LOST
             if known and angle.share == 1.0:
                 angle.moving = False
                 continue
@@ -289,7 +290,7 @@ class Bank:
                 )
         phases = {slot.roll: slot.phase for slot in self.slots}
         for roll, phase in phases.items():
-            if phase.quality is Quality.LOST and phase.omega_rad_s != 0.0:
+            if phase.quality is LOST and phase.omega_rad_s != 0.0:
                 sentences.append(f"{roll}: its angle is lost")
         return tuple(sentences)
 

@@ -14,6 +14,7 @@ from aff_runtime.base.signals import NO_ECHO, Command, Outcome, Snapshot
 from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness, echo_age
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 
+_OK = Outcome.OK
 _HEARTBEAT_MASK = 0xFFFF
 _NOTHING: tuple[float, ...] = ()
 
@@ -78,9 +79,9 @@ class WordGateway:
         values = self._no_values
         heartbeat, status, roll_id = 0, 0, 0
         liveness = self._liveness
-        if outcome is Outcome.OK and len(words) != self._codec.read_count:
+        if outcome is _OK and len(words) != self._codec.read_count:
             outcome = Outcome.BAD_REPLY
-        if outcome is Outcome.OK:
+        if outcome is _OK:
             if liveness.lost:
                 self._codec.reset()
                 self._order.forget()
@@ -91,7 +92,7 @@ class WordGateway:
             self._known = True
         outcome = liveness.judge(outcome, heartbeat, t_ns)
         age, applied = NO_ECHO, _NOTHING
-        if outcome is Outcome.OK:
+        if outcome is _OK:
             self._status, self._roll_id, values = status, roll_id, decoded
             age = echo_age(command.heartbeat, self._codec.aff_echo(words))
             applied = self._codec.applied(words)

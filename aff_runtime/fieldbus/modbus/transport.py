@@ -57,6 +57,11 @@ class _Link(IntEnum):
     UP = 2
 
 
+_UP = _Link.UP
+_OK, _TIMEOUT = Outcome.OK, Outcome.TIMEOUT
+_FC3, _FC23 = WireFunction.FC3, WireFunction.FC23
+
+
 class ModbusTransport:
     """``WordTransport`` that asks once per tick and believes only the answer to that question.
 
@@ -163,17 +168,17 @@ class ModbusTransport:
     def transact(self, write_words: list[int], deadline_ns: int) -> tuple[Outcome, list[int]]:
         """Exchange the blocks before ``deadline_ns``; never blocks longer, never raises."""
         self.wrote = False
-        if self._link is not _Link.UP and not self._advance_connect():
+        if self._link is not _UP and not self._advance_connect():
             return Outcome.NOT_CONNECTED, _NO_WORDS
         began_ns = self._clock.now_ns()
         outcome = self._exchange(write_words, deadline_ns)
-        if outcome is Outcome.OK:
+        if outcome is _OK:
             self._good = min(self._good + 1, _PROVEN_REPLIES)
             self._may_write = True
             self._why = ""
             self._backoff_ns = self._backoff_min_ns
             return outcome, self._reply
-        if outcome is Outcome.TIMEOUT:
+        if outcome is _TIMEOUT:
             silent_ns = self._clock.now_ns() - self._sent_at_ns
             if self._spoilt:
                 self._why = _SPOILT
@@ -214,7 +219,7 @@ class ModbusTransport:
             return False
         state = self._wire.connecting()
         if state is Connecting.UP:
-            self._link = _Link.UP
+            self._link = _UP
             self._may_write = self.connects == 0
             self.connects += 1
             return True
@@ -245,22 +250,22 @@ class ModbusTransport:
 
     def _exchange(self, words: list[int], deadline_ns: int) -> Outcome:
         outcome = self._clear_late_replies(deadline_ns)
-        if outcome is not Outcome.OK:
+        if outcome is not _OK:
             return outcome
         if self._doubted:
             self._read_only = self._asked != READ
-        if self._function is WireFunction.FC3 or not self._may_write or self._read_only:
+        if self._function is _FC3 or not self._may_write or self._read_only:
             tid = self._next_tid()
             return self._round_trip(self._frames.read_request(tid), READ, deadline_ns)
         if not self._frames.fits(words):
             return Outcome.BAD_REPLY
         self.wrote = True
-        if self._function is WireFunction.FC23:
+        if self._function is _FC23:
             frame = self._frames.read_write_request(self._next_tid(), words)
             return self._round_trip(frame, READ_WRITE, deadline_ns)
         frame = self._frames.write_request(self._next_tid(), words)
         outcome = self._round_trip(frame, WRITE, deadline_ns)
-        if outcome is not Outcome.OK:
+        if outcome is not _OK:
             return outcome
         frame = self._frames.read_request(self._next_tid())
         return self._round_trip(frame, READ, deadline_ns)
@@ -284,7 +289,7 @@ class ModbusTransport:
                 return Outcome.NOT_CONNECTED
             if count in (SPOILT, DOUBTED):
                 self._spoilt, self._doubted = True, count == DOUBTED
-                return Outcome.OK
+                return _OK
             if count == UNHEARD:
                 return self._give_up()
             if count == LATE:
@@ -300,19 +305,19 @@ class ModbusTransport:
         else:  # what still waits may be the answer to a question not yet asked
             return Outcome.BAD_REPLY
         may_ask = self._wire.lossy or self._spoilt or not self._outstanding
-        if outcome is Outcome.TIMEOUT and may_ask:
-            return Outcome.OK
+        if outcome is _TIMEOUT and may_ask:
+            return _OK
         return outcome
 
     def _give_up(self) -> Outcome:
         """Ask anew where the reply will have another function; OK when it will."""
         self._read_only = self._asked != READ
         writes = self._may_write and self._function is WireFunction.FC3_FC16
-        return Outcome.OK if self._read_only or writes else Outcome.TIMEOUT
+        return _OK if self._read_only or writes else _TIMEOUT
 
     def _round_trip(self, frame: bytes, function: int, deadline_ns: int) -> Outcome:
         if self._clock.now_ns() >= deadline_ns:
-            return Outcome.TIMEOUT
+            return _TIMEOUT
         if not self._wire.send(frame):
             return Outcome.NOT_CONNECTED
         if not self._outstanding:
@@ -323,18 +328,18 @@ class ModbusTransport:
         while True:
             wait_ns = deadline_ns - self._clock.now_ns()
             if wait_ns <= 0:
-                return Outcome.TIMEOUT
+                return _TIMEOUT
             count = self._wire.receive(self._view[self._filled :], wait_ns)
             if count == CLOSED:
                 return Outcome.NOT_CONNECTED
             if count in (SPOILT, DOUBTED):
                 self._spoilt, self._doubted = True, count == DOUBTED
-                return Outcome.TIMEOUT
+                return _TIMEOUT
             if count in (0, LATE):
                 continue
             self._filled += count
             outcome = self._consume(function)
-            if outcome is not Outcome.TIMEOUT:
+            if outcome is not _TIMEOUT:
                 return outcome
 
     def _consume(self, function: int) -> Outcome:
@@ -350,7 +355,7 @@ class ModbusTransport:
             if length < 0 or (length == 0 and self._filled == _BUFFER_BYTES):
                 return Outcome.BAD_REPLY
             if length == 0:
-                return Outcome.TIMEOUT
+                return _TIMEOUT
             age = self._age_of(transaction_id(self._buffer))
             if age < 0 and not self._wire.lossy:
                 return Outcome.BAD_REPLY
