@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from aff_runtime.app.report.comparison.window import Window, sum_of_corrections
+from aff_runtime.app.report.comparison.window import Window, any_correction
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
 
@@ -36,7 +36,7 @@ def phases(window: Window) -> list[Phase]:
     """Return the stretches of a window, those of fades and of less than 5 s left out."""
     columns = window.table.columns
     time_s = columns["time_s"]
-    sent = sum_of_corrections(columns) > 0.0
+    sent = any_correction(columns)
     on = sent & (columns["state"] == State.ACTIVE)
     code = np.where(on, _ON, np.where(sent, _FADE, _OFF))
     edges = np.flatnonzero(np.diff(code)) + 1

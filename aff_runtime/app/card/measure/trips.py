@@ -13,7 +13,7 @@ import numpy as np
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Figure, Sample, StepResult, at_most
 from aff_runtime.app.card.typed_values import NotTypedError
-from aff_runtime.app.report.comparison.window import Window, sum_of_corrections
+from aff_runtime.app.report.comparison.window import Window, any_correction
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import State
 
@@ -93,7 +93,7 @@ def _sample(evidence: Evidence, trip: str) -> Sample:
         raise RefusedError(f"{window.table.window}: the correction is not tripped in it")
     at = int(falls[-1])  # those before are of other trips, which were measured
     cause_s = _cause_s(window, at, trip)
-    silent = sum_of_corrections(columns) == 0.0
+    silent = ~any_correction(columns)
     zeros = at + np.flatnonzero(silent[at:])
     time_ms = 1e3 * (float(time_s[zeros[0]]) - cause_s) if zeros.size else NAN
     later = time_s > time_s[at] + STAYS_S

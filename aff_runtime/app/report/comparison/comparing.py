@@ -329,7 +329,7 @@ def _unlike(pair: tuple[Window, Window], facts: tuple[Facts, Facts]) -> Iterator
         if last is not None and _apart(first, last) > LIKE_TENSION:
             yield f"{name}: {first:.4g} and {last:.4g} N in the mean"
     for name in sorted(set(facts[0].mean_N) ^ set(facts[1].mean_N)):
-        yield f"{name} is recorded in one of them only"
+        yield f"{name} {_lacks(pair[0 if name in facts[1].mean_N else 1], name)}"
     first_run, last_run = (w.table.window for w in pair)
     if pair[0].table.run_id == pair[1].table.run_id and (
         first_run.from_s < last_run.to_s and last_run.from_s < first_run.to_s
@@ -337,6 +337,15 @@ def _unlike(pair: tuple[Window, Window], facts: tuple[Facts, Facts]) -> Iterator
         yield "the two windows overlap: what they share does not count twice"
     if _is_later(*pair):
         yield "the window before is later than the one after: were they swapped?"
+
+
+def _lacks(window: Window, name: str) -> str:
+    """Return why a window has no mean of a tension that the other one has."""
+    if name not in window.table.columns:
+        return "is recorded in one of them only"
+    if window.readings(name) is None:
+        return "is recorded in both, but in one of them too few of its readings are numbers"
+    return "is a measured tension in the site file of one of them only"
 
 
 def _is_later(one: Window, other: Window) -> bool:

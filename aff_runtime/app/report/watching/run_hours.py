@@ -12,7 +12,7 @@ import numpy as np
 
 from aff_runtime.app.report.comparison.comparing import percentiles
 from aff_runtime.app.report.comparison.turns import Array
-from aff_runtime.app.report.comparison.window import DEFAULT_SPEED, Window
+from aff_runtime.app.report.comparison.window import DEFAULT_SPEED_CHANNEL, Window
 from aff_runtime.app.report.watching.drive_rows import drive_rows
 from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.stretches import SHORTEST_S, is_correcting, steady
@@ -274,7 +274,7 @@ def _site(folder: Path) -> Section:
 
 
 def _speed_name(site: Section) -> str:
-    return text_or(site.section("line").get("speed"), DEFAULT_SPEED)
+    return text_or(site.section("line").get("speed"), DEFAULT_SPEED_CHANNEL)
 
 
 def _start(shown: str, about: Section) -> datetime:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from aff_runtime.app.report.comparison.turns import Array, Flags
-from aff_runtime.app.report.comparison.window import Window, sum_of_corrections, window_of
+from aff_runtime.app.report.comparison.window import Window, any_correction, window_of
 from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.run_table import RunTable
 from aff_runtime.base.run_window import RunWindow
@@ -39,7 +39,7 @@ def steady(table: RunTable, speed_name: str) -> Window | None:
     second = np.floor((time_s - time_s[0]) / BIN_S).astype(np.int64)
     starts = np.flatnonzero(np.diff(second, prepend=second[0] - 1))
     mean = _means(np.nan_to_num(speed), starts)
-    corrected = _means((sum_of_corrections(table.columns) > 0.0).astype(np.float64), starts)
+    corrected = _means(any_correction(table.columns).astype(np.float64), starts)
     good = (_means(_disturbed(table), starts) == 0.0) & (np.abs(mean) > SLOWEST_M_S)
     good &= (corrected >= WHOLLY) | (corrected <= 1.0 - WHOLLY)
     good[1:] &= np.diff(time_s[starts]) < 2.0 * BIN_S
@@ -55,7 +55,7 @@ def steady(table: RunTable, speed_name: str) -> Window | None:
 
 def is_correcting(window: Window) -> bool:
     """Return whether corrections went out in a stretch."""
-    return bool(np.mean(sum_of_corrections(window.table.columns) > 0.0) > 0.5)
+    return bool(np.mean(any_correction(window.table.columns)) > 0.5)
 
 
 def _means(values: Array, starts: np.typing.NDArray[np.intp]) -> Array:

@@ -244,3 +244,16 @@ def test_without_the_count_ticks_are_missed_by_the_periods_between_rows(lacks, t
     for name in lacks:
         del found[name]
     assert facts_of(recorded(tmp_path, found, segment_s=SEGMENT_S)).missed == 4
+
+
+def test_a_tension_that_is_mostly_no_number_is_named_with_its_share(tmp_path):
+    found = columns(40.0, 16.0)
+    late = (found["time_s"] >= 20.0) & (np.arange(found["time_s"].size) % 5 < 3)
+    found[SIGNAL][late] = math.nan  # three of five readings
+    path = recorded(tmp_path / "runs", found, site_text=site_text(16.0), segment_s=SEGMENT_S)
+    both = compare(RunWindow(folder=path, to_s=20.0), RunWindow(folder=path, from_s=20.0))
+    said = f"{SIGNAL}: 60 % of its readings are no numbers: it is left out"
+    assert [said in window.labels for window in both.windows] == [False, True]
+    is_in_both = f"{SIGNAL} is recorded in both, but in one of them too few of its readings are"
+    assert [text for text in both.labels if SIGNAL in text] == [f"{is_in_both} numbers"]
+    assert all(row.signal != SIGNAL for row in both.rows)
