@@ -252,7 +252,7 @@ def wander_there(
     rows = [(h.names, there[h.key.effect, h.key.location]) for h in found]
     fit = replace(
         selection.fit,
-        hypotheses=tuple(replace(h, record=None) for h in found),
+        hypotheses=tuple(replace(h, record_index=None) for h in found),
         values=tuple(tuple(float(known[name]) for name in names) for names, known in rows),
         shifts=dict(selection.adjustments),
     )

@@ -199,9 +199,10 @@ def record_of_onset(
     moments = [moment for moment in (*known, *unknown) if moment is not None]
     if not moments:
         return None
-    number = moments[0].number
-    there = [replace(e, record=None) for e in selection.fit.effects if e.record in (None, number)]
-    shown, shifts = fitted[number], tuple(sorted(selection.adjustments.items()))
+    index = moments[0].record_index
+    own = [e for e in selection.fit.effects if e.record_index in (None, index)]
+    there = [replace(e, record_index=None) for e in own]
+    shown, shifts = fitted[index], tuple(sorted(selection.adjustments.items()))
     with SimulationPool([shown.twin], workers, progress) as pool:
         found = evaluate(pool, shown.measured, there, shifts, find_angles=False)
     return RecordOfOnset(moment=moments[0], evaluation=found)

@@ -133,7 +133,7 @@ def _moment(event: Added, onset: Onset) -> float:
 
 def _at(event: Added, onset: Onset, moment: float) -> Added:
     values = {**dict(event.parameters), onset.moment: max(0.0, moment)}
-    return replace(event, parameters=tuple(values.items()), record=None)
+    return replace(event, parameters=tuple(values.items()), record_index=None)
 
 
 def _before(pool: SimulationPool, event: Added, onset: Onset, model: NoiseModel) -> list[Added]:

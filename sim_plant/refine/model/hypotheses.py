@@ -34,7 +34,7 @@ class Hypothesis:
     absent : values at which the effect is exactly absent.
     low, high : physical bounds, from the effect's own file and from the line.
     linear : per strength, whether the response is proportional to it in both directions.
-    record : the only record that it is in, by its number; None: in all.
+    record_index : the only record that it is in, from 0 of those fitted; None: in all.
     acts_below : of some numbers, the value from which on the records see nothing of the effect.
     """
 
@@ -48,7 +48,7 @@ class Hypothesis:
     low: tuple[float, ...]
     high: tuple[float, ...]
     linear: tuple[bool, ...]
-    record: int | None = None
+    record_index: int | None = None
     acts_below: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -90,7 +90,7 @@ class Hypothesis:
             for v, lo, hi in zip(values, self.low, self.high, strict=True)
         ]
         pairs = zip(self.names, clipped, strict=True)
-        return Added(self.effect.name, self.location, (*self.fixed, *pairs), self.record)
+        return Added(self.effect.name, self.location, (*self.fixed, *pairs), self.record_index)
 
     def within(self, values: Sequence[float]) -> bool:
         """Return whether all numbers are within their bounds."""
@@ -206,7 +206,7 @@ def hypothesis(
 
 
 def onset_library(
-    line: Declaration, record: int, without: Collection[str] = ()
+    line: Declaration, record_index: int, without: Collection[str] = ()
 ) -> list[Hypothesis]:
     """Return every effect that may begin at a moment of one record, each way and at each place."""
     library = []
@@ -221,7 +221,7 @@ def onset_library(
             library += [
                 replace(
                     hypothesis(effect, location, (*choice, (onset.moment, 0.0)), names, line),
-                    record=record,
+                    record_index=record_index,
                 )
                 for location in candidate_locations(line, effect)
             ]

@@ -44,13 +44,13 @@ REFERENCES = ("line_speed_ref_m_s", "tension_ref_N")
 class Added:
     """An effect put on the line: name, location and (key, value) parameters, hashable.
 
-    ``record`` : the only record that it is in, by its number; None: in all.
+    ``record_index`` : the only record that it is in, from 0 of those fitted; None: in all.
     """
 
     effect: str
     location: str
     parameters: tuple[tuple[str, Value], ...]
-    record: int | None = None
+    record_index: int | None = None
 
     def entry(self) -> EffectEntry:
         """Return the declaration's entry."""
@@ -82,9 +82,9 @@ class Case:
         return QUICK_SETTLE_S if self.quick else DECLARED_SETTLE_S
 
 
-def seen_by(case: Case, record: int) -> Case:
-    """Return the case as the record of this number has it."""
-    effects = tuple(e for e in case.effects if e.record in (None, record))
+def seen_by(case: Case, record_index: int) -> Case:
+    """Return the case as this record has it, from 0 of those fitted."""
+    effects = tuple(e for e in case.effects if e.record_index in (None, record_index))
     return case if len(effects) == len(case.effects) else replace(case, effects=effects)
 
 

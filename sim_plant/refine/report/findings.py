@@ -141,27 +141,30 @@ def effect_findings(
 
 def _onset(h: Hypothesis, values: Mapping[str, Value], fitted: Sequence[Fitted]) -> Moment | None:
     """Return when an effect that has a moment begins; None where it was there from the start."""
-    onset, at = h.effect.onset, h.record or 0
-    if onset is None or at >= len(fitted):
+    # an effect in every record is told by the first one's clock
+    onset, record_index = h.effect.onset, h.record_index or 0
+    if onset is None or record_index >= len(fitted):
         return None
     moment = values.get(onset.moment, h.effect.accepts[onset.moment].default)
     if moment == h.effect.accepts[onset.moment].default:
         return None
-    name, twin = fitted[at]
+    name, twin = fitted[record_index]
     if onset.unit == "s":
-        return Moment(record=name, time_s=float(moment), number=at)
-    axis_m = moment_axis(twin, 0, onset.unit).moments
+        return Moment(record=name, time_s=float(moment), record_index=record_index)
+    from_sample = 0  # the axis of the whole record
+    axis_m = moment_axis(twin, from_sample, onset.unit).moments
     times_s = np.arange(axis_m.size) * twin.declaration.sample_time_s
-    at_s = float(np.interp(float(moment), axis_m, times_s))
-    return Moment(record=name, time_s=at_s, number=at)
+    time_s = float(np.interp(float(moment), axis_m, times_s))
+    return Moment(record=name, time_s=time_s, record_index=record_index)
 
 
 def _beginning(where: Mapping[str, float | str], fitted: Sequence[Fitted]) -> Moment | None:
     """Return when an unknown begins; None where it has no moment in a record fitted."""
-    at = int(where.get("record", 1)) - 1
-    if "from_s" not in where or "held_out" in where or at >= len(fitted):
+    record_index = int(where.get("record", 1)) - 1  # the verdict's key counts from 1
+    if "from_s" not in where or "held_out" in where or record_index >= len(fitted):
         return None
-    return Moment(record=fitted[at][0], time_s=float(where["from_s"]), number=at)
+    name, time_s = fitted[record_index][0], float(where["from_s"])
+    return Moment(record=name, time_s=time_s, record_index=record_index)
 
 
 def _finding(

@@ -20,11 +20,17 @@ Answer = Literal["nothing", "traced", "not_identifiable", "unknown"]
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Moment:
-    """When something begins: s from the start of a record, by name and number of those fitted."""
+    """When something begins: s from the start of a record fitted.
+
+    Attributes
+    ----------
+    record : file name of that record.
+    record_index : which of those fitted it is, from 0.
+    """
 
     record: str
     time_s: float
-    number: int = 0
+    record_index: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -64,7 +64,9 @@ def without_idle(objective: Objective, fit: Fit) -> Fit:
             break
         kept = tuple(n for n in h.names if n != name)
         choice = (*h.fixed, (name, absent))
-        fewer = replace(hypothesis(h.effect, h.location, choice, kept, line), record=h.record)
+        fewer = replace(
+            hypothesis(h.effect, h.location, choice, kept, line), record_index=h.record_index
+        )
         rest = tuple(v for n, v in zip(h.names, values, strict=True) if n != name)
         without = gauss_newton_fit(
             objective,

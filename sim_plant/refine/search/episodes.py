@@ -67,7 +67,7 @@ def best_episodes(
     change = [y - b for y, b in zip(run, base, strict=True)]
     if not all(np.isfinite(part).all() for part in change):
         return []
-    record = h.record or 0
+    record = h.record_index or 0
     step_s = objective.pool.twins[record].declaration.sample_time_s
     moment = moment_of(c)
     last = change[record].shape[1] * step_s - moment
@@ -97,7 +97,7 @@ def _best_pair(
     ends: Array,
 ) -> tuple[float, float]:
     """Return the beginning and the end, s from that of ``change``, that explain most."""
-    record = h.record or 0
+    record = h.record_index or 0
     step_s = objective.pool.twins[record].declaration.sample_time_s
 
     def begun_later(shift_s: float) -> list[Array]:

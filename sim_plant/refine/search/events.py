@@ -152,7 +152,7 @@ def _by_matched_filter(
     for part, column in zip(parts, columns, strict=True):
         if not np.isfinite(column).all():
             continue
-        record = h.record or 0
+        record = h.record_index or 0
         response = objective.split(column[:, 0])[record]
         response = response[objective.whitening.noise[record].analogue]
         for chi2, moment in best_moments(axis, white, response, part, onset.unit):

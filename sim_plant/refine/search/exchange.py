@@ -165,7 +165,9 @@ def _on_bridle(
     line = objective.pool.twins[0].declaration
     if bridle not in candidate_locations(line, h.effect):
         return selection
-    there = replace(hypothesis(h.effect, bridle, h.fixed, h.names, line), record=h.record)
+    there = replace(
+        hypothesis(h.effect, bridle, h.fixed, h.names, line), record_index=h.record_index
+    )
     mean = [float(np.mean(column)) for column in zip(*(fit.values[k] for k in at), strict=True)]
     one = fit.with_effect_at(first, there, mean)
     other = _without(objective, one, *others)
@@ -214,7 +216,9 @@ def _elsewhere(
     alike = [p for p in accepted.ambiguous if p.effect == h.effect.name]
     places = [p for p in dict.fromkeys([*close, *alike, *near]) if p != h.key]
     there = [
-        replace(hypothesis(h.effect, p.location, h.fixed, h.names, line), record=h.record)
+        replace(
+            hypothesis(h.effect, p.location, h.fixed, h.names, line), record_index=h.record_index
+        )
         for p in places
     ]
     if accepted.shared:

@@ -229,7 +229,7 @@ def hidden(h: Hypothesis) -> list[str]:
 def known_to(objective: Objective, h: Hypothesis, name: str) -> float:
     """Return how exactly, to either side, a record can show a number at best, in its unit."""
     row = h.effect.accepts[name]
-    twin = objective.pool.twins[h.record or 0]
+    twin = objective.pool.twins[h.record_index or 0]
     if row.known_to == "drive tick":
         return float(twin.declaration.control.drive_sample_time_s)
     if row.known_to == "sample":

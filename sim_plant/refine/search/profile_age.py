@@ -112,7 +112,7 @@ def with_numbers(
     line = objective.pool.twins[0].declaration
     more = tuple(name for name in names if name not in old.names)
     new = hypothesis(old.effect, old.location, old.fixed, (*old.names, *more), line)
-    new = replace(new, record=old.record)
+    new = replace(new, record_index=old.record_index)
     known = {**(start or {}), **dict(zip(old.names, fit.values[at], strict=True))}
     values = [known.get(n, a) for n, a in zip(new.names, new.absent, strict=True)]
     return fit.with_effect_at(at, new, values)

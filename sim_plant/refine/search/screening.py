@@ -169,7 +169,7 @@ def responses_of(objective: Objective, h: Hypothesis) -> list[list[Array]]:
 
 def _response_key(h: Hypothesis) -> tuple[object, ...]:
     """Return what the simulated responses of a hypothesis depend on."""
-    return (h.key, h.fixed, h.names, h.start, h.record)
+    return (h.key, h.fixed, h.names, h.start, h.record_index)
 
 
 def shortlist(candidates: Sequence[Candidate], *, beside_half: bool = False) -> list[Candidate]:

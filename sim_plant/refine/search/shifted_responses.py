@@ -19,7 +19,7 @@ def response_begun_at(
 
     (channels, samples) per record; other records than that of ``h`` as simulated.
     """
-    record = h.record or 0
+    record = h.record_index or 0
     nearest = min((part.middle for part in parts_of(axis)), key=lambda m: abs(m - moment))
     change = list(responses_of(objective, hypothesis_beginning_at(h, nearest))[0])
     sample_s = objective.pool.twins[record].declaration.sample_time_s
@@ -35,7 +35,7 @@ def lasting_response(
     It is the sum of the responses to episodes one after another, as long as ``h`` has them, until
     the record is over.
     """
-    record = h.record or 0
+    record = h.record_index or 0
     change = response_begun_at(objective, axis, h, moment)
     sample_s = objective.pool.twins[record].declaration.sample_time_s
     held = round(h.start[h.names.index(HOLD_S)] / sample_s)

@@ -33,7 +33,7 @@ def event_left(objective: Objective, fit: Fit) -> tuple[dict[str, float | str], 
             continue
         where, chi2_reduction = found
         if len(objective.pool.twins) > 1:
-            where["record"] = float(record + 1)
+            where["record"] = float(record + 1)  # from 1, as people read it in the verdict
         return where, chi2_reduction
     return None
 

@@ -63,7 +63,7 @@ def _answers(pool: SimulationPool, fit: Fit, at: int) -> Iterator[list[Changes]]
     """Yield per record that has effect ``at`` what its size, raised in one interval, changes."""
     case = fit.case
     for record, twin in enumerate(pool.twins):
-        if fit.hypotheses[at].record not in (None, record):
+        if fit.hypotheses[at].record_index not in (None, record):
             continue
         raised = raised_for_a_while(fit, at, record, _duration_s(twin))
         cases = [replace(case, effects=(*case.effects, one)) for one in raised]

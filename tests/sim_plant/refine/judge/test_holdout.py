@@ -99,7 +99,7 @@ def test_a_moment_is_found_beside_a_roll_that_stood_elsewhere():
     """The roll at the fitted angle would leave up to 80 N, in which 3 N have no moment."""
     twin = formula_twin(lump_and_drag, ["unwind_tension_N"], SAMPLES)
     roll = profile()
-    drag = Added("bearing_drag", "R7", (("constant_N_m", 0.1), ("from_s", 31.0)), record=0)
+    drag = Added("bearing_drag", "R7", (("constant_N_m", 0.1), ("from_s", 31.0)), record_index=0)
     true = (with_turned((roll,), "unwind", 2.9)[0], with_begin(drag, 22.7))
     measured = twin.simulate(Case(effects=true)) + white((1, SAMPLES), 11)
     found = evaluate(pool_of(twin), measured, (roll, drag), find_angles=True)

@@ -9,7 +9,7 @@ CHANNELS = ("unwind_tension_N", "pullroll_tension_N")
 SAMPLES = 6000
 TRAVEL_M = STEP_S * np.arange(SAMPLES)
 SEAM = Added(
-    "splice", "web", (("step_m", 5e-4), ("piece_m", 0.1), ("at_length_m", 50.0)), record=0
+    "splice", "web", (("step_m", 5e-4), ("piece_m", 0.1), ("at_length_m", 50.0)), record_index=0
 )
 
 
@@ -63,7 +63,7 @@ def step(case):
 
 
 def drag(from_s):
-    return Added("bearing_drag", "R7", (("constant_N_m", 0.1), ("from_s", from_s)), record=0)
+    return Added("bearing_drag", "R7", (("constant_N_m", 0.1), ("from_s", from_s)), record_index=0)
 
 
 @pytest.mark.parametrize("there", [True, False])
@@ -94,7 +94,7 @@ def two_steps(case):
 
 def drag_at(roller, constant_N_m, from_s):
     given = (("constant_N_m", constant_N_m), ("from_s", from_s))
-    return Added("bearing_drag", roller, given, record=0)
+    return Added("bearing_drag", roller, given, record_index=0)
 
 
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])

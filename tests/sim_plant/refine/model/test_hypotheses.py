@@ -22,7 +22,7 @@ def test_every_effect_is_tried_and_one_can_be_left_out():
 def test_what_begins_at_a_moment_is_tried_in_every_form_and_in_one_record_only():
     found = onset_library(LINE, 1)
     assert {h.effect.name for h in found} == {e.name for e in CATALOGUE if e.onset is not None}
-    assert {h.record for h in found} == {1}
+    assert {h.record_index for h in found} == {1}
     assert all(h.moment in h.names for h in found)
     assert not [h for h in onset_library(LINE, 0, ["splice"]) if h.effect.name == "splice"]
 

@@ -129,6 +129,6 @@ def test_the_verdict_has_channels_records_and_moments_by_their_names():
     assert effect.begins.time_s == pytest.approx(moment_s, abs=2.0 * STEP_S)
     assert size_of(effect).endswith(f"{effect.begins.time_s:.1f} s after the start of a.csv")
     assert effect.text == BY_NAME["splice"].forms[0].text
-    assert verdict.unknown[0].begins == Moment(record="b.csv", time_s=12.5, number=1)
+    assert verdict.unknown[0].begins == Moment(record="b.csv", time_s=12.5, record_index=1)
     rollers = {s.channel: s.roller for s in twin.declaration.sensors if s.kind == "load_cell"}
     assert effect.cells == tuple(rollers)

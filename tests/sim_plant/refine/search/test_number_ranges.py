@@ -174,11 +174,11 @@ def test_play_that_no_record_shows_may_be_anything_up_to_where_it_would_show():
 def test_an_effect_of_one_record_stays_in_it_when_more_of_its_numbers_are_free():
     effect = BY_NAME["splice"]
     seam = hypothesis(effect, "web", (("EA_factor", 1.0),), ("step_m", "at_length_m"), LINE)
-    fit = fit_of(replace(seam, record=1), values=((5e-4, 20.0),))
+    fit = fit_of(replace(seam, record_index=1), values=((5e-4, 20.0),))
     drag = hypothesis(BY_NAME["bearing_drag"], "R2", (), ("constant_N_m",), LINE)
     objective, _ = selected(drag, (0.2,))
     wider = with_numbers(objective, fit, 0, ("EA_factor",), {"EA_factor": 1.0})
-    assert wider.hypotheses[0].record == 1
+    assert wider.hypotheses[0].record_index == 1
     assert dict(zip(wider.hypotheses[0].names, wider.values[0], strict=True)) == {
         "EA_factor": 1.0,
         "step_m": 5e-4,

@@ -119,7 +119,7 @@ def test_what_began_at_a_moment_wanders_from_there_on():
     h = hypothesis(effect, "swrap", (("threshold_m_s", 0.0),), ("slope_s_m", "from_s"))
     raised = raised_for_a_while(fit_of(h, values=((0.002, 20.0),)), 0, 1, 60.0)
     rows = [dict(one.parameters) for one in raised]
-    assert {one.record for one in raised} == {1}
+    assert {one.record_index for one in raised} == {1}
     assert rows[0]["from_s"] == 20.0
     assert rows[-1]["from_s"] + rows[-1]["hold_s"] == pytest.approx(60.0)
     assert {row["threshold_m_s"] for row in rows} == {0.0}
