@@ -178,7 +178,7 @@ class Hand:
             blocked=self._blocked,
             also_blocking=self._also_blocking,
             ceiling=rules.ceiling,
-            arms_from=rules.arms_from,
+            commands_from=rules.arms_from,
             hand_of=hand_of,
             probing=self._probing,
             trying=self._trying,

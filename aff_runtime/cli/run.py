@@ -43,7 +43,8 @@ def add(commands: Any, service: argparse.ArgumentParser) -> None:
         "--hand-from",
         choices=tuple(Place),
         default=Place.PANEL,
-        help="where a screen may arm: at the machine, or on its network too (default panel)",
+        help="from where a screen is heard: at the machine, or on its network too (default "
+        "panel); a bypass is heard from both",
     )
     parser.add_argument(
         "--hand-dir",

@@ -35,11 +35,12 @@ class Action(StrEnum):
 
 
 PROBES = (Action.PROBE, Action.PROBE_LOUDER)
+"""What excites the line: it needs the role commission, and no law."""
 OF_SETTINGS = (Action.TRY, Action.KEEP, Action.SAVE, Action.UNDO)
-"""What a screen asks of the commissioner, and that of the service; the hand hears all others."""
+"""What a screen asks of the commissioner, which asks the service; the hand hears all others."""
 BY_HAND = tuple(action for action in Action if action not in OF_SETTINGS)
 
-# the console's word for what no screen may do at this service
+# what to type at the console where the service lets no screen do it
 ON_CONSOLE = {
     Action.ARM: "arm",
     Action.SHADOW: "shadow on",
@@ -49,7 +50,7 @@ ON_CONSOLE = {
 
 
 class Role(IntEnum):
-    """What an account is for; a later one may all that an earlier one may."""
+    """What an account is for; a later role may do all that an earlier one may do."""
 
     VIEW = 0
     OPERATE = 1
@@ -140,7 +141,11 @@ WORDS = {
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reason:
-    """One reason why not; ``name`` is what ``{name}`` of its words stands for."""
+    """One reason why not; ``name`` is what ``{name}`` of its words stands for.
+
+    By code: CEILING a command of the console, OTHER_HAND an account, GUARD the guard's reason,
+    CHANGED a state, REFUSED a sentence; empty for all others.
+    """
 
     code: Code
     name: str = ""
@@ -179,7 +184,7 @@ class Circumstances:
     blocked : the guard's first reason against an armed output, empty for none; REMOTE is one.
     also_blocking : its others.
     ceiling : the most that a screen may do here.
-    arms_from : the farthest place to arm from.
+    commands_from : the farthest place from which anything but a bypass is heard.
     hand_of : account that has the hand, empty for none.
     probing : a probe is under way.
     trying : other settings run, or are checked, for a try.
@@ -192,7 +197,7 @@ class Circumstances:
     blocked: str = ""
     also_blocking: tuple[str, ...] = ()
     ceiling: Role = Role.VIEW
-    arms_from: Place = Place.PANEL
+    commands_from: Place = Place.PANEL
     hand_of: str = ""
     probing: bool = False
     trying: bool = False
@@ -214,8 +219,8 @@ def may(action: Action, person: Person, now: Circumstances) -> tuple[Reason, ...
     """Return every reason why not, the first to be said first; empty when it is allowed.
 
     A bypass needs a login at most, and none from where ``bypass_from`` lets it: no state, no
-    hand and no idle time stands against it. Of an output that is armed already that alone is
-    said: nobody has to do anything.
+    hand and no idle time stands against it. Who would arm an output that is armed hears only that
+    it is: nobody has to do anything.
     """
     if action is Action.BYPASS:
         is_open = now.bypass_from is Place.NETWORK or now.bypass_from is person.place
@@ -256,16 +261,17 @@ def against_settings(action: Action, now: Circumstances) -> tuple[Reason, ...]:
 
 
 def _of_person(action: Action, person: Person, now: Circumstances) -> list[Code]:
-    least, no_screen, no_account = Role.OPERATE, Code.CEILING, Code.ROLE
+    least, code_of_ceiling, code_of_role = Role.OPERATE, Code.CEILING, Code.ROLE
     if action in PROBES:
-        least, no_screen, no_account = Role.COMMISSION, Code.NO_PROBE, Code.PROBE_ROLE
+        least, code_of_ceiling, code_of_role = Role.COMMISSION, Code.NO_PROBE, Code.PROBE_ROLE
     elif action in OF_SETTINGS:
-        least, no_screen, no_account = Role.COMMISSION, Code.NO_SETTINGS, Code.SETTINGS_ROLE
+        least = Role.COMMISSION
+        code_of_ceiling, code_of_role = Code.NO_SETTINGS, Code.SETTINGS_ROLE
     against = {
         Code.LOGGED_OUT: person.role is None,
-        no_screen: now.ceiling < least,
-        Code.PLACE: person.place is Place.NETWORK and now.arms_from is not Place.NETWORK,
-        no_account: person.role is not None and person.role < least,
+        code_of_ceiling: now.ceiling < least,
+        Code.PLACE: person.place is Place.NETWORK and now.commands_from is not Place.NETWORK,
+        code_of_role: person.role is not None and person.role < least,
         Code.IDLE: person.is_idle,
     }
     return [code for code, stands in against.items() if stands]
@@ -284,10 +290,11 @@ def _of_guard(action: Action, now: Circumstances) -> tuple[Reason, ...]:
 
 
 def _without_law(now: Circumstances) -> Sequence[str]:
-    """Return what does not stand against a law alone.
+    """Return the guard's reasons without those of a law.
 
-    How many more there are than are told is of the law where the last one told is: behind the
-    law's the guard has only shadow and remote, which are always told.
+    ``Blocked.by`` of `app.link.messages` cuts a list that does not fit, tells shadow and remote
+    in any case, and ends it with "and N more". Where the last reason before these is a law's, so
+    are all N: the guard asks the laws last of all but shadow and remote. The count goes then, too.
     """
     named = [one for one in now.against if one not in (SHADOW, REMOTE)]
     own = [one for one in now.against if not _OF_LAW.match(one)]

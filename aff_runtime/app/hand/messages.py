@@ -1,5 +1,7 @@
-"""What passes through ``hand.sock``: one JSON object a packet, checked in full before it is used.
+"""What passes through ``hand.sock``: one JSON object a packet.
 
+What a screen says is checked in full (`read_said`): the service acts on it. Of what the service
+says a screen only takes the parts (`read_told`); it grants nothing.
 The screen says ``Command`` and ``Notice``; the service says ``Welcome`` once and ``Answer`` to
 every command. The account is what the screen claims: the service cannot know who stands before it.
 """
@@ -16,11 +18,15 @@ from aff_runtime.base.signals import State
 
 PROTOCOL = 2
 MAX_PACKET_BYTES = 2048
+"""An answer whose reason names something at its longest, six bytes a character, fits in it."""
 LONGEST_NAME = 200  # characters of what a reason names
 NOBODY = "nobody"  # account of a bypass for which nobody has logged in
-VALID_NS = 2_000_000_000  # a press may be done until so long after what the person saw
+VALID_NS = 2_000_000_000
+"""A press does nothing later than so long after what the person saw: one that comes later was held
+up on its way, and was meant for another moment."""
 LOGIN_REFUSED = "login refused"
 PRESS_REFUSED = "press refused"
+# whats of a `Notice`; those of a login first
 LOGINS = ("login", "logout", "session ended", "session ended by")
 NOTICES = (
     *LOGINS,
@@ -46,7 +52,14 @@ class HandMessageError(ValueError):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Welcome:
-    """What the service allows to a screen: highest role, and farthest place to arm from."""
+    """What the service allows to a screen.
+
+    Attributes
+    ----------
+    ceiling : the highest role that it hears.
+    arms_from : the farthest place from which anything but a bypass is heard; the key of the packet
+        is older than the other presses, elsewhere it is ``commands_from``.
+    """
 
     version: str
     ceiling: Role
@@ -82,7 +95,8 @@ class Notice:
     ----------
     action, code : of a press that the screen itself refused, and why.
     other : whose hand was taken over.
-    more : so many before it were not said. ``ago_s`` : it happened so long ago, s.
+    more : notices before this one that were dropped.
+    ago_s : how long ago it happened, s.
     """
 
     what: str
@@ -111,13 +125,13 @@ Told: TypeAlias = Welcome | Answer
 
 def encode(message: Said | Told) -> bytes:
     """Return a message as one packet."""
-    said = asdict(message)
+    packet = asdict(message)
     for name in ("role", "ceiling"):
-        if name in said:
-            said[name] = said[name].word
-    if said.get("reason"):
-        said["reason"]["name"] = said["reason"]["name"][:LONGEST_NAME]
-    return json.dumps({"say": type(message).__name__.lower(), **said}).encode()
+        if name in packet:
+            packet[name] = packet[name].word
+    if packet.get("reason"):
+        packet["reason"]["name"] = packet["reason"]["name"][:LONGEST_NAME]
+    return json.dumps({"say": type(message).__name__.lower(), **packet}).encode()
 
 
 def read_said(packet: bytes) -> Said:
@@ -164,21 +178,21 @@ def read_told(packet: bytes) -> Told:
     HandMessageError
         When it is no message of this release.
     """
-    said = _object(packet)
+    told = _object(packet)
     try:
-        if said["say"] == "welcome":
+        if told["say"] == "welcome":
             return Welcome(
-                version=str(said["version"]),
-                ceiling=ROLES[said["ceiling"]],
-                arms_from=Place(said["arms_from"]),
-                protocol=int(said["protocol"]),
+                version=str(told["version"]),
+                ceiling=ROLES[told["ceiling"]],
+                arms_from=Place(told["arms_from"]),
+                protocol=int(told["protocol"]),
             )
-        why = said["reason"]
+        why = told["reason"]
         return Answer(
-            id=str(said["id"]),
-            ok=said["ok"] is True,
+            id=str(told["id"]),
+            ok=told["ok"] is True,
             reason=Reason(code=Code(why["code"]), name=str(why["name"])) if why else None,
-            audit=int(said["audit"]),
+            audit=int(told["audit"]),
         )
     except (ValueError, KeyError, TypeError, OverflowError) as error:
         raise HandMessageError(f"no message of this release ({error!a:.80})") from None

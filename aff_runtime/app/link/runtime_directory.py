@@ -1,10 +1,10 @@
 """Where the running service keeps its socket, and who may be found there.
 
 Three ways of running share these rules. Installed: the service runs as user aff-runtime in
-/run/aff-runtime, and technicians come by ``sudo``. By hand: in the session's own folder, or in
-/tmp/aff-runtime-UID. Anywhere: with --runtime-dir. On a machine where the service is installed
-nothing but /run/aff-runtime is meant unless another place is named: a command that fell through
-to a folder in /tmp would talk to whoever made that folder first.
+/run/aff-runtime, and technicians come by ``sudo``. By hand: in the folder of the login
+(XDG_RUNTIME_DIR), or in /tmp/aff-runtime-UID. Anywhere: with --runtime-dir. On a machine where
+the service is installed nothing but /run/aff-runtime is meant unless another place is named: a
+command that fell through to a folder in /tmp would talk to whoever made that folder first.
 """
 
 from __future__ import annotations
@@ -21,8 +21,11 @@ from aff_runtime.base.errors import RefusedError
 
 INSTALLED = Path("/run/aff-runtime")
 OF_OTHERS = stat.S_IRWXG | stat.S_IRWXO
+"""Bits of a mode that let anybody else in, in any way."""
 WRITTEN_BY_OTHERS = stat.S_IWGRP | stat.S_IWOTH
+"""Those that let anybody else write."""
 OURS = frozenset({"control.sock", "control.lock", "door.sock", "hand.sock", "commission.sock"})
+"""What a service of ours makes in its folder; beside anything else the folder has another use."""
 ANOTHER = "name another one with --runtime-dir"
 
 
@@ -33,7 +36,9 @@ class RuntimePaths:
     Attributes
     ----------
     directory : 0700, belongs to the service's user.
-    socket : request socket, 0600. ``door`` : where one looks on, 0600.
+    socket : the console's requests, 0600.
+    door : a screen looks on through it, 0600.
+    hand : a screen commands through it, 0600.
     """
 
     directory: Path
@@ -41,34 +46,37 @@ class RuntimePaths:
 
     @property
     def door(self) -> Path:
-        """Socket of who looks on, unless the service was given a folder for it."""
+        """The door's socket, where ``--door-dir`` names no other folder."""
         return self.directory / "door.sock"
 
     @property
     def hand(self) -> Path:
-        """Socket of a screen that may command, unless the service was given a folder for it."""
+        """The hand's socket, where ``--hand-dir`` names no other folder."""
         return self.directory / "hand.sock"
 
 
 def default_directory(environment: Mapping[str, str] = os.environ) -> Path:
     """Return the runtime directory when none is named.
 
-    The service manager's; else the installed service's, on a machine that has one; else the
-    session's, if the session is ours (under ``sudo -E`` it is not); else one in /tmp.
+    The service manager's; else the installed service's, on a machine that has one; else that of
+    the login, if it is ours (under ``sudo -E`` it is not); else one in /tmp.
     """
     named = environment.get("RUNTIME_DIRECTORY", "").split(":")[0]
     if named:
         return Path(named)
     if is_installed():
         return INSTALLED
-    session = environment.get("XDG_RUNTIME_DIR", "")
-    if session and _owner(Path(session)) == os.geteuid():
-        return Path(session) / "aff-runtime"
+    of_login = environment.get("XDG_RUNTIME_DIR", "")
+    if of_login and _owner(Path(of_login)) == os.geteuid():
+        return Path(of_login) / "aff-runtime"
     return Path(f"/tmp/aff-runtime-{os.geteuid()}")
 
 
 def is_installed() -> bool:
-    """Return whether this machine has, or had until its last stop, the installed service."""
+    """Return whether this machine has the installed service: its folder, or its user.
+
+    The folder is there while the service runs, and is gone after a stop; the user stays.
+    """
     if os.path.lexists(INSTALLED):
         return True
     try:

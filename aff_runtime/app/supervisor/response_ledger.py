@@ -19,7 +19,9 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.config.revision import SHORT, file_digest
 
 NAME = ".probed.json"
+"""The list in each folder of responses: file names and digests."""
 MAX_BYTES = 65536
+"""Of such a list, some 600 responses; a longer one is cut, and then no list."""
 
 
 class ResponseLedger:
@@ -59,7 +61,7 @@ class ResponseLedger:
         try:
             kept = json.loads(_read_private(folder / NAME))
             if not isinstance(kept, dict):
-                raise ValueError("not a list of digests")
+                raise ValueError("not digests by file name")
         except FileNotFoundError:
             return
         except (OSError, ValueError, RecursionError) as error:
@@ -73,7 +75,11 @@ class ResponseLedger:
 
 
 def learned_sentences(parameters: ParameterRecord, ledger: ResponseLedger) -> Iterator[str]:
-    """Yield short digests of what runs besides the site file: learned files, the wire's."""
+    """Yield a sentence about each thing that runs besides the site file, with its short digest.
+
+    Of every actuator its response, with who measured it, and its shape; then the drives; then
+    each file that describes the wire.
+    """
     for name, file in parameters.response_files.items():
         learned = parameters.learned.get(name, {})
         text = parameters.responses.get(name)
@@ -90,12 +96,14 @@ def learned_sentences(parameters: ParameterRecord, ledger: ResponseLedger) -> It
 
 
 def _read_private(path: Path) -> str:
-    """Return a small file of ours that nobody else can write.
+    """Return the text of a file of mode 0600 that belongs to us, its first ``MAX_BYTES``.
 
     Raises
     ------
-    OSError, ValueError
-        When it is not there, or is anything else.
+    OSError
+        It is not there, is a link, or cannot be read.
+    ValueError
+        It belongs to another user, is open to others, is no regular file, or is no UTF-8.
     """
     descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
     with open(descriptor, "rb") as file:

@@ -23,7 +23,7 @@ class RunOptions:
     shadow : compute and record, transmit zero.
     door_directory : folder of the door, opened to a group of screens; None: the private one.
     hand : the most that a screen may do; None: no screen is heard.
-    hand_from : the farthest place that a screen may arm from.
+    hand_from : the farthest place from which a screen is heard; a bypass is heard from all.
     hand_directory : folder of the hand's socket, opened to a group; None: the private one.
     forget : start without the saved shapes of rolls that are exchanged.
     """

@@ -40,10 +40,10 @@ BECAME = {Code.LATE: Result.LATE, Code.REPEATED: Result.REPEATED}
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HandRules:
-    """What this installation lets a screen do: the most of a role, the farthest place to arm."""
+    """What this installation lets a screen do: the highest role, and from how far."""
 
     ceiling: Role
-    arms_from: Place = Place.PANEL
+    commands_from: Place = Place.PANEL
 
 
 class Commanded(Protocol):
@@ -133,7 +133,7 @@ class HandDesk:
 
     def _welcome(self, visitor: Caller) -> None:
         rules = self._rules
-        said = Welcome(version=__version__, ceiling=rules.ceiling, arms_from=rules.arms_from)
+        said = Welcome(version=__version__, ceiling=rules.ceiling, arms_from=rules.commands_from)
         visitor.tell(said)
 
     def _hear(self, visitor: Caller, packet: bytes) -> bool:
@@ -231,7 +231,7 @@ class HandDesk:
             blocked=now.blocked,
             also_blocking=now.also_blocking,
             ceiling=self._rules.ceiling,
-            arms_from=self._rules.arms_from,
+            commands_from=self._rules.commands_from,
             probing=now.probing,
             remote=now.remote,
         )

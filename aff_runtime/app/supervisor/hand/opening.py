@@ -132,7 +132,7 @@ def open_hand(
         selector,
         clock,
         is_private=folder is None,
-        rules=HandRules(ceiling=options.hand, arms_from=options.hand_from),
+        rules=HandRules(ceiling=options.hand, commands_from=options.hand_from),
         audit=audit,
         service=ServiceEnd(processes, pending, probes),
         counts=counts,

@@ -192,7 +192,7 @@ def test_the_ceiling_holds_against_every_role_that_is_claimed(
 
 
 def test_from_the_network_only_where_the_service_says_so(tmp_path: Path) -> None:
-    rules = HandRules(ceiling=Role.OPERATE, arms_from=Place.NETWORK)
+    rules = HandRules(ceiling=Role.OPERATE, commands_from=Place.NETWORK)
     with contextlib.closing(Stand(tmp_path, rules)) as stand:
         stand.say(stand.client(), stand.command(place=Place.NETWORK))
         assert stand.service.asked

@@ -62,7 +62,7 @@ def test_arming_needs_every_one_of_its_conditions() -> None:
             state=state,
             blocked=blocked,
             ceiling=ceiling,
-            arms_from=farthest,
+            commands_from=farthest,
             hand_of="" if hand == "nobody" else "anna",
         )
         is_fit = (
