@@ -24,7 +24,8 @@ HEAD = (
     *("order", "Hz", "before N", "95 %", "after N", "95 %", "change dB", "95 %"),
     *("noise N", "turns", ""),
 )
-BAR, HIGH = 14, 120  # of a chart: width of a bar, height of the highest, pixels
+# of a chart, pixels: width of a bar, height of the axis, room at its left and above it
+BAR, AXIS, LEFT, TOP = 14, 120, 30, 10
 
 
 def _shown(text: str) -> str:
@@ -33,11 +34,12 @@ def _shown(text: str) -> str:
 
 
 def as_json(comparison: Comparison) -> dict[str, Any]:
-    """Return the comparison for programs, SI; what is not known is null."""
+    """Return the comparison for programs, SI; what is not known is null. ``VERSION`` of keys."""
     return {"version": VERSION, **dict(_plain(asdict(comparison)))}
 
 
 def _plain(value: Any) -> Any:
+    """Return a value as JSON has it: seven digits, null for what is no number."""
     if isinstance(value, dict):
         return {str(key): _plain(inner) for key, inner in value.items()}
     if isinstance(value, list | tuple):
@@ -147,29 +149,29 @@ def _span(low: float, high: float) -> str:
 def _chart(rows: Sequence[OrderRow]) -> str:
     """Return bars of both windows with their intervals, one pair per order."""
     sizes = [e.high if math.isfinite(e.high) else e.amplitude for r in rows for e in _pair(r)]
-    top = max([size for size in sizes if math.isfinite(size)], default=0.0)
-    if top <= 0.0:
+    full = max([size for size in sizes if math.isfinite(size)], default=0.0)
+    if full <= 0.0:
         return ""
     parts = []
     for k, row in enumerate(rows):
         for side, (end, colour) in enumerate(zip(_pair(row), ("#999", "#06c"), strict=True)):
-            x = 30 + k * 3 * BAR + side * BAR
-            high = HIGH * (end.amplitude if math.isfinite(end.amplitude) else 0.0) / top
+            x = LEFT + k * 3 * BAR + side * BAR
+            height = AXIS * (end.amplitude if math.isfinite(end.amplitude) else 0.0) / full
             parts.append(
-                f'<rect x="{x}" y="{HIGH - high + 10:.1f}" width="{BAR - 2}" '
-                f'height="{high:.1f}" fill="{colour}"/>'
+                f'<rect x="{x}" y="{AXIS - height + TOP:.1f}" width="{BAR - 2}" '
+                f'height="{height:.1f}" fill="{colour}"/>'
             )
             if math.isfinite(end.low):
-                y = [HIGH * (1.0 - value / top) + 10 for value in (end.low, end.high)]
+                y = [AXIS * (1.0 - value / full) + TOP for value in (end.low, end.high)]
                 middle = x + BAR / 2 - 1
                 parts.append(
                     f'<path d="M{middle} {y[0]:.1f}V{y[1]:.1f}" stroke="#000" fill="none"/>'
                 )
-        parts.append(f'<text x="{30 + k * 3 * BAR}" y="{HIGH + 24}">{row.order}x</text>')
-    width = 40 + len(rows) * 3 * BAR
+        parts.append(f'<text x="{LEFT + k * 3 * BAR}" y="{AXIS + TOP + 14}">{row.order}x</text>')
+    width = LEFT + 10 + len(rows) * 3 * BAR
     return (
-        f'<svg width="{width}" height="{HIGH + 30}" font-size="12">{"".join(parts)}</svg>'
-        f"<p>grey: before, blue: after; the highest is {top:.3g} N</p>"
+        f'<svg width="{width}" height="{AXIS + TOP + 20}" font-size="12">{"".join(parts)}</svg>'
+        f"<p>grey: before, blue: after; the full height is {full:.3g} N</p>"
     )
 
 
