@@ -21,7 +21,7 @@ from sim_plant.refine.confirm import RecordWithTwin
 from sim_plant.refine.fit.gauss_newton import Fit, nominal_fit
 from sim_plant.refine.fit.objective import Objective, declared_objective
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
-from sim_plant.refine.model.hypotheses import Hypothesis, library, onset_library
+from sim_plant.refine.model.hypotheses import Hypothesis, all_hypotheses, onset_hypotheses
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.records.read import read_record
@@ -56,13 +56,13 @@ def starts(
     if fault.from_s < 0.0:
         here = [
             shaped_as(h, true)
-            for h in library(line)
+            for h in all_hypotheses(line)
             if h.effect.name == fault.effect and h.location == fault.location
         ]
         looks = screen(objective, nominal, here, _quiet)[:LOOKS]
         return [c.fit for c in fit_candidates(objective, nominal, looks, _quiet)]
     found = []
-    for h in onset_library(line, 0):
+    for h in onset_hypotheses(line, 0):
         if h.effect.name == fault.effect and h.location == fault.location:
             start = [true.get(n, s) for n, s in zip(h.names, h.start, strict=True)]
             found.append(with_effect(objective, nominal, h, start, nominal.shifts))

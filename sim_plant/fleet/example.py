@@ -16,7 +16,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import read_source
 from sim_plant.refine.example import simulated, write_table
-from sim_plant.refine.model.hypotheses import Hypothesis, library
+from sim_plant.refine.model.hypotheses import Hypothesis, all_hypotheses
 
 STEP_S, DURATION_S = 0.01, 40.0
 HEALTHY_SHARE = 0.3
@@ -99,7 +99,7 @@ def drawn_effect(draw: np.random.Generator, line: Declaration) -> EffectEntry:
     Every effect is as likely that answers in proportion to its size: others have a start or a
     threshold, which a draw would have to know.
     """
-    fair = [h for h in library(line) if h.strengths and all(h.linear)]
+    fair = [h for h in all_hypotheses(line) if h.strengths and all(h.linear)]
     names = sorted({h.effect.name for h in fair})
     name = names[int(draw.integers(len(names)))]
     places = [h for h in fair if h.effect.name == name]

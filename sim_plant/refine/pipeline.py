@@ -16,7 +16,7 @@ from sim_plant.refine.fit.start_angles import at_start_angles
 from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.lacking import caveats_of
 from sim_plant.refine.model.demand import demand_of
-from sim_plant.refine.model.hypotheses import library
+from sim_plant.refine.model.hypotheses import all_hypotheses
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_caveats import lines_of, rolls_of, shared
 from sim_plant.refine.model.run_match import run_on_line
@@ -162,7 +162,7 @@ def find(
         progress("simulating the declared line, its noise and its tolerances")
         check_runs(pool, [f.record for f in fitted])
         objective = declared_objective(pool, [f.measured for f in fitted])
-        tried = library(twins[0].declaration, without, demand_of(twins))
+        tried = all_hypotheses(twins[0].declaration, without, demand_of(twins))
         selection = forward_selection(objective, tried, progress, without)
         progress(f"{pool.simulations} simulations")
     return selection

@@ -150,7 +150,7 @@ def start_angles(
     share = 1.0
     for _ in range(ZOOMS):
         for k, body in enumerate(bodies):
-            width = share * body.period_rad / body.tries
+            width = share * body.period_rad / body.angle_count
             grid = angles[k] + width * np.array(ZOOM_PARTS)
             here = _turned(case, bodies, angles)
             costs = costs_of(
@@ -187,10 +187,10 @@ def _on_grid(
     base = pool.run([still], keep=False)[0][0]
     left = _white(pool, model, measured - base).ravel()
     # bodies have unlike counts of tries: what a shorter grid lacks costs without end
-    shape = (len(bodies), max(body.tries for body in bodies))
+    shape = (len(bodies), max(body.angle_count for body in bodies))
     alone, products = np.full(shape, np.inf), np.zeros(shape * 2)
     kept: dict[int, Array] = {}
-    in_turn = sorted(range(len(bodies)), key=lambda k: bodies[k].tries)
+    in_turn = sorted(range(len(bodies)), key=lambda k: bodies[k].angle_count)
     for k in in_turn:
         parts: list[Array] = []
         for first, rows in _responses(pool, model, case, base, bodies[k]):
@@ -220,7 +220,7 @@ def _responses(
     """
     still = tuple(e for e in case.effects if not phased(e))
     own = tuple(e for e in case.effects if phased(e) and turns_with(e) == body.name)
-    for first in range(0, body.tries, AT_ONCE):
+    for first in range(0, body.angle_count, AT_ONCE):
         angles = body.grid[first : first + AT_ONCE]
         turned = [with_turned(own, body.name, float(a)) for a in angles]
         cases = [replace(case, effects=(*still, *effects)) for effects in turned]
@@ -270,8 +270,8 @@ def _together(
     Bodies that act nearly alike lie in a narrow valley: steps of one alone end on its wall.
     """
     before, cost = angles, math.inf
-    finer = np.array([body.finer for body in bodies])
-    steps_rad = STEP_RAD * finer
+    shares = np.array([body.step_share for body in bodies])
+    steps_rad = STEP_RAD * shares
     for _ in range(MOST_PASSES):
         moved = [list(np.array(angles) + row) for row in np.diag(steps_rad)]
         tries = [_turned(case, bodies, each) for each in (angles, *moved)]
@@ -286,7 +286,7 @@ def _together(
         if not np.isfinite(slopes).all():
             return angles
         step = np.linalg.lstsq(slopes.T, left, rcond=None)[0]
-        steps = np.clip(step, -MOST_RAD * finer, MOST_RAD * finer)
+        steps = np.clip(step, -MOST_RAD * shares, MOST_RAD * shares)
         angles = [float(a) for a in np.array(angles) + steps]
     return before
 

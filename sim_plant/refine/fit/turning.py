@@ -16,13 +16,14 @@ from sim_plant.refine.model.hypotheses import turned
 from sim_plant.refine.model.twin import Added
 
 COARSE_ANGLES = 24
-"""Tries of the first grid, at least: every 15 deg of a turn, or of the part of one after which all
-that turns with a body is as it was."""
-TRIES_IN_PERIOD = 4
-"""Of the first grid, in a period of what repeats most often per turn, at least: the best lies in
-the valley of the cost that holds the minimum, an eighth of a period away."""
+"""Least number of angles of the first grid: every 15 deg of a turn, or a 24th of the part of one
+after which all that turns with a body is as it was."""
+ANGLES_IN_PERIOD = 4
+"""Least number of angles of the first grid in a period of what repeats most often per turn: one is
+within an eighth of a period of the minimum, in the same valley of the cost."""
 SLOPE_ORDER = 12.0
-"""Order for which these two are set; what repeats more often per turn takes as much less."""
+"""Order for which ``STEP_RAD`` and ``MOST_RAD`` of `start_angles` are set; of what repeats more
+often per turn both are smaller, in proportion."""
 
 
 def phased(effect: Added) -> bool:
@@ -34,17 +35,18 @@ def phased(effect: Added) -> bool:
 
 
 def orders_of(effect: Added) -> set[float]:
-    """Return how often per turn of its own angle the parts of an effect repeat that are there.
+    """Return the orders of the parts of an effect that are not zero, per turn of its own angle.
 
-    A profile shows at several; what turns along at a ratio of its own has a turn of its own.
+    A profile has several. The own angle is the body's, or of what turns at a ratio of its own to
+    the body the angle of that (see `turns_with`).
     """
     record = BY_NAME[effect.effect]
     values = {**record.parameters, **dict(effect.parameters)}
     orders = set()
-    for place, pair in enumerate(record.quadratures, start=1):
+    for k, pair in enumerate(record.quadratures, start=1):
         if phasor(values, pair) != 0.0:
-            at = 1.0 if isinstance(record.shows, Frequency) else float(place)
-            orders.add(float(values[pair.order]) if pair.order else at)
+            order = 1.0 if isinstance(record.shows, Frequency) else float(k)
+            orders.add(float(values[pair.order]) if pair.order else order)
     of_pairs = {pair.angle for pair in record.quadratures}
     turns = (name for name, _ in effect.parameters if record.accepts[name].role == "angle")
     if any(name not in of_pairs for name in turns):
@@ -90,8 +92,9 @@ class Turning:
     Attributes
     ----------
     name : see `turns_with`.
-    highest : the most often that one of them repeats per turn.
-    period_rad : of the turn after which all of them are as they were.
+    highest : their highest order, per turn.
+    period_rad : angle over which they are searched: the turn, or the part of one, after which all
+        are as they were.
     """
 
     name: str
@@ -102,8 +105,11 @@ class Turning:
     def of(cls, name: str, effects: Sequence[Added]) -> Turning:
         """Return what turns with ``name`` among the effects.
 
-        Equation: period 2 pi / g, g the greatest common divisor of all orders; of several that are
-        not all whole a turn.
+        Equation: period 2 pi / g, g the greatest common divisor of all orders, or the only one.
+
+        Of several that are not all whole (one effect twice at one place, behind gears) a turn is
+        taken: their common period may be many turns. Over a turn each of order 1 and above goes
+        through all its phases, but not each pair of them through all pairs.
         """
         own = (e for e in effects if phased(e) and turns_with(e) == name)
         orders = {order for e in own for order in orders_of(e)}
@@ -113,18 +119,19 @@ class Turning:
         return cls(name=name, highest=max(orders), period_rad=2.0 * math.pi / common)
 
     @property
-    def tries(self) -> int:
+    def angle_count(self) -> int:
         """How many angles the first grid has, over one period."""
         repeats = self.highest * self.period_rad / (2.0 * math.pi)
-        return max(COARSE_ANGLES, math.ceil(TRIES_IN_PERIOD * repeats))
+        return max(COARSE_ANGLES, math.ceil(ANGLES_IN_PERIOD * repeats))
 
     @property
     def grid(self) -> Array:
-        """The angles of the first grid (tries,), rad."""
-        angles: Array = np.arange(self.tries, dtype=np.float64) * (self.period_rad / self.tries)
+        """The angles of the first grid (angle_count,), rad."""
+        count = self.angle_count
+        angles: Array = np.arange(count, dtype=np.float64) * (self.period_rad / count)
         return angles
 
     @property
-    def finer(self) -> float:
-        """Share of an angle at ``SLOPE_ORDER`` that is as far for what repeats most often."""
+    def step_share(self) -> float:
+        """Factor on a step that is set for ``SLOPE_ORDER``: 1 for orders up to it."""
         return min(1.0, SLOPE_ORDER / self.highest)

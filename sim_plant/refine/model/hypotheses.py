@@ -19,6 +19,18 @@ from sim_plant.refine.model.twin import Added
 
 StartValues = tuple[float, ...]
 """Of a hypothesis: its numbers in the order of ``names``."""
+LINEAR_STEP = 0.25
+"""Finite difference over the size of a number whose response is linear: any share gives the same
+slope, a large one stands out of the chaos of quantised loops."""
+CURVED_STEP, LEAST_CURVED_SIZE = 0.05, 0.2
+"""The same of any other number, and the share of its start size below which its size does not
+count: small, as the slope changes with the size."""
+ANGLE_STEP_RAD = 0.02
+"""Finite difference of an angle: at order 12 a quarter of a radian, still nearly straight."""
+ZERO_STEP = 1e-6
+"""Of a number whose value and start are both its absence: any step, in its own unit."""
+ROOM_PARTS = 3.0
+"""Of the way to where the effect leaves no trace a step takes one of so many parts at most."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -29,13 +41,15 @@ class Hypothesis:
     ----------
     effect, location : as in a declaration.
     fixed : options that are chosen, not fitted.
-    names : fitted parameters; the first ``strengths`` of them make the effect.
-    start : values to try, the size of a first guess.
+    names : fitted parameters, those of role *strength* first.
+    strengths : how many of them are of that role.
+    start : values that a fit starts from: typical ones of the catalogue, or those chosen.
     absent : values at which the effect is exactly absent.
     low, high : physical bounds, from the effect's own file and from the line.
     linear : per strength, whether the response is proportional to it in both directions.
     record_index : the only record that it is in, from 0 of those fitted; None: in all.
-    acts_below : of some numbers, the value from which on the records see nothing of the effect.
+    acts_below : of a number that limits something, the value from which upwards the effect leaves
+        no trace in the records: they ask no more of the line. It shows below.
     """
 
     effect: Effect
@@ -58,9 +72,9 @@ class Hypothesis:
 
     @property
     def idle(self) -> tuple[float, ...]:
-        """Values from which on the records see nothing of the effect: its sizes count from there.
+        """Values at which the effect leaves no trace in the records: its sizes count from there.
 
-        Those at which it is absent, of a limit those that the records ask of it.
+        Those at which it is absent; of a limit ``acts_below``, above which it has none either.
         """
         rows = zip(self.names, self.absent, strict=True)
         return tuple(self.acts_below.get(name, value) for name, value in rows)
@@ -100,8 +114,8 @@ class Hypothesis:
     def at_bound(self, values: Sequence[float]) -> bool:
         """Return whether a number sits at a bound at which it is no estimate.
 
-        At its absence it is one, and at a bound that is worth a candidate (``tries``): web slips
-        from standstill on.
+        Where the bound is its absence it is an estimate, and where the catalogue gives the bound
+        as a candidate (``Parameter.tries``): a threshold of slip of 0 says that web slips always.
         """
         rows = zip(self.names, values, self.low, self.high, self.absent, strict=True)
         return any(
@@ -117,8 +131,8 @@ class Hypothesis:
         rows = [self.effect.accepts[name] for name in self.names[: self.strengths]]
         return any(not row.linear for row in rows)
 
-    def typical_effects(self) -> list[Added]:
-        """Return one effect per strength: that one at its typical size, the others absent.
+    def start_effects(self) -> list[Added]:
+        """Return one effect per strength: that one at its start, the others absent.
 
         Of a curved effect only one, the whole of it.
         """
@@ -135,10 +149,10 @@ class Hypothesis:
     def increments(self, values: Sequence[float]) -> list[float]:
         """Return a finite-difference step per number, large against the chaos of quantised loops.
 
-        A quarter of the value or of the typical size where the response is linear; else a
-        twentieth of the value, or a hundredth of the typical size. At most a third of the way to
-        where the effect is idle, and away from there. An angle takes 0.02 rad, a parameter that
-        states a ``step`` that one.
+        ``LINEAR_STEP`` of the larger of its size and its start size where the response is linear;
+        else ``CURVED_STEP`` of the larger of its size and ``LEAST_CURVED_SIZE`` of its start size.
+        Below ``acts_below`` downwards, at most one of ``ROOM_PARTS`` parts of the way up to it. An
+        angle takes ``ANGLE_STEP_RAD``, a parameter that states a ``step`` that one.
         """
         steps = []
         for name, value, start, absent in zip(
@@ -146,21 +160,21 @@ class Hypothesis:
         ):
             row = self.effect.accepts[name]
             if row.role == "angle" or row.step > 0.0:
-                steps.append(row.step or 0.02)
+                steps.append(row.step or ANGLE_STEP_RAD)
                 continue
-            size, typical = abs(value - absent), abs(start - absent)
+            size, start_size = abs(value - absent), abs(start - absent)
             if row.role == "strength" and row.linear:
-                step = 0.25 * max(size, typical)
+                step = LINEAR_STEP * max(size, start_size)
             else:
-                step = 0.05 * max(size, 0.2 * typical)
-            step = step if step > 0.0 else 1e-6
+                step = CURVED_STEP * max(size, LEAST_CURVED_SIZE * start_size)
+            step = step if step > 0.0 else ZERO_STEP
             room = self.acts_below.get(name, math.inf) - value
-            steps.append(-min(step, room / 3.0) if 0.0 < room < math.inf else step)
+            steps.append(-min(step, room / ROOM_PARTS) if 0.0 < room < math.inf else step)
         return [-s if v + s > hi else s for s, v, hi in zip(steps, values, self.high, strict=True)]
 
 
 def variants(effect: Effect) -> list[tuple[tuple[str, Value], ...]]:
-    """Return every combination of the values to try, each a candidate of its own."""
+    """Return every combination of the values that are worth a candidate each."""
     tried = [[(name, value) for value in p.tries] for name, p in effect.accepts.items() if p.tries]
     return [tuple(choice) for choice in itertools.product(*tried)]
 
@@ -187,7 +201,7 @@ def hypothesis(
     fixed = tuple((n, v) for n, v in picked.items() if n not in names)
     rows = [effect.accepts[n] for n in names]
     start = [float(picked.get(n, r.typical)) for n, r in zip(names, rows, strict=True)]
-    strengths = [r for r in rows if r.role == "strength"]
+    strength_rows = [r for r in rows if r.role == "strength"]
     bounds = bounds_at(line, effect, location) if line is not None else {}
     low = [max(r.low, bounds.get(n, (r.low,))[0]) for n, r in zip(names, rows, strict=True)]
     high = [min(r.high, bounds.get(n, (r.high,))[-1]) for n, r in zip(names, rows, strict=True)]
@@ -196,16 +210,16 @@ def hypothesis(
         location=location,
         fixed=fixed,
         names=tuple(names),
-        strengths=len(strengths),
+        strengths=len(strength_rows),
         start=tuple(start),
         absent=tuple(float(r.default) for r in rows),
         low=tuple(low),
         high=tuple(high),
-        linear=tuple(r.linear and low[k] < float(r.default) for k, r in enumerate(strengths)),
+        linear=tuple(r.linear and low[k] < float(r.default) for k, r in enumerate(strength_rows)),
     )
 
 
-def onset_library(
+def onset_hypotheses(
     line: Declaration, record_index: int, without: Collection[str] = ()
 ) -> list[Hypothesis]:
     """Return every effect that may begin at a moment of one record, each way and at each place."""
@@ -214,9 +228,9 @@ def onset_library(
         onset = effect.onset
         if onset is None or effect.name in without:
             continue
-        shapes = tuple((name, values[0]) for name, values in onset.grid)
+        first_of_grid = tuple((name, values[0]) for name, values in onset.grid)
         for form in onset.forms:
-            choice = (*onset.fixed, *((n, v) for n, v in shapes if n in form))
+            choice = (*onset.fixed, *((n, v) for n, v in first_of_grid if n in form))
             names = (*form, onset.moment)
             library += [
                 replace(
@@ -241,10 +255,12 @@ def bounds_at(line: Declaration, effect: Effect, location: str) -> dict[str, tup
     return bounds
 
 
-def library(
+def all_hypotheses(
     line: Declaration, without: Collection[str] = (), demand: Demand | None = None
 ) -> list[Hypothesis]:
-    """Return every hypothesis of the library on this line, effects in ``without`` left out.
+    """Return a hypothesis for every effect at every place of this line, each way to start it.
+
+    Effects in ``without`` are left out.
 
     With ``demand``, what the records ask of the line, those too that start where that is.
     """
@@ -260,7 +276,11 @@ def library(
 
 
 def _for_demand(line: Declaration, without: Collection[str], demand: Demand) -> list[Hypothesis]:
-    """Return the hypotheses that start at what the records ask of the line."""
+    """Return the hypotheses that start at what the records ask of the line.
+
+    `_possible` is not asked: what ``starts`` of an effect gives is of these arrays, and of a form
+    that every place can have.
+    """
     arrays = build_arrays(line, timing_of(line, line.sample_time_s))
     return [
         replace(
@@ -291,8 +311,8 @@ def _possible(
 
 def with_number(h: Hypothesis, start: StartValues, name: str, value: float) -> StartValues:
     """Return numbers to start from with another value of one of them."""
-    at = h.names.index(name)
-    return (*start[:at], value, *start[at + 1 :])
+    k = h.names.index(name)
+    return (*start[:k], value, *start[k + 1 :])
 
 
 def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[str, Value]:
@@ -302,8 +322,8 @@ def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[s
     that shows at a frequency in time every pair is order 1.
     """
     parameters = dict(values)
-    for place, pair in enumerate(effect.quadratures, start=1):
-        order = 1.0 if isinstance(effect.shows, Frequency) else float(place)
+    for k, pair in enumerate(effect.quadratures, start=1):
+        order = 1.0 if isinstance(effect.shows, Frequency) else float(k)
         if pair.order:
             order = float(values.get(pair.order, effect.parameters[pair.order]))
         further_rad = (-order if pair.against else order) * angle_rad

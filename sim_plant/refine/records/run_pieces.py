@@ -18,9 +18,11 @@ from sim_plant.refine.records.run_grid import Break, Rows, Scans, angle_breaks, 
 from sim_plant.refine.records.run_site import RunSite
 
 SHORTEST_PIECE_S = 20.0
-"""A shorter piece is refused: its first quarter is not judged, so of this one 15 s are left."""
+"""A shorter piece is refused. Its first quarter is not judged (`NoiseCriteria`), so 15 s are left:
+some 8 turns of a roll of 0.6 m diameter at 1 m/s."""
 MOST_UNKNOWN_S = 1.0
-"""A piece may be shorter by as much where it is not known what correction acted at its begin."""
+"""A piece may be shorter by as much where it is not known what correction acted at its begin: the
+time from a row to the drive, some cycles; so a window of just 20 s is not refused for it."""
 CORRECTION = "correction_"
 """How the names of columns of corrections begin, before actuator and unit."""
 
@@ -74,6 +76,7 @@ def pieces_of(
             running=bool(runs[first] or not runs.any()) and not bool(spliced[first]),
         )
         for first, end in itertools.pairwise(edges)
+        # what lies between two breaks so close is too short for any use: its breaks are told
         if end - first >= CRITERIA.records.fewest_rows
     ]
     reasons: dict[int, list[str]] = {}
@@ -83,19 +86,22 @@ def pieces_of(
     return pieces, said
 
 
-def longest(shown: str, pieces: Sequence[Piece], reasons: Sequence[str]) -> Piece:
-    """Return the longest piece of the running line; ``reasons`` are said where none will do."""
+def longest(window: str, pieces: Sequence[Piece], reasons: Sequence[str]) -> Piece:
+    """Return the longest piece of the running line.
+
+    Where none will do, the error names the ``window`` and the ``reasons``.
+    """
     piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
     if piece is None or piece.length_s < SHORTEST_PIECE_S:
         raise PlantError(
-            f"{shown}: no {SHORTEST_PIECE_S:g} s of the running line without a "
+            f"{window}: no {SHORTEST_PIECE_S:g} s of the running line without a "
             f"break: {'; '.join(reasons) or 'the window is too short'}; give another window"
         )
     return piece
 
 
 def with_corrections(
-    shown: str, columns: Mapping[str, Array], site: RunSite, scans: Scans, piece: Piece
+    window: str, columns: Mapping[str, Array], site: RunSite, scans: Scans, piece: Piece
 ) -> tuple[Piece, dict[str, Delivered]]:
     """Return the piece from where it is known what acted, and what did.
 
@@ -108,9 +114,9 @@ def with_corrections(
     from_s = float(columns["time_s"][rows[min(unknown, rows.size - 1)]])
     if from_s > piece.from_s and piece.to_s - from_s < SHORTEST_PIECE_S - MOST_UNKNOWN_S:
         raise PlantError(
-            f"{shown}: in {piece} it is not known until {from_s:.1f} s which correction acted, "
-            f"and no {SHORTEST_PIECE_S:g} s are left; give a longer window, or mend transport_ms "
-            "of the site file, or the PLC's echo"
+            f"{window}: in {piece} it is not known until {from_s:.1f} s which correction acted, "
+            f"and no {SHORTEST_PIECE_S:g} s are left; give a longer window, or check transport_ms "
+            "of the site file and the PLC's echo"
         )
     from_there = {n: replace(one, values=one.values[unknown:]) for n, one in acted.items()}
     return replace(piece, first_scan=piece.first_scan + unknown, from_s=from_s), from_there

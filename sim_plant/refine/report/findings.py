@@ -48,11 +48,12 @@ def verdict_of(
     Parameters
     ----------
     evaluation : errors on the record judged; None where none was judged.
-    holdout : path of that record, the first held out or else the first fitted.
+    holdout : path of that record as text, the first held out or else the first fitted: as a key
+        of the verdict has it.
     fitted : the records fitted; none: nothing is told by their names and channels.
     """
     sensors = fitted[0][1].declaration.sensors if fitted else ()
-    angles = {sensor.roller for sensor in sensors if isinstance(sensor, RollAngle)}
+    encoder_rollers = {sensor.roller for sensor in sensors if isinstance(sensor, RollAngle)}
     return Verdict(
         answer=_answer(selection),
         effects=effect_findings(selection, fitted),
@@ -75,7 +76,7 @@ def verdict_of(
                         a.hypothesis.key,
                         a.ambiguous,
                         dict(h.fixed) | dict(zip(h.names, values, strict=True)),
-                        angles,
+                        encoder_rollers,
                     )
                 ),
             )
@@ -116,8 +117,7 @@ def effect_findings(
     selection: Selection, fitted: Sequence[Fitted] = ()
 ) -> tuple[EffectFinding, ...]:
     """Return one finding per effect: parameters, 95 % intervals, score and runner-up."""
-    lines = [twin.declaration for _, twin in fitted[:1]]
-    cells = tuple(sensor.channel for line in lines for sensor in cell_sensors(line))
+    cells = tuple(s.channel for s in cell_sensors(fitted[0][1].declaration)) if fitted else ()
     findings, at = [], 0  # at: position of the effect's first number in the row of all
     sd = standard_deviations(selection.fit)
     fit = selection.fit
@@ -185,7 +185,8 @@ def _finding(
             size = math.hypot(cos, sin)
             parameters[pair.amplitude] = size
             parameters[pair.angle] = math.atan2(sin, cos)
-            intervals[pair.amplitude] = interval(size, amplitude_sd.get(pair.amplitude, max(sd)))
+            if pair.amplitude in amplitude_sd:  # both parts are fitted; of fixed ones nothing is
+                intervals[pair.amplitude] = interval(size, amplitude_sd[pair.amplitude])
     return EffectFinding(
         place=EffectAt(h.effect.name_in_version_1 or h.effect.name, h.location),
         parameters=parameters,

@@ -192,7 +192,7 @@ def _profile_starts(
     shifts = synchronising_shifts(objective, fit.shifts, fit.hypotheses, fit.values)
     case = case_of(fit.hypotheses, fit.values, shifts)
     runs = objective.pool.run(
-        [case, *(replace(case, effects=(*case.effects, a)) for a in h.typical_effects())]
+        [case, *(replace(case, effects=(*case.effects, a)) for a in h.start_effects())]
     )
     columns = objective.columns(runs[1:], runs[0], np.ones(len(runs) - 1))
     inner = objective.projector.inner(objective.residual(runs[0], shifts), columns)

@@ -62,7 +62,7 @@ def best_episodes(
     endless = replace(
         h, start=(*h.start[: h.strengths], *with_episode(c, 0.0, FOREVER_S)[h.strengths :])
     )
-    case = replace(fit.case, effects=(*fit.case.effects, endless.typical_effects()[0]))
+    case = replace(fit.case, effects=(*fit.case.effects, endless.start_effects()[0]))
     base, run = objective.pool.run([fit.case, case], keep=False)
     change = [y - b for y, b in zip(run, base, strict=True)]
     if not all(np.isfinite(part).all() for part in change):

@@ -18,7 +18,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.fit.projection import AT_ONCE
-from sim_plant.refine.model.hypotheses import Hypothesis, onset_library, with_number
+from sim_plant.refine.model.hypotheses import Hypothesis, onset_hypotheses, with_number
 from sim_plant.refine.search.candidate import Candidate, Progress, bic_penalty
 from sim_plant.refine.search.distinct_events import distinct, moment_of
 from sim_plant.refine.search.episodes import best_episodes, ended_again
@@ -45,7 +45,7 @@ def event_candidates(
     """
     candidates: list[Candidate] = []
     for record, twin in enumerate(objective.pool.twins):
-        library = onset_library(twin.declaration, record, without)
+        library = onset_hypotheses(twin.declaration, record, without)
         like = LikeIdlers.of(library, twin.declaration)
         group = like.thinned(library)
         residual = objective.residual(objective.pool.one(fit.case), fit.shifts)
@@ -309,7 +309,7 @@ def _best_of_starts(
     cases = [
         replace(fit.case, effects=(*fit.case.effects, added))
         for each in tried
-        for added in each.typical_effects()
+        for added in each.start_effects()
     ]
     base, *runs = objective.pool.run([fit.case, *cases], keep=False)
     best = replace(c, chi2_reduction=-math.inf)

@@ -142,16 +142,14 @@ def sensitivities(objective: Objective, fit: Fit, hypotheses: Sequence[Hypothesi
     fresh = [h for h in hypotheses if h.effect.order_locked or _response_key(h) not in known]
     case = fit.case
     cases = [
-        replace(case, effects=(*case.effects, added))
-        for h in fresh
-        for added in h.typical_effects()
+        replace(case, effects=(*case.effects, added)) for h in fresh for added in h.start_effects()
     ]
     start, *runs = objective.pool.run([case, *cases], keep=False)
     rest = iter(runs)
     for h in fresh:
         known[_response_key(h)] = [
             [(y - b).astype(np.float32) for y, b in zip(next(rest), start, strict=True)]
-            for _ in h.typical_effects()
+            for _ in h.start_effects()
         ]
     if not hypotheses:
         return []

@@ -13,7 +13,7 @@ from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.model.effect_at import EffectAt
-from sim_plant.refine.model.hypotheses import library
+from sim_plant.refine.model.hypotheses import all_hypotheses
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.records.recording import Recording
@@ -66,7 +66,7 @@ def traced(
     with SimulationPool([twin], workers=1) as pool:
         objective = declared_objective(pool, [measured])
         without = {e.name for e in CATALOGUE if among and e.name not in among}
-        tried = library(line, without)
+        tried = all_hypotheses(line, without)
         found = forward_selection(objective, tried, lambda _: None, without)
     return Traced(
         places=tuple(accepted.hypothesis.key for accepted in found.accepted),

@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.model.hypotheses import hypothesis, library
+from sim_plant.refine.model.hypotheses import all_hypotheses, hypothesis
 from sim_plant.refine.search.screening import linear_candidate
 from tests.each_case import each_case
 from tests.sim_plant.refine.small import formula_twin, objective_of, white
 
 LINE = load_declaration(Path(__file__).parents[3] / "config/lines/euclid.yaml")
-LIBRARY = library(LINE)
+LIBRARY = all_hypotheses(LINE)
 FINITE = st.floats(-1e9, 1e9)
 
 

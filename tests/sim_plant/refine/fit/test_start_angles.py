@@ -186,7 +186,7 @@ def test_the_first_grid_has_four_tries_in_a_period_of_the_highest_order(orders, 
         added("torque_ripple", "unwind", order=n, amplitude_N_m=1.0, angle_rad=0.0) for n in orders
     ]
     turning = Turning.of("unwind", both)
-    assert turning.tries == tries
+    assert turning.angle_count == tries
     assert turning.period_rad == pytest.approx(2.0 * math.pi / part)
 
 

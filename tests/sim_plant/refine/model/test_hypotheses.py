@@ -8,34 +8,34 @@ import pytest
 from sim_plant.base.effects import Demand
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.model.hypotheses import hypothesis, library, onset_library, turned
+from sim_plant.refine.model.hypotheses import all_hypotheses, hypothesis, onset_hypotheses, turned
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
 
 
 def test_every_effect_is_tried_and_one_can_be_left_out():
-    names = {h.effect.name for h in library(LINE)}
+    names = {h.effect.name for h in all_hypotheses(LINE)}
     assert names == {effect.name for effect in CATALOGUE if effect.fitted}
-    assert "slip" not in {h.effect.name for h in library(LINE, ["slip"])}
+    assert "slip" not in {h.effect.name for h in all_hypotheses(LINE, ["slip"])}
 
 
 def test_what_begins_at_a_moment_is_tried_in_every_form_and_in_one_record_only():
-    found = onset_library(LINE, 1)
+    found = onset_hypotheses(LINE, 1)
     assert {h.effect.name for h in found} == {e.name for e in CATALOGUE if e.onset is not None}
     assert {h.record_index for h in found} == {1}
     assert all(h.moment in h.names for h in found)
-    assert not [h for h in onset_library(LINE, 0, ["splice"]) if h.effect.name == "splice"]
+    assert not [h for h in onset_hypotheses(LINE, 0, ["splice"]) if h.effect.name == "splice"]
 
 
 def test_every_idler_may_be_eccentric():
-    places = {h.location for h in library(LINE) if h.effect.name == "eccentric_roller"}
+    places = {h.location for h in all_hypotheses(LINE) if h.effect.name == "eccentric_roller"}
     assert {r.name for r in LINE.rollers if r.kind != "roll"} == places
 
 
 def test_a_form_is_tried_only_where_it_can_be():
     forms = {
         (h.location, limits)
-        for h in library(LINE)
+        for h in all_hypotheses(LINE)
         if h.effect.name == "rate_limit"
         for limits in [dict(h.fixed)["limits"]]
     }
@@ -53,7 +53,7 @@ def demand(**asked: float) -> Demand:
 
 def starts_of(effect: str, place: str, number: str, **asked: float) -> list[float]:
     """Return where a search of an effect at a place begins, by one of its numbers, rising."""
-    found = library(LINE, demand=demand(**asked))
+    found = all_hypotheses(LINE, demand=demand(**asked))
     rows = [h for h in found if (h.effect.name, h.location) == (effect, place)]
     return sorted(float(h.at_start[number]) for h in rows)
 
@@ -89,7 +89,7 @@ def test_a_cell_begins_to_ring_within_two_half_widths_of_every_frequency_shown(s
 
 def just_below_a_ramp(rate_m_s2: float) -> list:
     """Return what is tried of the pull roll only because records ramp at this rate."""
-    found = library(LINE, demand=demand(fastest_ramp_m_s2=rate_m_s2))
+    found = all_hypotheses(LINE, demand=demand(fastest_ramp_m_s2=rate_m_s2))
     return [h for h in found if h.acts_below and h.location == "pull_roll"]
 
 
@@ -113,7 +113,7 @@ def test_a_limit_below_a_ramp_is_stepped_away_from_it_by_a_share_of_its_distance
 
 def test_a_probe_moves_one_strength_and_leaves_the_others_absent():
     h = hypothesis(BY_NAME["eccentric_roller"], "R6")
-    first, second = (dict(p.parameters) for p in h.typical_effects())
+    first, second = (dict(p.parameters) for p in h.start_effects())
     assert first["cos_m"] > 0.0 == first["sin_m"]
     assert second["sin_m"] > 0.0 == second["cos_m"]
 
@@ -149,6 +149,8 @@ def test_the_unbalance_of_a_bouncing_roll_turns_by_the_order_it_names():
 
 
 def test_a_ripple_is_tried_at_every_order_that_its_file_names():
-    orders = {dict(h.fixed)["order"] for h in library(LINE) if h.effect.name == "torque_ripple"}
+    orders = {
+        dict(h.fixed)["order"] for h in all_hypotheses(LINE) if h.effect.name == "torque_ripple"
+    }
     assert orders == set(BY_NAME["torque_ripple"].accepts["order"].tries)
     assert {1.0, 5.0, 36.0} <= orders
