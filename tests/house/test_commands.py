@@ -210,7 +210,8 @@ def follow(page, *, instead=()):
                 if one.program == "cd":
                     os.chdir(one.words[1])
                 elif one.program == "aff-runtime" and one.key in RUN:
-                    codes[shlex.join(one.words)] = runtime(list(one.words[1:]))
+                    words = one.without_sudo()
+                    codes[shlex.join(words)] = runtime(list(words[1:]))
     return codes
 
 
