@@ -185,8 +185,11 @@ def _finding(
             size = math.hypot(cos, sin)
             parameters[pair.amplitude] = size
             parameters[pair.angle] = math.atan2(sin, cos)
-            if pair.amplitude in amplitude_sd:  # both parts are fitted; of fixed ones nothing is
-                intervals[pair.amplitude] = interval(size, amplitude_sd[pair.amplitude])
+            # of a part that left no trace and is fixed, the amplitude's error is the other part's
+            of_parts = [spread for name, _, spread in rows if name in (pair.cos, pair.sin)]
+            if of_parts:
+                spread = amplitude_sd.get(pair.amplitude, max(of_parts))
+                intervals[pair.amplitude] = interval(size, spread)
     return EffectFinding(
         place=EffectAt(h.effect.name_in_version_1 or h.effect.name, h.location),
         parameters=parameters,

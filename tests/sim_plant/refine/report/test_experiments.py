@@ -132,3 +132,23 @@ def test_the_verdict_has_channels_records_and_moments_by_their_names():
     assert verdict.unknown[0].begins == Moment(record="b.csv", time_s=12.5, record_index=1)
     rollers = {s.channel: s.roller for s in twin.declaration.sensors if s.kind == "load_cell"}
     assert effect.cells == tuple(rollers)
+
+
+def test_of_a_part_that_was_taken_out_the_amplitude_has_the_error_of_the_other():
+    effect, choice = BY_NAME["torque_ripple"], (("sin_N_m", 0.0),)
+    h = hypothesis(effect, "swrap", choice, ("cos_N_m", "order"))
+    fit = replace(fit_of(h, values=((2.0, 6.0),)), covariance=np.diag([0.01**2, 0.5**2]))
+    found = Selection(
+        nominal=fit_of(),
+        fit=fit,
+        record_axes=(),
+        spectra_declared=(),
+        spectra_left=(),
+        accepted=(
+            AcceptedEffect(hypothesis=h, score=1.0, runner_up=None, margin=1.0, rejected=()),
+        ),
+    )
+    (traced,) = verdict_of(found, None, "b.csv").effects
+    assert h.names == ("cos_N_m", "order")
+    assert traced.parameters["amplitude_N_m"] == pytest.approx(2.0)
+    assert traced.interval95["amplitude_N_m"] == pytest.approx(traced.interval95["cos_N_m"])
