@@ -35,7 +35,7 @@ NAMES = (
 """What an effect is called, at its place."""
 
 TEXTS = (
-    N_("a bearing turns hard: tension steps across the roller, with a slope over speed"),
+    N_("a bearing turns harder than declared: tension steps across the roller"),
     N_("a roller turns off its centre: ripple once per turn in both its spans"),
     N_("an encoder off its centre: its speed wobbles once per turn while the roller runs even"),
     N_("a load cell reads a wrong scale or zero: the loop holds the reading, not the tension"),
@@ -46,25 +46,39 @@ TEXTS = (
     N_("a nip roller presses unevenly: its driven roller is braked once per turn of the nip"),
     N_("the roll is not round: ripple at its turning frequency and several harmonics"),
     N_("a drive believes a wrong radius or gear ratio: its roller runs fast or slow"),
+    N_("a drive believes too large a radius, or a wrong gear ratio: its roller runs slow"),
+    N_("a drive believes too small a radius, or a wrong gear ratio: its roller runs fast"),
     N_(
         "a drive ramps its reference or its correction, or a tension loop its output: fast "
         "changes come out slower"
     ),
     N_("the roll bounces on its mandrel: a fixed frequency that an order of the roll excites"),
     N_("a drive shaft twists or has play: the motor runs ahead of its roller"),
-    N_("the web slips on a driven roller above a speed: the tension it holds drops"),
+    N_("a drive shaft twists: the motor runs ahead of its roller under torque"),
+    N_("a drive has play: the motor turns before its roller does"),
+    N_(
+        "the web slips on a driven roller above a speed and runs slower than it: tension drops "
+        "before the roller and rises behind it, where no loop holds it"
+    ),
+    N_(
+        "the web slips on a driven roller above a speed and is pulled ahead of it: tension rises "
+        "before the roller and drops behind it, where no loop holds it"
+    ),
     N_("from a splice on the web is another one: tensions change zone by zone as it passes"),
     N_(
         "a seam of another thickness is on the web: each roller pulls at another arm while the "
         "seam runs over it"
     ),
-    N_("the web is warmer in a zone: it is longer without being pulled"),
+    N_("the web is warmer or moister in a zone: it is longer without being pulled"),
+    N_("the web is cooler or drier in a zone: it is shorter without being let go"),
     N_("a drive pushes unevenly over its turn: ripple at a fixed number per turn of that roller"),
     N_("a measuring roller shakes its own cell once per turn, as speed squared"),
     N_("a body is heavier on one side: a torque once per turn that does not grow with speed"),
     N_("the web relaxes: tension creeps back after every change of strain"),
-    N_("the web is stiffer or softer than declared: draw zones hold another tension"),
-    N_("the roll was wound tighter or looser: it turns at another speed for the same web"),
+    N_("the web is stiffer than declared: the same draw pulls it tighter"),
+    N_("the web is softer than declared: the same draw pulls it less"),
+    N_("the roll was wound tighter than declared: it turns faster for the same web"),
+    N_("the roll was wound looser than declared: it turns slower for the same web"),
 )
 """What an effect is."""
 
@@ -84,11 +98,27 @@ REMEDIES = (
     N_("look how {place} was stored and clamped; the next roll brings a shape of its own"),
     N_("put radius or gear ratio in drive {place} right"),
     N_(
+        "measure the radius of {place}: its drive believes too large a one, by what its ratio is "
+        "above 1, or has a wrong gear ratio"
+    ),
+    N_(
+        "measure the radius of {place}: its drive believes too small a one, by what its ratio is "
+        "below 1, or has a wrong gear ratio"
+    ),
+    N_(
         "look at the ramp times of drive {place} and of its tension loop; let the tension "
         "correction enter behind them"
     ),
     N_("look for play in mandrel and chucks of {place}, or avoid the speed at which it rings"),
     N_("look for play in couplings, keys and gear of {place}"),
+    N_(
+        "look for play in couplings, keys and gear of {place}, and for a soft coupling or a thin "
+        "shaft"
+    ),
+    N_(
+        "look at what twists between motor and roller of {place}: coupling, shaft, belt; these "
+        "records show no play"
+    ),
     N_("clean the surface of {place}, give it more wrap or nip, or run slower"),
     N_("judge the webs before and after the splice on their own"),
     N_("look at the seam at that length of web: its overlap and its tape"),

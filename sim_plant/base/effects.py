@@ -38,6 +38,10 @@ Starts = Callable[[LineArrays, int, "Demand"], Sequence["Start"]]
 RunOut = Callable[[Mapping[str, Value]], float]
 Experiment = Callable[[str, "Effect", str], str]
 """(own location, another effect, its location) -> what to do at the machine; empty: no help."""
+Among = Callable[[str], str]
+"""(places of the effect, as text) -> what to do at the machine to tell which of them it is."""
+Seen = Callable[[Mapping[str, Value], float], str]
+"""(all parameters, sample time of the record, s) -> what was seen; empty: nothing to add."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,6 +67,8 @@ class Parameter:
         than one drive tick, or one sample of the record (a length: the web that passes in it).
     words : what a word may be; empty for a number.
     detail : says nothing of how much of the effect there is; a report's summary leaves it out.
+    called : what a reader calls it, where the name without its unit does not say it: per word
+        that the effect has, "" for every other.
     """
 
     default: Value
@@ -77,6 +83,7 @@ class Parameter:
     known_to: float | Literal["drive tick", "sample"] = 0.0
     words: tuple[str, ...] = ()
     detail: bool = False
+    called: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -155,11 +162,17 @@ class Start:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Form:
-    """What an effect is, and what to do about it, where these strengths alone are there."""
+    """What an effect is, and what to do about it, where these strengths alone are there.
+
+    Attributes
+    ----------
+    sign : of the change of the first of them from its default; 0: either.
+    """
 
     strengths: tuple[str, ...]
     text: str
     remedy: str
+    sign: Literal[-1, 0, 1] = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -187,10 +200,13 @@ class Effect:
     onset : its form that begins at a moment of the record; None: it has none.
     remedy : what to do at the machine or in the declaration, without a stop at its end;
         ``{place}`` stands for where.
-    forms : other words than ``text`` and ``remedy``, for those that have only some strengths.
+    forms : other words than ``text`` and ``remedy``, for those that have only some strengths, or
+        one of a known sign.
     run_out : (all parameters) -> total indicator reading, m, of a dial gauge on its body when that
         is turned with the web off; None: a gauge shows nothing of it.
     experiment : what tells it from another effect, where the signatures of both do not say it.
+    among : what tells at which of several places it is; None: nothing of its own.
+    seen : what the record itself showed, where the numbers fitted are a reading of it.
     sensor_only : acts in a reading, not in the web: must not be cancelled.
     wander : share of what it explains that it leaves, where its size is not quite constant.
     cancel_orders : whole orders of its body that a drive can cancel, or the parameter that says
@@ -227,6 +243,8 @@ class Effect:
     forms: tuple[Form, ...] = ()
     run_out: RunOut | None = None
     experiment: Experiment | None = None
+    among: Among | None = None
+    seen: Seen | None = None
     sensor_only: bool = False
     wander: float = 0.0
     cancel_orders: tuple[int, ...] | str = ()
@@ -263,8 +281,14 @@ class Effect:
             if row.role == "strength" and values.get(name, row.default) != row.default
         }
         fits = (form for form in self.forms if there and there <= set(form.strengths))
-        form = next(fits, None)
+        form = next((f for f in fits if not f.sign or f.sign == self._sign(f, values)), None)
         return (self.text, self.remedy) if form is None else (form.text, form.remedy)
+
+    def _sign(self, form: Form, values: Mapping[str, Value]) -> int:
+        """Return the sign of the change of a form's first strength from its default."""
+        default = float(self.accepts[form.strengths[0]].default)
+        change = float(values.get(form.strengths[0], default)) - default
+        return (change > 0.0) - (change < 0.0)
 
     def cancelled(self, values: Mapping[str, Value]) -> tuple[int, ...]:
         """Return the whole orders of its body that a drive can cancel, none where it must not."""

@@ -45,13 +45,11 @@ def share(arrays: LineArrays, place: int) -> float:
     return 1.0 / declared_N_m if declared_N_m > 0.0 else math.inf
 
 
-def experiment(place: str, other: Effect, there: str) -> str:
-    """Return what tells which of two bearings drags."""
-    if other is not EFFECT:
-        return ""
+def among(places: str) -> str:
+    """Return what tells which of several bearings drags."""
     return (
-        f"take the web off and time how long {place} and {there} coast after a push: "
-        "the one that drags stops first"
+        f"take the web off, spin {places} by hand and time how long each coasts: the one that "
+        "stops first drags (compare like idlers only)"
     )
 
 
@@ -72,11 +70,11 @@ EFFECT = Effect(
     fitted=("constant_N_m",),
     apply=apply,
     bounds=bounds,
-    text="a bearing turns hard: tension steps across the roller, with a slope over speed",
+    text="a bearing turns harder than declared: tension steps across the roller",
     shows=None,
     onset=begins("constant_N_m"),
     remedy="turn {place} by hand with the web off; clean, grease or change its bearings",
-    experiment=experiment,
+    among=among,
     declared_as=(
         DeclaredNumber(
             number="rollers.{place}.friction_constant_N_m", parameter="constant_N_m", scale=share

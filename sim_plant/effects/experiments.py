@@ -9,8 +9,9 @@ def of_the_cell(place: str, other: Effect, _there: str) -> str:
     """Return what tells a fault of a load cell from a fault of the line; nothing from another."""
     if other.sensor_only:
         return ""
+    where = "each load cell, one after the other," if place == "all" else place
     return (
-        f"hang a known weight on the web over {place} at standstill, or read a second "
+        f"hang a known weight on the web over {where} at standstill, or read a second "
         "cell there: only a fault of the cell shows then"
     )
 

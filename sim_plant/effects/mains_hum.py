@@ -44,6 +44,23 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
+def seen(values: Mapping[str, Value], sample_time_s: float) -> str:
+    """Return which frequency the readings show, and what else folds to it; "" where none does.
+
+    Equation: |f - k f_s|, k the nearest whole number, and k f_s -+ that for every k  [sampling].
+    """
+    hertz, rate_Hz = float(values["frequency_Hz"]), 1.0 / sample_time_s
+    if hertz <= 0.5 * rate_Hz:
+        return ""
+    shown_Hz = abs(hertz - rate_Hz * round(hertz / rate_Hz))
+    alike = (shown_Hz, *(k * rate_Hz + side for k in (1, 2) for side in (-shown_Hz, shown_Hz)))
+    return (
+        f"the readings show {shown_Hz:.3g} Hz, folded by their sampling at {rate_Hz:.4g} Hz: "
+        f"{', '.join(f'{f:.5g}' for f in alike)} Hz look the same; read the cell with the web "
+        "off, or sample faster, to tell which"
+    )
+
+
 EFFECT = Effect(
     name="mains_hum",
     place="cell",
@@ -71,6 +88,7 @@ EFFECT = Effect(
     shows=Frequency(at=lambda values: float(values["frequency_Hz"]), near_Hz=MAINS_HZ),
     remedy="look at shield and earth of the cable of {place}",
     experiment=of_the_cell,
+    seen=seen,
     sensor_only=True,
     beside=where_alike(
         "frequency_Hz",

@@ -34,6 +34,7 @@ FLATTENED = "flattened_bulge"
 ASYMMETRIC = "asym"
 KINDS = ("flat", "bulge", ASYMMETRIC, FLATTENED, "ellipse", "orders")
 """Profiles by name; the last is none, only orders."""
+SIZES = (("flat", "depth of the flat"), ("ellipse", "half the axes' spread"), ("", "height"))
 TRACED_KINDS = ("flat", ASYMMETRIC, FLATTENED, "ellipse")
 MOST_UNWOUND_M = 0.05
 HIGHEST_ORDER = 12
@@ -333,7 +334,7 @@ EFFECT = Effect(
     candidates="roll",
     accepts={
         "shape": Parameter(default="flat", unit="", role="option", words=KINDS),
-        "size_m": Parameter(default=0.0, unit="m", typical=5e-3, low=0.0, high=0.05),
+        "size_m": Parameter(default=0.0, unit="m", typical=5e-3, low=0.0, high=0.05, called=SIZES),
         "angle_rad": angle(),
         "smoothing_rad": Parameter(
             default=0.0, unit="rad", typical=0.03, low=0.0, high=0.5, role="shape", detail=True

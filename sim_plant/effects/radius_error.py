@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import REWIND, UNWIND, LineArrays
-from sim_plant.base.effects import DeclaredNumber, Effect, Parameter, Value
+from sim_plant.base.effects import DeclaredNumber, Effect, Form, Parameter, Value
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -40,6 +40,30 @@ EFFECT = Effect(
     text="a drive believes a wrong radius or gear ratio: its roller runs fast or slow",
     shows=None,
     remedy="put radius or gear ratio in drive {place} right",
+    forms=(
+        Form(
+            strengths=("ratio",),
+            sign=1,
+            text=(
+                "a drive believes too large a radius, or a wrong gear ratio: its roller runs slow"
+            ),
+            remedy=(
+                "measure the radius of {place}: its drive believes too large a one, by what its "
+                "ratio is above 1, or has a wrong gear ratio"
+            ),
+        ),
+        Form(
+            strengths=("ratio",),
+            sign=-1,
+            text=(
+                "a drive believes too small a radius, or a wrong gear ratio: its roller runs fast"
+            ),
+            remedy=(
+                "measure the radius of {place}: its drive believes too small a one, by what its "
+                "ratio is below 1, or has a wrong gear ratio"
+            ),
+        ),
+    ),
     declared_as=(
         # what makes a radius seem wrong is mostly a shape, which is tried itself
         DeclaredNumber(number="rollers.{place}.radius_m", parameter="ratio", proposed=False),

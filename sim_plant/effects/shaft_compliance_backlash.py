@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.base.effects import Effect, Form, Parameter, Value
 from sim_plant.effects.beside import where_alike
 
 
@@ -65,5 +65,23 @@ EFFECT = Effect(
     text="a drive shaft twists or has play: the motor runs ahead of its roller",
     shows=None,
     beside=where_alike(absent={"compliance_rad_N_m": 0.0, "backlash_rad": 0.0}),
-    remedy="look for play in couplings, keys and gear of {place}",
+    remedy=(
+        "look for play in couplings, keys and gear of {place}, and for a soft coupling or a thin "
+        "shaft"
+    ),
+    forms=(
+        Form(
+            strengths=("compliance_rad_N_m",),
+            text="a drive shaft twists: the motor runs ahead of its roller under torque",
+            remedy=(
+                "look at what twists between motor and roller of {place}: coupling, shaft, belt; "
+                "these records show no play"
+            ),
+        ),
+        Form(
+            strengths=("backlash_rad",),
+            text="a drive has play: the motor turns before its roller does",
+            remedy="look for play in couplings, keys and gear of {place}",
+        ),
+    ),
 )

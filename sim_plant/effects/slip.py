@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import SLIP, LineArrays
-from sim_plant.base.effects import Demand, Effect, Parameter, Start, Value
+from sim_plant.base.effects import Demand, Effect, Form, Parameter, Start, Value
 from sim_plant.effects.beside import where_alike
 from sim_plant.effects.onset import FROM, HOLD, begins, begins_later, with_change
 
@@ -44,6 +44,8 @@ def starts(_arrays: LineArrays, _place: int, demand: Demand) -> list[Start]:
     ]
 
 
+GRIP = "clean the surface of {place}, give it more wrap or nip, or run slower"
+
 EFFECT = Effect(
     name="slip",
     place="body",
@@ -60,11 +62,31 @@ EFFECT = Effect(
     },
     fitted=("slope_s_m", "threshold_m_s"),
     apply=apply,
-    text="the web slips on a driven roller above a speed: the tension it holds drops",
+    text="the web slips on a driven roller above a speed, and runs slower or faster than it",
     shows=None,
     wander=0.02,  # how well a roller holds the web varies: draw wanders by 5 to 20 % at one speed
     onset=begins("slope_s_m", threshold_m_s=0.0),
     beside=where_alike("threshold_m_s", absent={"slope_s_m": 0.0}),
     starts=starts,
-    remedy="clean the surface of {place}, give it more wrap or nip, or run slower",
+    remedy=GRIP,
+    forms=(
+        Form(
+            strengths=("slope_s_m",),
+            sign=1,
+            text=(
+                "the web slips on a driven roller above a speed and runs slower than it: tension "
+                "drops before the roller and rises behind it, where no loop holds it"
+            ),
+            remedy=GRIP,
+        ),
+        Form(
+            strengths=("slope_s_m",),
+            sign=-1,
+            text=(
+                "the web slips on a driven roller above a speed and is pulled ahead of it: "
+                "tension rises before the roller and drops behind it, where no loop holds it"
+            ),
+            remedy=GRIP,
+        ),
+    ),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import FREE_STRAIN, IDLER, LineArrays
-from sim_plant.base.effects import Effect, Parameter, Value
+from sim_plant.base.effects import Effect, Form, Parameter, Value
 from sim_plant.effects.onset import FOREVER_S, FROM, HOLD, RISE, begins, begins_later, with_change
 
 
@@ -35,6 +35,8 @@ def _warm_share(arrays: LineArrays, place: int, parameters: Mapping[str, Value])
     return min(max(place - first + 1.0 - float(parameters["warm_from_span"]), 0.0), 1.0)
 
 
+MEASURE = "measure the web's temperature before and after {place}"
+
 EFFECT = Effect(
     name="thermal_strain",
     place="span",
@@ -52,7 +54,7 @@ EFFECT = Effect(
     },
     fitted=("strain",),
     apply=apply,
-    text="the web is warmer in a zone: it is longer without being pulled",
+    text="the web is warmer or cooler in a zone: it is longer or shorter at the same pull",
     shows=None,
     onset=begins(
         "strain",
@@ -65,5 +67,19 @@ EFFECT = Effect(
             "rise_s": (0.5, 1.0, 2.0),
         },
     ),
-    remedy="measure the web's temperature before and after {place}",
+    remedy=MEASURE,
+    forms=(
+        Form(
+            strengths=("strain",),
+            sign=1,
+            text="the web is warmer or moister in a zone: it is longer without being pulled",
+            remedy=MEASURE,
+        ),
+        Form(
+            strengths=("strain",),
+            sign=-1,
+            text="the web is cooler or drier in a zone: it is shorter without being let go",
+            remedy=MEASURE,
+        ),
+    ),
 )

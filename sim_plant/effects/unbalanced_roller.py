@@ -24,13 +24,11 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
-def experiment(place: str, other: Effect, there: str) -> str:
-    """Return what tells which of two bodies is out of balance."""
-    if other is not EFFECT or place == there:
-        return ""
+def among(places: str) -> str:
+    """Return what tells which of several bodies is out of balance."""
     return (
-        f"take the web off and let {place} and {there} turn freely, several times: the one that "
-        "is out of balance comes to rest with the same side down"
+        f"take the web off and let {places} turn freely, several times: the one that is out of "
+        "balance comes to rest with the same side down"
     )
 
 
@@ -50,6 +48,6 @@ EFFECT = Effect(
     text="a body is heavier on one side: a torque once per turn that does not grow with speed",
     shows=whole(1),
     remedy="have {place} balanced",
-    experiment=experiment,
+    among=among,
     cancel_orders=(1,),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from sim_plant.base.arrays import LineArrays
-from sim_plant.base.effects import DeclaredNumber, Effect, Parameter, Value
+from sim_plant.base.effects import DeclaredNumber, Effect, Form, Parameter, Value
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -19,6 +19,8 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
+MEASURE = "measure the stiffness of the web and put web.EA_N of the declaration right"
+
 EFFECT = Effect(
     name="web_modulus",
     place="web",
@@ -30,6 +32,20 @@ EFFECT = Effect(
     apply=apply,
     text="the web is stiffer or softer than declared: draw zones hold another tension",
     shows=None,
-    remedy="measure the stiffness of the web and put web.EA_N of the declaration right",
+    remedy=MEASURE,
+    forms=(
+        Form(
+            strengths=("factor",),
+            sign=1,
+            text="the web is stiffer than declared: the same draw pulls it tighter",
+            remedy=MEASURE,
+        ),
+        Form(
+            strengths=("factor",),
+            sign=-1,
+            text="the web is softer than declared: the same draw pulls it less",
+            remedy=MEASURE,
+        ),
+    ),
     declared_as=(DeclaredNumber(number="web.EA_N", parameter="factor"),),
 )

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import UNWIND, LineArrays
-from sim_plant.base.effects import DeclaredNumber, Effect, Parameter, Value
+from sim_plant.base.effects import DeclaredNumber, Effect, Form, Parameter, Value
 
 
 def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> LineArrays:
@@ -38,6 +38,8 @@ def turning(arrays: LineArrays, place: int) -> float:
     return -1.0 / (1.0 + float(arrays.web["supply_strain"][0]))
 
 
+ASK = "ask how tight the roll at {place} was wound; put web.wound_in_tension_N right"
+
 EFFECT = Effect(
     name="wound_in_strain",
     place="body",
@@ -52,7 +54,21 @@ EFFECT = Effect(
     bounds=bounds,
     text="the roll was wound tighter or looser: it turns at another speed for the same web",
     shows=None,
-    remedy="ask how tight the roll at {place} was wound; put web.wound_in_tension_N right",
+    remedy=ASK,
+    forms=(
+        Form(
+            strengths=("strain",),
+            sign=1,
+            text="the roll was wound tighter than declared: it turns faster for the same web",
+            remedy=ASK,
+        ),
+        Form(
+            strengths=("strain",),
+            sign=-1,
+            text="the roll was wound looser than declared: it turns slower for the same web",
+            remedy=ASK,
+        ),
+    ),
     declared_as=(
         DeclaredNumber(number="web.wound_in_tension_N", parameter="strain", scale=share),
         # the roll turns as one of another radius would; only its inertia tells

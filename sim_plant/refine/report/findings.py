@@ -54,6 +54,7 @@ def verdict_of(
     """
     sensors = fitted[0][1].declaration.sensors if fitted else ()
     encoder_rollers = {sensor.roller for sensor in sensors if isinstance(sensor, RollAngle)}
+    along = [roller.name for roller in fitted[0][1].declaration.rollers] if fitted else ()
     return Verdict(
         answer=_answer(selection),
         effects=effect_findings(selection, fitted),
@@ -77,6 +78,7 @@ def verdict_of(
                         a.ambiguous,
                         dict(h.fixed) | dict(zip(h.names, values, strict=True)),
                         encoder_rollers,
+                        along,
                     )
                 ),
             )

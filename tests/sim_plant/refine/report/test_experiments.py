@@ -29,7 +29,7 @@ from tests.sim_plant.refine.small import STEP_S, fit_of, formula_twin
         (("eccentric_roller", "swrap"), ("unbalanced_roller", "swrap"), "dial gauge"),
         (("encoder_eccentricity", "unwind"), ("out_of_round_roll", "unwind"), "second encoder"),
         (("bearing_drag", "R2"), ("load_cell_calibration", "R5"), "over R5"),
-        (("bearing_drag", "R2"), ("bearing_drag", "R3"), "R2 and R3 coast"),
+        (("bearing_drag", "R2"), ("bearing_drag", "R3"), "spin R2 and R3 by hand"),
         (("web_modulus", "web"), ("wound_in_strain", "unwind"), "another tension"),
     ],
 )
@@ -57,6 +57,15 @@ def test_an_eccentric_roller_is_gauged_at_rest_and_turned_only_where_its_angle_i
 def test_of_two_rollers_out_of_balance_one_always_stops_with_the_same_side_down():
     said = experiment(EffectAt("unbalanced_roller", "R4"), EffectAt("unbalanced_roller", "R5"))
     assert "let R4 and R5 turn freely" in said
+
+
+def test_one_look_goes_round_a_set_along_the_web_and_cells_are_loaded_one_by_one():
+    web = ["unwind", *(f"R{k}" for k in range(1, 12))]
+    drags = [EffectAt("bearing_drag", name) for name in ("R5", "R3", "R1", "R2", "R11")]
+    cell = EffectAt("load_cell_calibration", "all")
+    spin, weigh = experiments(EffectAt("bearing_drag", "R4"), [*drags, cell], along=web)
+    assert spin.startswith("take the web off, spin R1 to R5 and R11 by hand and time how long")
+    assert "the web over each load cell, one after the other, at standstill" in weigh
 
 
 def test_there_is_one_for_every_pair_of_effects_and_each_is_said_once():
