@@ -10,7 +10,10 @@ RUNS = (
     N_("no web speed is recorded: wavelengths rest on the speed reference"),
     N_("one speed only: a line in time and a line in travel look the same"),
     N_("one tension only: where an effect sits rests on the drive speeds"),
-    N_("a wrong scale or zero of a load cell: the tension loop's integral hides it"),
+    N_(
+        "a wrong scale or zero of the load cell that a tension loop controls: its integral hides "
+        "it"
+    ),
     N_(
         "no speed reference: the measured speed stands in, some 100 ppm off; at which of several "
         "like idlers of a zone an effect sits is not told, nor what only the drives' common speed "

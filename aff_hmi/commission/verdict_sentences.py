@@ -146,16 +146,23 @@ VERDICT = (
         "{what} scores {score}, its rival ({why}) {next}: not told apart, for errors of the model "
         "may make that difference"
     ),
-    N_("A difference of 10 decides."),
+    N_("{what}: told apart, for errors of the model make up to {number}"),
+    N_("A score says which explanation is best, not that it is enough."),
+    N_("Partly: {rest}; {what}, the numbers do not."),
+    N_("the places stand"),
+    N_("the place stands"),
+    N_("what was found stands"),
+    N_(
+        "Unknown: {what}; no effect of the library without {name} (left out on request) explains "
+        "it."
+    ),
     N_(
         "What repeats there takes {rest} of the weighted squared error, by noise alone it "
         "would be less than {limit}."
     ),
-    N_(
-        "From that moment on the error is {number} more than noise makes it (weighted and "
-        "squared)."
-    ),
-    N_("The error that is left is {number} more than noise makes it (weighted and squared)."),
+    N_("From that moment on the weighted squared error is {number} more than noise makes it."),
+    N_("The weighted squared error that is left is {number} more than noise makes it."),
+    N_("The shifts of all declared numbers, squared in standard deviations, add up to {number}."),
     N_(
         "On the held-out record the error in {channel} is {before} rms as declared, {after} as "
         "amended; noise alone leaves {floor}."
@@ -187,14 +194,26 @@ VERDICT = (
         "The ripple of a cancelled roller comes back when the service is off; to be rid of it: "
         "{what}."
     ),
-    N_("This is no ripple to cancel: {what}."),
-    N_("Beside it, no ripple to cancel: {what}."),
+    N_("At the machine: {what}."),
+    N_("Also at the machine: {what}."),
+    N_("This is no ripple to cancel."),
+    N_("For {what}: change nothing before this test: {rest}."),
+    N_("Nor paste the AFF block of {roll} before it."),
+    N_("Put a dial gauge on {rest} and turn it once by hand: what the gauge shows is the cause."),
+    N_("What is left is largest in {rest}: look there."),
+    N_("Record again, longer, and at other speeds and tensions."),
+    N_("Not explained: {rest}."),
+    N_(
+        "{number} of {count} declared numbers had to leave their tolerance: the explanation is "
+        "incomplete; do not correct them, record again."
+    ),
+    N_(
+        "the records want {rest} from where it is declared, so the cause lies there or imitates it"
+    ),
     N_("Look for what turns or swings at that coordinate; the amended line does not contain it."),
-    N_("Record again with more speeds and a tension step, and more channels."),
     N_("Do not take the declaration for right: {rest} above noise on the record judged."),
     N_("Fit that record and judge on the other."),
     N_("Nothing to do: the declaration stands."),
-    N_("First do what tells the candidates apart, before anything is changed."),
     N_("First at the machine: {what}."),
     N_(
         "Until that is done, paste the AFF block below into the site file, at the actuator of "
@@ -202,7 +221,6 @@ VERDICT = (
     ),
     N_("The ripple of a cancelled roller comes back when the service is off."),
     N_("Look in the log of {name} at {number} s: what was done on the line then."),
-    N_("If nothing was, record again with more speeds and a tension step, and more channels."),
     N_("Not explained: {rest}: check these."),
     N_(
         "Nothing to do: the declaration stands, except for what these records cannot tell: {rest}."
@@ -227,10 +245,6 @@ VERDICT = (
     N_(
         "an event at {number} s in {zone}, first seen in {channel}; ask what was done on the "
         "line then"
-    ),
-    N_(
-        "declared number {name} fits only {number} standard deviations from where it is "
-        "declared, so the cause lies there or imitates it"
     ),
     N_(
         "something irregular that pushes the line: at {band} {thing} do not move together as "

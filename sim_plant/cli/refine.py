@@ -254,10 +254,13 @@ def _last(judged: str, out: Path, *, held: bool) -> str:
 
 def summary(outcome: Outcome) -> str:
     """Return the verdict and the error table as text."""
+    from sim_plant.refine.report.page import facts_of  # noqa: PLC0415
+    from sim_plant.refine.report.partly import partly  # noqa: PLC0415
     from sim_plant.refine.report.wording import coordinate_text, size_of  # noqa: PLC0415
 
-    verdict = outcome.verdict
-    lines = [f"\nverdict: {verdict.answer}"]
+    verdict, facts = outcome.verdict, facts_of(outcome)
+    less = partly(verdict, facts)
+    lines = [f"\nverdict: {verdict.answer}", *([f"  {less}"] if less else [])]
     for e in verdict.effects:
         lines.append(f"  {e.place}: {size_of(e)}")
         lines.append(
@@ -267,7 +270,7 @@ def summary(outcome: Outcome) -> str:
         lines.append(f"  not identifiable: {a.place} or {', '.join(map(str, a.alternatives))}")
         lines += [f"    to tell: {what}" for what in a.experiments]
     for u in verdict.unknown:
-        where = coordinate_text(u.unknown_class, u.coordinate, u.begins, u.also)
+        where = coordinate_text(u.unknown_class, u.coordinate, u.begins, u.also, facts.tolerances)
         lines.append(f"  unknown, class {u.unknown_class}: {where}")
     lines.append(
         f"{'channel':28s} {'before':>10s} {'after':>10s} {'floor':>10s} {'after/floor':>11s}"

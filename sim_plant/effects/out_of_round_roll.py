@@ -34,7 +34,7 @@ FLATTENED = "flattened_bulge"
 ASYMMETRIC = "asym"
 KINDS = ("flat", "bulge", ASYMMETRIC, FLATTENED, "ellipse", "orders")
 """Profiles by name; the last is none, only orders."""
-SIZES = (("flat", "depth of the flat"), ("ellipse", "half the axes' spread"), ("", "height"))
+SIZES = (("flat", "depth"), ("ellipse", "half the axes' spread"), ("", "height"))
 TRACED_KINDS = ("flat", ASYMMETRIC, FLATTENED, "ellipse")
 MOST_UNWOUND_M = 0.05
 HIGHEST_ORDER = 12

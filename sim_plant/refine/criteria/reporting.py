@@ -67,6 +67,26 @@ class ReportCriteria:
     above_noise: float = criterion(
         1.1, "after over floor", "a channel from this ratio on holds more than noise", NOT_RECORDED
     )
+    missed_power: float = criterion(
+        1.0,
+        "of the power of noise, in one tension of the record judged",
+        "an amended line that leaves as much beyond noise does not fit: only its effects are told",
+        "as judge.least_power, 1.41 of the noise's rms: of 15 verdicts on simulated lines 13 left "
+        "1.0 to 1.3, and two whose numbers were plainly wrong 2.5 and 3.1",
+    )
+    outside_tolerance: float = criterion(
+        1.5,
+        "of a tolerance",
+        "a declared number is told as outside from here on",
+        "theory: a tolerance is two standard deviations, so of 60 numbers chance takes three "
+        "beyond it, and beyond 1.5 of it one in six verdicts",
+    )
+    named_numbers: int = criterion(
+        3,
+        "declared numbers",
+        "outside are named each; more of them say that the explanation is incomplete",
+        "decision: each is an order to measure something",
+    )
     smallest_start_m: float = criterion(
         1e-6, "m", "orders of a start shape below this are left out", NOT_RECORDED
     )

@@ -272,5 +272,8 @@ def record_caveats(twin: Twin) -> list[str]:
         sentences.append("one speed only: a line in time and a line in travel look the same")
     if len([c for c in twin.channels if c.endswith("_N")]) < 2:
         sentences.append("one tension only: where an effect sits rests on the drive speeds")
-    sentences.append("a wrong scale or zero of a load cell: the tension loop's integral hides it")
+    sentences.append(
+        "a wrong scale or zero of the load cell that a tension loop controls: its integral hides "
+        "it"
+    )
     return sentences

@@ -9,6 +9,7 @@ __all__ = [
     "next_step",
     "outcome",
     "page",
+    "partly",
     "plain",
     "site_edit",
     "summary",

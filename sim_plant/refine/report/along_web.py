@@ -15,7 +15,7 @@ def sorted_along(names: Sequence[str], along: Sequence[str]) -> list[str]:
 
 
 def listed(names: Sequence[str], along: Sequence[str], last: str = "and") -> str:
-    """Return names as text in the order of ``along``, ``last`` before the last of them.
+    """Return names as text in the order of ``along``, the word ``last`` before the last of them.
 
     Those that follow each other without a gap are written as ``R1 to R9``.
     """
@@ -31,4 +31,4 @@ def listed(names: Sequence[str], along: Sequence[str], last: str = "and") -> str
     for row in rows:
         said += [f"{row[0]} to {row[-1]}"] if len(row) >= FEWEST_IN_A_ROW else row
     *first, end = said
-    return f"{', '.join(first)} {last} {end}" if first else end
+    return f"{', '.join(first)} {last} {end}" if first and last else ", ".join(said)

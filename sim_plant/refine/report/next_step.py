@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from sim_plant.refine.report.verdict import EffectFinding, UnknownFinding, Verdict
-from sim_plant.refine.report.wording import remedy
+from sim_plant.refine.report.facts import NOTHING_KNOWN, Facts
+from sim_plant.refine.report.partly import incomplete, is_incomplete
+from sim_plant.refine.report.verdict import Ambiguity, EffectFinding, UnknownFinding, Verdict
+from sim_plant.refine.report.wording import claim_words, remedy
 
-AGAIN = "record again with more speeds and a tension step, and more channels"
 ANOTHER_SPEED = (
     "Record at another speed and fit both records: what repeats in time keeps its frequency "
     "there, what turns its length of web or its order."
@@ -22,7 +23,7 @@ def next_step(
     verdict: Verdict,
     by: Mapping[str, str] = NO_BLOCK,
     above: Mapping[str, float] = ALL_WITHIN,
-    outside: Collection[str] = (),
+    facts: Facts = NOTHING_KNOWN,
     untold: Sequence[str] = (),
 ) -> str:
     """Return what the reader may do now: measure, mend, and cancel until that is done.
@@ -31,15 +32,17 @@ def next_step(
     ----------
     by : rolls of the AFF block to paste, and whose actuator each belongs to; empty: no block.
     above : channels that hold more than noise as amended, and how much of their noise floor.
-    outside : declared numbers that were estimated beyond their tolerance.
+    facts : of line and records.
     untold : what these records cannot tell, as sentences.
     """
-    if verdict.ambiguous:
-        said = ["First do what tells the candidates apart, before anything is changed."]
-    else:
-        said = [*_of_effects(verdict.effects, by), *_of_unknown(verdict.unknown)]
+    open_ = {a.place for a in verdict.ambiguous}
+    said = [
+        *_of_effects([e for e in verdict.effects if e.place not in open_], by),
+        *_of_unknown(verdict.unknown, facts),
+        *_of_sets(verdict.ambiguous, by, facts),
+    ]
     if said:
-        return " ".join([*said, *_not_explained({} if verdict.unknown else above, outside)])
+        return " ".join([*said, *_not_explained({} if verdict.unknown else above, facts)])
     if above:
         return (
             f"Do not take the declaration for right: {', '.join(above)} above noise on the record "
@@ -67,8 +70,22 @@ def _of_effects(effects: Sequence[EffectFinding], by: Mapping[str, str]) -> list
             "The ripple of a cancelled roller comes back when the service is off.",
         ]
     if others:
-        which = "Beside it, no ripple to cancel" if ripples else "This is no ripple to cancel"
+        which = "Also at the machine" if ripples else "At the machine"
         said.append(f"{which}: {_remedies(others)}.")
+        if not any(e.cancel for e in others):
+            said.append("This is no ripple to cancel.")
+    return said
+
+
+def _of_sets(ambiguous: Sequence[Ambiguity], by: Mapping[str, str], facts: Facts) -> list[str]:
+    """Return what tells apart what these records do not, and that nothing is changed before."""
+    said = []
+    for one in ambiguous:
+        where = claim_words(one.place, one.alternatives, facts.along, told=False)
+        what = "; then ".join(one.experiments) or "record again at another speed and tension"
+        said.append(f"For {where}: change nothing before this test: {what}.")
+        if one.place.location in by:
+            said.append(f"Nor paste the AFF block of {one.place.location} before it.")
     return said
 
 
@@ -76,10 +93,20 @@ def _remedies(effects: Sequence[EffectFinding]) -> str:
     return "; ".join(dict.fromkeys(map(remedy, effects)))
 
 
-def _of_unknown(unknown: Sequence[UnknownFinding]) -> list[str]:
+def _of_unknown(unknown: Sequence[UnknownFinding], facts: Facts) -> list[str]:
     """Return where to look for what no effect explains: in a log first where it has a moment."""
     if not unknown:
         return []
+    rolls = [
+        str(u.coordinate["roll"])
+        for u in unknown
+        if u.unknown_class == "angle" and "roll" in u.coordinate and not u.also
+    ]
+    if rolls:
+        return [
+            f"Put a dial gauge on {' and then on '.join(dict.fromkeys(rolls))} and turn it "
+            "once by hand: what the gauge shows is the cause."
+        ]
     if unknown[0].unknown_class in PERIODIC:
         one_speed = [ANOTHER_SPEED] if any(u.also for u in unknown) else []
         return [
@@ -92,13 +119,20 @@ def _of_unknown(unknown: Sequence[UnknownFinding]) -> list[str]:
         f"Look in the log of {m.record} at {m.time_s:.2f} s: what was done on the line then."
         for m in moments
     ]
-    more = f"If nothing was, {AGAIN}." if said else f"{AGAIN[:1].upper()}{AGAIN[1:]}."
-    return [*said, more]
+    look = [f"What is left is largest in {facts.loudest}: look there."] if facts.loudest else []
+    return [*said, *look] or ["Record again, longer, and at other speeds and tensions."]
 
 
-def _not_explained(above: Mapping[str, float], outside: Collection[str]) -> list[str]:
+def _not_explained(above: Mapping[str, float], facts: Facts) -> list[str]:
     """Return what the amended line leaves, as a sentence, or nothing."""
     loud = [f"{name} {100.0 * (ratio - 1.0):.0f} % above noise" for name, ratio in above.items()]
-    far = f"{' and '.join(outside)} outside {'its' if len(outside) == 1 else 'their'} tolerance"
-    said = "; ".join(part for part in (", ".join(loud), far if outside else "") if part)
-    return [f"Not explained: {said}: check these."] if said else []
+    many = is_incomplete(facts)
+    far = [] if many else [f"{r.name} {r.shift} (tolerance {r.tolerance})" for r in facts.far]
+    said = "; ".join(part for part in (", ".join(loud), ", ".join(far)) if part)
+    rest = [f"Not explained: {said}{': check these' * bool(far)}."] if said else []
+    if many:
+        rest.append(
+            f"{incomplete(facts)}: the explanation is incomplete; do not correct them, record "
+            "again."
+        )
+    return rest

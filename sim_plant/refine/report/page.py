@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -10,17 +10,23 @@ from typing import TYPE_CHECKING
 from jinja2 import Environment, PackageLoader
 
 from aff_runtime.base.channel_units import unit_of_name
+from aff_runtime.base.clock import wall_time_iso
+from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.report.aff_block import AffBlock, actuators_for, aff_blocks
+from sim_plant.refine.report.facts import NOTHING_KNOWN, Facts
 from sim_plant.refine.report.next_step import PERIODIC, next_step
+from sim_plant.refine.report.partly import partly
 from sim_plant.refine.report.plots import (
+    SHOWN_S,
     channels_by_error,
     overlay,
     part_around,
     spectrum,
     wavenumber_map,
     worst_of,
+    worst_part,
 )
 from sim_plant.refine.report.sketch import sketch
 from sim_plant.refine.report.tables import ShiftRow, above_noise, best_each, error_rows, shift_rows
@@ -32,6 +38,7 @@ from sim_plant.refine.report.wording import (
     place_words,
     size_of,
 )
+from sim_plant.refine.search.selection import alike_margin
 
 if TYPE_CHECKING:
     from sim_plant.refine.judge.holdout import Evaluation
@@ -43,25 +50,28 @@ SHOWN_SHIFTS = 5
 """Declared numbers estimated anew that the page shows; it folds the others away."""
 
 
-def headline(verdict: Verdict) -> str:
-    """Return the verdict in a few sentences: what, where, how large."""
+def headline(verdict: Verdict, facts: Facts = NOTHING_KNOWN) -> str:
+    """Return the verdict in a few sentences: what, where, how large, and whether that is all."""
     if verdict.answer == "nothing":
         return "Nothing found: the declared line explains the record fitted to its noise."
     rivals = {a.place: a.alternatives for a in verdict.ambiguous}
     names = [
-        ", ".join(filter(None, (claim_words(e.place, rivals.get(e.place, ())), size_of(e))))
+        ", ".join(filter(None, (claim_words(e.place, also, facts.along), size_of(e))))
         for e in verdict.effects
+        for also in (rivals.get(e.place, ()),)
     ]
     text = "Traced: " + "; ".join(names) + "." if names else ""
+    left_out = " and ".join(name.replace("_", " ") for name in facts.without)
+    library = f"library without {left_out} (left out on request)" if left_out else "library"
     for item in verdict.unknown:
-        said = coordinate_text(item.unknown_class, item.coordinate, item.begins, item.also)
-        text += f" Unknown: {said}; no effect of the library explains it."
-    for ambiguity in verdict.ambiguous:
-        text += "".join(f" To tell: {what}." for what in ambiguity.experiments)
-    return text.strip()
+        said = coordinate_text(
+            item.unknown_class, item.coordinate, item.begins, item.also, facts.tolerances
+        )
+        text += f" Unknown: {said}; no effect of the {library} explains it."
+    return f"{text} {partly(verdict, facts)}".strip()
 
 
-def confidence(verdict: Verdict) -> str:
+def confidence(verdict: Verdict, facts: Facts = NOTHING_KNOWN) -> str:
     """Return how far each effect is ahead of what else might explain the record."""
     said, unsure = [], {a.place: a.alternatives for a in verdict.ambiguous}
     for e in verdict.effects:
@@ -72,12 +82,27 @@ def confidence(verdict: Verdict) -> str:
         elif e.runner_up:
             text += f"the next best explanation ({place_words(e.runner_up)}) "
             text += f"{e.score - e.margin:.0f}"
+            least = alike_margin(e.score)
+            if e.margin >= least:
+                text += f": told apart, for errors of the model make up to {least:.0f}"
         else:
             text += "no other explains the record as well"
         said.append(text)
-    decides = ". A difference of 10 decides." if len(said) > len(unsure) else "."
-    sure = ["; ".join(said) + decides] if said else []
-    return " ".join([*sure, *_sure_of_unknown(verdict.unknown)])
+    sure = ["; ".join(said) + "."] if said else []
+    less = partly(verdict, facts)
+    less = less and f"A score says which explanation is best, not that it is enough. {less}"
+    return " ".join(
+        filter(None, [*sure, *_seen(verdict, facts), less, *_sure_of_unknown(verdict.unknown)])
+    )
+
+
+def _seen(verdict: Verdict, facts: Facts) -> list[str]:
+    """Return what the readings themselves showed of an effect, where that is something else."""
+    if not facts.sample_time_s:
+        return []
+    rows = [(e, BY_NAME[e.place.effect].seen) for e in verdict.effects]
+    texts = [(e, seen(e.parameters, facts.sample_time_s)) for e, seen in rows if seen is not None]
+    return [f"{place_words(e.place)}: {text}." for e, text in texts if text]
 
 
 def _sure_of_unknown(unknown: Sequence[UnknownFinding]) -> list[str]:
@@ -88,10 +113,17 @@ def _sure_of_unknown(unknown: Sequence[UnknownFinding]) -> list[str]:
         f"What repeats there takes {', '.join(lines)} of the weighted squared error, by noise "
         f"alone it would be less than {least:.0f}."
     ]
-    left = {"event": "From that moment on the error"}
+    left = {
+        "event": (
+            "From that moment on the weighted squared error is {:.0f} more than noise makes it."
+        ),
+        "state": (
+            "The shifts of all declared numbers, squared in standard deviations, add up to {:.0f}."
+        ),
+    }
+    rest = "The weighted squared error that is left is {:.0f} more than noise makes it."
     others = [
-        f"{left.get(item.unknown_class, 'The error that is left')} "
-        f"is {item.chi2_reduction:.0f} more than noise makes it (weighted and squared)."
+        left.get(item.unknown_class, rest).format(item.chi2_reduction)
         for item in unknown
         if item.unknown_class not in PERIODIC
     ]
@@ -109,11 +141,12 @@ def gain(judged: Evaluation, held: bool, *, is_amended: bool = True) -> str:
     tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
     where = "On the held-out record" if held else "On the record fitted (no proof)"
     said = []
+    before = judged.rms_declared if is_amended else judged.rms_amended
     for at in dict.fromkeys([*tensions[:1], ranked[0]]):
         unit = unit_of_name(judged.channels[at])
         said.append(
             f"the error in {judged.channels[at]} is "
-            f"{judged.rms_declared[at]:.3g} {unit} rms as declared"
+            f"{before[at]:.3g} {unit} rms as declared"
             + (f", {judged.rms_amended[at]:.3g} {unit} as amended" if is_amended else "")
             + f"; noise alone leaves {judged.floor[at]:.3g} {unit}"
         )
@@ -137,8 +170,32 @@ def next_of(outcome: Outcome) -> str:
         verdict,
         {b.roll: actuators_for(b.roll, outcome.line.declaration) for b in blocks_of(outcome)},
         above_noise(judged, channels_by_error(judged)),
-        [row.name for row in shifts_of(outcome) if row.is_outside],
+        facts_of(outcome),
         outcome.caveats,
+    )
+
+
+def facts_of(outcome: Outcome) -> Facts:
+    """Return what the words of the verdict need of line and records."""
+    return Facts(
+        along=tuple(roller.name for roller in outcome.declared.rollers),
+        without=outcome.plan.without,
+        sample_time_s=outcome.selection.record_axes[0].sample_time_s,
+        shifts=tuple(shifts_of(outcome)),
+        tolerances={n.name: n.tolerance for n in declared_nuisances(outcome.declared)},
+        loudest=_loudest(outcome),
+    )
+
+
+def _loudest(outcome: Outcome) -> str:
+    """Return where and when most is left on the record judged, as text."""
+    judged, step_s = outcome.evaluation, outcome.selection.record_axes[0].sample_time_s
+    above = above_noise(judged, channels_by_error(judged))
+    if not above:
+        return ""
+    name, part = max(above, key=lambda k: above[k]), _loudest_part(judged, above, step_s)
+    return (
+        f"{name} ({above[name]:.2f} of its noise), {_span(outcome.judged.path.name, part, step_s)}"
     )
 
 
@@ -174,7 +231,20 @@ def overlays(outcome: Outcome) -> list[Shown]:
     part = worst_of(judged, step_s)
     said = f"{_span(outcome.judged.path.name, part, step_s)}, where the declared line is worst"
     plots = overlay(judged, step_s, part, draw_amended=outcome.is_amended)
-    return [*shown, Shown(caption=said, plots=plots)]
+    shown.append(Shown(caption=said, plots=plots))
+    above = above_noise(judged, channels_by_error(judged))
+    if outcome.is_amended and above:
+        part = _loudest_part(judged, above, step_s)
+        plots = overlay(judged, step_s, part, draw_amended=True)
+        said = f"{_span(outcome.judged.path.name, part, step_s)}, where the amended line is worst"
+        shown.append(Shown(caption=said, plots=plots))
+    return shown
+
+
+def _loudest_part(judged: Evaluation, above: Mapping[str, float], step_s: float) -> slice:
+    """Return the samples in which most is left of the channel that is furthest above noise."""
+    at = judged.channels.index(max(above, key=lambda channel: above[channel]))
+    return worst_part(judged, at, max(1, round(SHOWN_S / step_s)), judged.amended)
 
 
 def _span(record: str, part: slice, step_s: float) -> str:
@@ -185,14 +255,17 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
     """Write ``report.html``; return its path."""
     judged, selection = outcome.evaluation, outcome.selection
     verdict, step_s = outcome.verdict, selection.record_axes[0].sample_time_s
-    is_amended, shifts = outcome.is_amended, shifts_of(outcome)
+    is_amended, shifts, facts = outcome.is_amended, shifts_of(outcome), facts_of(outcome)
     template = Environment(
         loader=PackageLoader("sim_plant.refine.report", "."), autoescape=True
     ).get_template("page.html.j2")
     page = template.render(
-        headline=headline(verdict),
+        headline=headline(verdict, facts),
+        line_name=outcome.plan.line.stem,
+        made=wall_time_iso()[:10],
+        record_names=", ".join(r.path.name for r in outcome.records),
         records_said=outcome.records_said(),
-        sure=confidence(verdict),
+        sure=confidence(verdict, facts),
         gain=gain(judged, bool(outcome.plan.holdout), is_amended=is_amended),
         next_step=next_of(outcome),
         verdict=verdict,
@@ -210,13 +283,18 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         unwound=judged.unwound_m,
         mains=judged.frequencies_Hz,
         shifts=shifts,
-        shown_shifts=max(SHOWN_SHIFTS, sum(row.is_outside for row in shifts)),
+        shown_shifts=max(SHOWN_SHIFTS, sum(row.is_far for row in shifts)),
         keys={key for e in verdict.effects for key in e.parameters},
+        unknown_words=lambda u: coordinate_text(
+            u.unknown_class, u.coordinate, u.begins, u.also, facts.tolerances
+        ),
+        proposed=outcome.proposal is not None and outcome.proposal.adds,
         best_each=best_each,
         numbers=number_rows,
         place_words=place_words,
         location_words=location_words,
         above=CRITERIA.report.above_noise,
+        far=CRITERIA.report.outside_tolerance,
         block=block.read_text(encoding="utf-8") if block else "",
         unsure=open_blocks(outcome),
         amended=amended.name if amended else "",

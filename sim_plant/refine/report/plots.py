@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
+from aff_runtime.base.channel_units import unit_of_name, without_unit
 from sim_plant.base.arrays import Array
 from sim_plant.base.svg import as_written, svg
 from sim_plant.refine.judge.holdout import Evaluation
@@ -59,10 +60,12 @@ def overlay(
         left.plot(time_s, measured, color=MEASURED, lw=2.0, label="measured")
         for model, colour, label in models if draw_amended else models[:1]:
             error = f"error as {label}"
-            left.plot(time_s, model[k, part], color=colour, lw=0.9, label=label)
-            right.plot(time_s, measured - model[k, part], color=colour, lw=0.8, label=error)
+            style = "--" if label == "declared" and draw_amended else "-"
+            left.plot(time_s, model[k, part], color=colour, lw=0.9, ls=style, label=label)
+            off = measured - model[k, part]
+            right.plot(time_s, off, color=colour, lw=0.8, ls=style, label=error)
         for panel in (left, right):
-            panel.set_ylabel(as_written(judged.channels[k]), fontsize=8)
+            panel.set_ylabel(as_written(_with_unit(judged.channels[k])), fontsize=8)
             panel.grid(alpha=0.3)
             if np.isfinite(mark_s):
                 panel.axvline(mark_s, color="black", lw=0.9, ls=":")
@@ -73,6 +76,12 @@ def overlay(
         panels[-1].set_xlabel("time [s]")
         figure.tight_layout()
     return svg(figures[0]), svg(figures[1])
+
+
+def _with_unit(channel: str) -> str:
+    """Return a channel as a label: ``unwind_tension [N]``."""
+    unit = unit_of_name(channel)
+    return f"{without_unit(channel)} [{unit}]" if unit else channel
 
 
 def shown_channels(judged: Evaluation) -> list[int]:
@@ -99,9 +108,13 @@ def part_around(judged: Evaluation, sample_time_s: float, moment_s: float) -> sl
     return slice(start, min(samples, start + size))
 
 
-def worst_part(judged: Evaluation, channel: int, samples: int) -> slice:
-    """Return the ``samples`` judged samples in which the declared line is furthest off."""
-    squared = (judged.measured[channel] - judged.declared[channel])[judged.first :] ** 2
+def worst_part(judged: Evaluation, channel: int, samples: int, line: Array | None = None) -> slice:
+    """Return the ``samples`` judged samples in which a line is furthest off: the declared one.
+
+    Or ``line`` (channels, samples), its simulation.
+    """
+    model = judged.declared if line is None else line
+    squared = (judged.measured[channel] - model[channel])[judged.first :] ** 2
     samples = min(samples, squared.size)
     total = np.concatenate(([0.0], np.cumsum(squared)))
     start = judged.first + int(np.argmax(total[samples:] - total[:-samples]))

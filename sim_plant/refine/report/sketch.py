@@ -70,7 +70,9 @@ def marks_of_verdict(line: Declaration, verdict: Verdict) -> tuple[Marks, Marks]
     by_zone = zones(line)
     for item in verdict.unknown:
         for said in item.coordinate.values():
-            also |= Marks(spans=frozenset(by_zone.get(str(said), ())))
+            rolls = (k for k, body in enumerate(line.rollers) if body.name == said)
+            spans = frozenset(by_zone.get(str(said), ()))
+            also |= Marks(bodies=frozenset(rolls), spans=spans)
     return found, also - found
 
 

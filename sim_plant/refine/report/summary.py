@@ -10,7 +10,7 @@ from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.refinement import SUMMARY, EffectSaid, ErrorSaid, NumberSaid, Summary
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.outcome import Outcome
-from sim_plant.refine.report.page import confidence, gain, headline, next_of
+from sim_plant.refine.report.page import confidence, facts_of, gain, headline, next_of
 from sim_plant.refine.report.tables import error_rows
 from sim_plant.refine.report.verdict import Ambiguity, EffectFinding, Verdict
 from sim_plant.refine.report.wording import coordinate_text, number_rows, place_words, remedy
@@ -25,16 +25,17 @@ def write_summary(outcome: Outcome) -> None:
 def summary(outcome: Outcome) -> Summary:
     """Return the verdict in words."""
     verdict, judged, held = outcome.verdict, outcome.evaluation, outcome.plan.holdout
+    facts = facts_of(outcome)
     rivals = {a.place: a for a in verdict.ambiguous}
     return Summary(
         kind=kind_of(verdict),
-        headline=headline(verdict),
-        sure=confidence(verdict),
+        headline=headline(verdict, facts),
+        sure=confidence(verdict, facts),
         gain=gain(judged, bool(held), is_amended=outcome.is_amended),
         next_step=next_of(outcome),
         effects=tuple(_effect(e, rivals) for e in verdict.effects),
         unknown=tuple(
-            coordinate_text(u.unknown_class, u.coordinate, u.begins, u.also)
+            coordinate_text(u.unknown_class, u.coordinate, u.begins, u.also, facts.tolerances)
             for u in verdict.unknown
         ),
         errors=tuple(

@@ -9,6 +9,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.plots import is_angle_or_radius
+from sim_plant.refine.report.wording import shift_text
 
 DIGITS = 2
 """Of a ratio as the page writes it: what rounds to a limit is not told as beyond it."""
@@ -46,9 +47,9 @@ class ShiftRow:
     used: float
 
     @property
-    def is_outside(self) -> bool:
-        """Whether it is beyond its tolerance as written, if it has one."""
-        return round(self.used, DIGITS) > 1.0
+    def is_far(self) -> bool:
+        """Whether it is surely beyond its tolerance, if it has one."""
+        return round(self.used, DIGITS) >= CRITERIA.report.outside_tolerance
 
 
 def shift_rows(
@@ -58,14 +59,11 @@ def shift_rows(
     rows = []
     for name, value in adjustments.items():
         tolerance = tolerances.get(name, 0.0)
-        factor, unit = 100.0, "%"
-        if name.endswith((".offset", "_draw")):
-            factor, unit = 1.0, "N" if name.endswith(".offset") else "(absolute)"
         rows.append(
             ShiftRow(
                 name=name,
-                shift=f"{factor * value:+.3g} {unit}",
-                tolerance=f"{factor * tolerance:.3g} {unit}" if tolerance else "",
+                shift=shift_text(name, value),
+                tolerance=shift_text(name, tolerance).lstrip("+") if tolerance else "",
                 used=abs(value) / tolerance if tolerance else 0.0,
             )
         )

@@ -4,17 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from aff_runtime.base.channel_units import unit_of_name, without_unit
 from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.effect_at import EffectAt
+from sim_plant.refine.report.along_web import listed
 from sim_plant.refine.report.verdict import EffectFinding, Moment
 
 SMALL_M, SMALL_S = 0.1, 1.0
 """A smaller length is written in mm, a shorter time in ms."""
 NOT_SHOWN = "not shown"
+MOST_DECIMALS, ROUNDING = 6, 1e-6
+"""Digits after the point; what a half interval may be short of a power of ten by rounding."""
+NO_TOLERANCE: Mapping[str, float] = MappingProxyType({})
 SHOWN_ORDERS = 6
 """Orders of an outline that are written out, the largest; the file has all."""
 
@@ -35,6 +40,8 @@ def scaled(value: float, unit: str) -> tuple[float, str]:
         return 1e3, "ms"
     if unit == "rad":
         return math.degrees(1.0), "deg"
+    if unit == "s/m":  # a share per speed
+        return 100.0, "% per m/s"
     return 1.0, "" if unit == "1" else unit
 
 
@@ -54,16 +61,26 @@ def place_words(place: EffectAt) -> str:
     return f"{place.effect.replace('_', ' ')} at {location_words(place.location)}"
 
 
-def claim_words(place: EffectAt, alternatives: Sequence[EffectAt]) -> str:
-    """Return an effect at its place, with all that cannot be told from it."""
+def claim_words(
+    place: EffectAt,
+    alternatives: Sequence[EffectAt],
+    along: Sequence[str] = (),
+    *,
+    told: bool = True,
+) -> str:
+    """Return an effect at its place, with all that cannot be told from it, ``along`` the web.
+
+    ``told``: it is said that they are not told apart.
+    """
     if not alternatives:
         return place_words(place)
-    also = [
-        location_words(p.location) if p.effect == place.effect else place_words(p)
-        for p in sorted(alternatives, key=lambda p: p.effect != place.effect)
-    ]
-    *first, last = [place_words(place), *also]
-    return f"{', '.join(first)} or {last} (not told apart)"
+    same = [p.location for p in (place, *alternatives) if p.effect == place.effect]
+    others = [place_words(p) for p in alternatives if p.effect != place.effect]
+    where = listed([location_words(name) for name in same], along, "" if others else "or")
+    mine = f"{place.effect.replace('_', ' ')} at {where}"
+    *first, last = [mine, *others]
+    said = f"{', '.join(first)} or {last}" if first else last
+    return f"{said} (not told apart)" if told else said
 
 
 def remedy(finding: EffectFinding) -> str:
@@ -92,17 +109,34 @@ def number_rows(finding: EffectFinding) -> list[NumberRow]:
     cells = _cell_rows(finding)
     in_cells = _names_in_pairs(finding.place.effect) if cells else set()
     rows = [
-        _number_row(finding.place.effect, key, value, finding.interval95.get(key))
+        replace(
+            _number_row(finding.place.effect, key, value, finding.interval95.get(key)),
+            name=called(finding, key),
+        )
         for key, value in finding.parameters.items()
         if key not in in_cells
     ]
     return [*rows, *cells, *_moment_rows(finding)]
 
 
+def called(finding: EffectFinding, parameter: str) -> str:
+    """Return what a reader calls a parameter, in the form in which the effect was found."""
+    known = BY_NAME.get(finding.place.effect)
+    row = known.accepts.get(parameter) if known is not None else None
+    names = dict(row.called) if row is not None else {}
+    at = finding.begins
+    if known is not None and known.onset is not None and at is not None:
+        names |= {"": f"in {at.record} from"} if known.onset.moment == parameter else {}
+    words = [str(value) for value in finding.parameters.values() if isinstance(value, str)]
+    found = next((names[word] for word in (*words, "") if word in names), "")
+    return found or label(parameter, unit_of(finding.place.effect, parameter))
+
+
 def _moment_rows(finding: EffectFinding) -> list[NumberRow]:
     """Return when an effect begins by the clock of the record, where it has a moment."""
-    at = finding.begins
-    if at is None:
+    at, known = finding.begins, BY_NAME.get(finding.place.effect)
+    moment = known.onset if known is not None else None
+    if at is None or (moment and moment.unit == "s" and moment.moment in finding.parameters):
         return []
     name = f"after the start of {at.record}"
     return [NumberRow(key=at.record, name=name, value=f"{at.time_s:.1f}", unit="s")]
@@ -133,7 +167,7 @@ def _cell_rows(finding: EffectFinding) -> list[NumberRow]:
         cell = finding.cells[k] if k < len(finding.cells) else f"cell {k + 1}"
         ends = finding.interval95.get(pairs[0].amplitude) if k == 0 else None
         low, high = (f"{end:.4g}" for end in ends) if ends else ("", "")
-        name = f"at {without_unit(cell)}"
+        name = f"amplitude at {without_unit(cell)}"
         rows.append(
             NumberRow(key=cell, name=name, value=f"{size:.4g}", unit=unit, low=low, high=high)
         )
@@ -146,13 +180,25 @@ def _number_row(
     unit = unit_of(effect, key)
     name = label(key, unit)
     if isinstance(value, str):
-        return NumberRow(key=key, name=name, value=value)
+        return NumberRow(key=key, name=name, value=value.replace("_", " "))
     hidden = interval is not None and not_shown(effect, key, value)
     largest = max(interval, key=abs) if interval is not None and hidden else value
     factor, shown = scaled(largest, unit)
-    low, high = (f"{factor * end:.4g}" for end in interval) if interval else ("", "")
-    text = NOT_SHOWN if hidden else f"{factor * value:.4g}"
+    places = _decimals(factor, interval)
+    low, high = (f"{factor * end:{places}}" for end in interval) if interval else ("", "")
+    text = NOT_SHOWN if hidden else f"{factor * value:{places}}"
     return NumberRow(key=key, name=name, value=text, unit=shown, low=low, high=high)
+
+
+def _decimals(factor: float, interval: tuple[float, float] | None) -> str:
+    """Return the format of a number: the last digit is no larger than half its interval."""
+    half = 0.5 * abs(factor) * (interval[1] - interval[0]) if interval is not None else 0.0
+    if not math.isfinite(half) or half <= 0.0:
+        return ".4g"
+    if interval is not None and 0.0 in interval:  # a bound, no value give or take something
+        return ".3g"
+    decimals = math.ceil(-math.log10(half) - ROUNDING)
+    return f".{max(0, decimals)}f" if decimals <= MOST_DECIMALS else ".4g"
 
 
 def not_shown(effect: str, parameter: str, value: float) -> bool:
@@ -233,10 +279,11 @@ def coordinate_text(
     where: Mapping[str, float | str],
     begins: Moment | None = None,
     also: Sequence[tuple[str, Mapping[str, float | str]]] = (),
+    tolerances: Mapping[str, float] = NO_TOLERANCE,
 ) -> str:
     """Return what is known of an unknown as text; ``begins`` names the record of an event.
 
-    One of a record held out names it itself.
+    One of a record held out names it itself. ``tolerances`` are those of declared numbers.
     ``also`` are kinds and coordinates of spectral lines that the records do not tell from it.
     """
     if also:
@@ -252,9 +299,14 @@ def coordinate_text(
             f"in {where['channel']}; ask what was done on the line then"
         )
     if kind == "state":
+        name, far = str(where["declared"]), float(where["standard_deviations"])
+        off = f"{far:+.3g} standard deviations"
+        if name in tolerances:  # two standard deviations
+            off = f"{shift_text(name, 0.5 * far * tolerances[name])} (tolerance "
+            off += f"{shift_text(name, tolerances[name]).lstrip('+')})"
         return (
-            f"declared number {where['declared']} fits only {where['standard_deviations']:+.3g} "
-            "standard deviations from where it is declared, so the cause lies there or imitates it"
+            f"the records want {declared_words(name)} {off} from where it is declared, so the "
+            "cause lies there or imitates it"
         )
     if "channels" in where:
         band = f"{where['from_Hz']:.3g} to {where['to_Hz']:.3g} Hz"
@@ -263,6 +315,23 @@ def coordinate_text(
             "together as the declared noise does; look at the drive and the web between them"
         )
     return "noise above the line's own, at no frequency in particular"
+
+
+def declared_words(number: str) -> str:
+    """Return a declared number as text, with its path in the line file."""
+    *where, key = number.split(".")
+    plain = key.replace("kelvin_voigt_eta", "inner_damping").split("_kg")[0]
+    plain = without_unit(plain.removesuffix("_s")).replace("_", " ")
+    return f"{plain} of {where[-1]} ({number})" if where else number
+
+
+def shift_text(number: str, change: float) -> str:
+    """Return a change of a declared number as its tolerance counts it, with its unit."""
+    if number.endswith(".offset"):
+        return f"{change:+.3g} N"
+    if number.endswith("_draw"):
+        return f"{change:+.3g} (absolute)"
+    return f"{100.0 * change:+.3g} %"
 
 
 def _periodic_text(

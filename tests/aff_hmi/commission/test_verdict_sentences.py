@@ -74,12 +74,11 @@ def summary(**words: object) -> Summary:
         "headline": "Traced: slip at pull_roll, slope 0.1 s/m (95 %: 0.09 to 0.11); bearing drag "
         "at R4, constant 0.17 N m.",
         "sure": "slip at pull_roll scores 900, the next best explanation (loop delay at unwind) "
-        "120; bearing drag at R4 scores 80, no other explains the record as well. A difference of "
-        "10 decides.",
+        "120; bearing drag at R4 scores 80, no other explains the record as well.",
         "gain": "On the held-out record the error in load_cell_N is 3.1 N rms as declared, 0.27 N "
         "as amended; noise alone leaves 0.26 N. As amended, all tensions and speeds are within "
         "10 % of noise.",
-        "next_step": "This is no ripple to cancel: clean the surface of pull_roll, give it more "
+        "next_step": "At the machine: clean the surface of pull_roll, give it more "
         f"wrap or nip, or run slower; {DRAG}.",
         "effects": (
             EffectSaid(
@@ -120,7 +119,7 @@ def test_a_verdict_reads_german_from_its_headline_to_what_to_do():
     assert found.sure == (
         "Schlupf: pull_roll erreicht 900, die nächstbeste Erklärung (Totzeit im Zugregelkreis: "
         "unwind) 120; schwergängiges Lager: R4 erreicht 80, nichts anderes erklärt die "
-        "Aufzeichnung so gut. Ein Unterschied von 10 entscheidet."
+        "Aufzeichnung so gut."
     )
     assert found.gain.endswith("innerhalb 10 % des Rauschens.")
     assert "3.1 N" in found.gain
@@ -162,12 +161,11 @@ def test_a_set_of_an_older_file_names_its_members_in_german():
 def test_what_is_not_told_apart_is_no_next_best_in_german():
     sure = (
         "eccentric roller at R4 scores 121900, its rival (eccentric roller at R5) 121647: not "
-        "told apart, for errors of the model may make that difference. A difference of 10 decides."
+        "told apart, for errors of the model may make that difference."
     )
     assert told(summary(sure=sure), GERMAN).sure == (
         "exzentrische Walze: R4 erreicht 121900, die Alternative (exzentrische Walze: R5) 121647: "
-        "nicht unterschieden, denn Fehler des Modells können so viel ausmachen. Ein Unterschied "
-        "von 10 entscheidet."
+        "nicht unterschieden, denn Fehler des Modells können so viel ausmachen."
     )
 
 
@@ -199,12 +197,12 @@ TRUED = (
             ["Bis das getan ist", "unwind", "wenn der Dienst aus ist."],
         ),
         (
-            "Look in the log of b.csv at 26.74 s: what was done on the line then. If nothing was, "
-            "record again with more speeds and a tension step, and more channels.",
-            ["Im Protokoll von b.csv bei 26.74 s", "War es nichts"],
+            "Look in the log of b.csv at 26.74 s: what was done on the line then. What is left is "
+            "largest in a_N (1.5 of its noise), b.csv, 3 to 11 s: look there.",
+            ["Im Protokoll von b.csv bei 26.74 s", "dort nachsehen."],
         ),
         (
-            "Not explained: a_N 27 % above noise; web.EA_N outside its tolerance: check these.",
+            "Not explained: a_N 27 % above noise; web.EA_N +20 % (tolerance 10 %): check these.",
             ["Nicht erklärt: a_N 27 %", "diese prüfen."],
         ),
     ],

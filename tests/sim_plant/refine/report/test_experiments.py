@@ -9,7 +9,7 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.report.experiments import experiment, experiments
 from sim_plant.refine.report.findings import verdict_of
-from sim_plant.refine.report.page import headline
+from sim_plant.refine.report.next_step import next_step
 from sim_plant.refine.report.verdict import Moment
 from sim_plant.refine.report.wording import size_of
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
@@ -101,7 +101,7 @@ def test_the_verdict_names_the_equals_and_the_experiment():
     (same,) = verdict.ambiguous
     assert same.alternatives == (EffectAt("torque_ripple", "swrap"),)
     assert "drive off" in same.experiments[0]
-    assert same.experiments[0] in headline(verdict)
+    assert same.experiments[0] in next_step(verdict)
     written = json.loads(verdict.to_json())  # places are text in a file of version 1
     assert written["ambiguous"][0]["effect"] == "unbalanced_roller at swrap"
     assert written["ambiguous"][0]["with"] == ["torque_ripple at swrap"]

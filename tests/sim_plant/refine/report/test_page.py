@@ -10,6 +10,7 @@ from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.report.confidence import standard_deviations
+from sim_plant.refine.report.facts import Facts
 from sim_plant.refine.report.next_step import next_step
 from sim_plant.refine.report.page import confidence, gain, headline
 from sim_plant.refine.report.plots import (
@@ -20,7 +21,7 @@ from sim_plant.refine.report.plots import (
     worst_part,
 )
 from sim_plant.refine.report.tables import above_noise, best_each, error_rows, shift_rows
-from sim_plant.refine.report.verdict import Ambiguity, Moment, UnknownFinding
+from sim_plant.refine.report.verdict import Ambiguity, ChannelError, Moment, UnknownFinding
 from tests.sim_plant.refine.small import finding, fit_of, verdict_with
 
 CHANNELS = ("unwind_tension_N", "unwind_angle_rad", "unwind_radius_m", "line_speed_m_s")
@@ -82,7 +83,7 @@ def test_the_travel_of_a_carriage_counts_as_a_tension_does():
 
 def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():
     assert headline(verdict_with(EFFECT)) == (
-        "Traced: out of round roll at unwind, flat, size 11.9 mm (95 %: 11.7 to 12.1)."
+        "Traced: out of round roll at unwind, flat, depth 11.9 mm (95 %: 11.7 to 12.1)."
     )
     said = gain(judged(), held=True)
     assert "3 N rms as declared, 0.26 N as amended; noise alone leaves 0.25 N" in said
@@ -93,10 +94,10 @@ def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():
     ("found", "block", "word"),
     [
         (verdict_with(EFFECT), True, "paste the AFF block"),
-        (verdict_with(EFFECT), False, "no ripple to cancel: look how unwind was stored"),
+        (verdict_with(EFFECT), False, "At the machine: look how unwind was stored"),
         (verdict_with(unknown=[unknown("travel")]), False, "turns or swings"),
-        (verdict_with(unknown=[unknown("state")]), False, "more speeds"),
-        (verdict_with(EFFECT, ambiguous=[SAME]), True, "tells the candidates apart"),
+        (verdict_with(unknown=[unknown("state")]), False, "at other speeds"),
+        (verdict_with(EFFECT, ambiguous=[SAME]), True, "Nor paste the AFF block of unwind"),
         (verdict_with(), False, "declaration stands"),
         (verdict_with(EFFECT, unknown=[unknown("time")]), True, "comes back when the"),
         (verdict_with(EFFECT, unknown=[unknown("time")]), True, "turns or swings"),
@@ -121,7 +122,8 @@ def test_what_a_drive_may_cancel_is_measured_and_mended_first_and_cancelled_unti
         "then have the roller, or its bearing seats, trued.",
         "Until that is done, paste the AFF block",
         "at the actuator of unwind or swrap_lead.",
-        "Beside it, no ripple to cancel: look at the seam",
+        "Also at the machine: look at the seam",
+        "This is no ripple to cancel.",
     )
     at = [said.index(part) for part in order]
     assert at == sorted(at)
@@ -132,18 +134,83 @@ def test_what_a_drive_may_cancel_is_measured_and_mended_first_and_cancelled_unti
     [
         ({}, (), ""),
         ({"pull_roll_speed_m_s": 1.266}, (), "pull_roll_speed_m_s 27 % above noise"),
-        ({}, ("rollers.pull_roll.radius_m",), "rollers.pull_roll.radius_m outside its tolerance"),
+        ({}, ("web.EA_N",), "web.EA_N +20 % (tolerance 10 %): check these"),
         (
             {"a_N": 1.5, "b_N": 2.0},
             ("web.EA_N", "r"),
-            "a_N 50 % above noise, b_N 100 % above noise; web.EA_N and r outside their tolerance",
+            "a_N 50 % above noise, b_N 100 % above noise; r +20 % (tolerance 10 %), "
+            "web.EA_N +20 % (tolerance 10 %): check these",
         ),
     ],
 )
 @pytest.mark.parametrize("ambiguous", [(), (SAME,)])
 def test_what_is_not_explained_is_said_beside_what_is(above, outside, end, ambiguous):
-    said = next_step(verdict_with(EFFECT, ambiguous=ambiguous), {}, above, outside)
-    assert said.endswith(f"Not explained: {end}: check these.") if end else "Not" not in said
+    facts = outside_by(0.2, *outside)
+    said = next_step(verdict_with(EFFECT, ambiguous=ambiguous), {}, above, facts)
+    assert said.endswith(f"Not explained: {end}.") if end else "Not" not in said
+
+
+def outside_by(shift, *names):
+    shifts = dict.fromkeys(names, shift)
+    return Facts(shifts=tuple(shift_rows(shifts, dict.fromkeys(shifts, 0.1))))
+
+
+def test_many_numbers_outside_say_that_the_explanation_is_incomplete():
+    names = [f"rollers.R{k}.radius_m" for k in range(5)]
+    facts = outside_by(0.2, *names)
+    said = next_step(verdict_with(EFFECT), facts=facts)
+    assert said.endswith(
+        "5 of 5 declared numbers had to leave their tolerance: the explanation is incomplete; do "
+        "not correct them, record again."
+    )
+    assert "rollers" not in said
+    assert "5 of 5 declared numbers" in headline(verdict_with(EFFECT), facts)
+    barely = outside_by(0.11, *names)
+    assert "tolerance" not in next_step(verdict_with(EFFECT), facts=barely)
+    assert "Partly" not in headline(verdict_with(EFFECT), barely)
+
+
+@pytest.mark.parametrize(("after", "told"), [(0.79, True), (0.36, True), (0.35, False)])
+def test_a_tension_that_is_left_well_above_its_noise_is_told_first(after, told):
+    """Noise of 0.25 N: as much power beyond it is sqrt(2) 0.25 = 0.3536 N."""
+    left = {"pullroll_tension_N": ChannelError(before=6.5, after=after, noise_floor=0.25)}
+    found = replace(verdict_with(EFFECT), residual_rms=left)
+    partly = (
+        f"Partly: pullroll_tension_N still misses by {after:.2g} N (noise 0.25 N); "
+        "the place stands, the numbers do not."
+    )
+    assert headline(found).endswith(partly) is told
+    assert confidence(found).endswith(partly) is told
+
+
+def test_what_is_certain_is_acted_on_beside_what_is_not_told_apart():
+    slow = finding("loop_delay", "unwind", {"delay_s": 0.05}, cancel=False)
+    drag = finding("bearing_drag", "R4", {"constant_N_m": 0.05}, cancel=False)
+    also = tuple(EffectAt("bearing_drag", name) for name in ("R5", "R3"))
+    open_ = Ambiguity(place=drag.place, alternatives=also, experiments=("look",))
+    facts = Facts(along=("R3", "R4", "R5"))
+    said = next_step(verdict_with(slow, drag, ambiguous=[open_]), facts=facts)
+    assert said.startswith("At the machine: look for what is slow between load cell and drive")
+    assert said.endswith("For bearing drag at R3 to R5: change nothing before this test: look.")
+    assert "turn R4" not in said
+
+
+def test_what_was_left_out_on_request_is_named():
+    line = unknown("angle", {"roll": "unwind", "order": 1.003})
+    found = verdict_with(unknown=[line], answer="unknown")
+    said = headline(found, Facts(without=("out_of_round_roll",)))
+    assert "library without out of round roll (left out on request) explains it." in said
+    assert "Put a dial gauge on unwind and turn it once" in next_step(found)
+
+
+def test_a_number_that_fits_elsewhere_is_told_in_its_own_unit():
+    """A tolerance of 20 % is two standard deviations: -8.71 of them are -87.1 %."""
+    where = {"declared": "web.kelvin_voigt_eta_s", "standard_deviations": -8.71}
+    found = verdict_with(unknown=[unknown("state", where)], answer="unknown")
+    said = headline(found, Facts(tolerances={"web.kelvin_voigt_eta_s": 0.2}))
+    assert "inner damping of web (web.kelvin_voigt_eta_s) -87.1 % (tolerance 20 %)" in said
+    loud = Facts(loudest="unwind_speed_rad_s (1.99 of its noise), b.csv, 3.0 to 11.0 s")
+    assert next_step(found, facts=loud).endswith("b.csv, 3.0 to 11.0 s: look there.")
 
 
 def test_an_event_is_looked_up_in_the_log_of_its_record():
@@ -154,9 +221,11 @@ def test_an_event_is_looked_up_in_the_log_of_its_record():
     )
     found = verdict_with(unknown=[event], answer="unknown")
     assert "Look in the log of day2.csv at 26.74 s" in next_step(found)
-    assert "If nothing was, record again with more speeds" in next_step(found)
     assert "an event at 26.74 s of day2.csv in unwind_zone, first seen in" in headline(found)
-    assert "From that moment on the error is 211523 more than noise" in confidence(found)
+    assert (
+        "From that moment on the weighted squared error is 211523 more than noise"
+        in confidence(found)
+    )
 
 
 def test_a_spectral_line_is_as_sure_as_it_is_above_what_noise_makes():
@@ -180,7 +249,7 @@ def test_what_is_not_told_apart_is_named_together_in_the_headline():
     slow = finding("loop_delay", "unwind", {"delay_s": 0.05})
     assert headline(verdict_with(eccentric, slow, ambiguous=[open_])) == (
         "Traced: eccentric roller at R4, R5, R6 or unbalanced roller at R5 (not told apart), "
-        "eccentricity 0.1078 mm; loop delay at unwind, delay 50 ms. To tell: look."
+        "eccentricity 0.1078 mm; loop delay at unwind, delay 50 ms."
     )
     two = replace(open_, alternatives=(EffectAt("eccentric_roller", "R5"),))
     said = headline(verdict_with(eccentric, ambiguous=[two]))
@@ -197,9 +266,9 @@ def test_what_rounds_to_a_limit_is_not_beyond_it_and_sums_do_not_count():
     )
     assert list(above_noise(close, channels_by_error(close))) == ["line_speed_m_s"]
     assert [row.mark for row in error_rows(close)] == ["ok", "sum", "sum", "miss"]
-    shifts = {"a": 0.1004, "b": 0.102, "c": -0.13, "d": 0.02}
+    shifts = {"a": 0.1004, "b": 0.149, "c": -0.15, "d": 0.02}
     rows = shift_rows(shifts, dict.fromkeys(shifts, 0.1))
-    assert [row.name for row in rows if row.is_outside] == ["c", "b"]
+    assert [row.name for row in rows if row.is_far] == ["c"]
 
 
 def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
@@ -213,7 +282,7 @@ def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
     )
     assert confidence(verdict_with(slow)) == (
         "load cell filter at all load cells scores 16173, the next best explanation "
-        "(load cell filter at R19) 5973. A difference of 10 decides."
+        "(load cell filter at R19) 5973: told apart, for errors of the model make up to 10."
     )
     assert confidence(verdict_with()) == ""
 
@@ -229,7 +298,7 @@ def test_what_is_not_told_apart_is_not_said_to_be_decided():
     )
     slow = finding("loop_delay", "unwind", {}, score=900.0)
     both = confidence(verdict_with(one, slow, ambiguous=[open_]))
-    assert both.endswith("no other explains the record as well. A difference of 10 decides.")
+    assert both.endswith("no other explains the record as well.")
 
 
 def test_what_stays_above_noise_is_named_but_no_sums():
@@ -252,7 +321,7 @@ def test_what_stays_above_noise_is_named_but_no_sums():
         (
             "state",
             {"declared": "web.EA_N", "standard_deviations": -14.6},
-            "web.EA_N fits only -14.6",
+            "EA of web (web.EA_N) -14.6 standard deviations from",
         ),
         ("broadband", {}, "noise above the line's own"),
     ],

@@ -70,6 +70,9 @@ def test_what_may_be_instead_and_the_zone_of_an_unknown_are_marked_apart_from_wh
     assert found == Marks()
     lead = next(k for k, roller in enumerate(LINE.rollers) if roller.kind == "driven")
     assert also == Marks(spans=frozenset(range(lead)))
+    turns = replace(event, unknown_class="angle", coordinate={"order": 1.0, "roll": "unwind"})
+    found, also = marks_of_verdict(LINE, replace(verdict_with(), unknown=(turns,)))
+    assert also == Marks(bodies=bodies("unwind"))
 
 
 def test_every_body_has_its_name_and_a_verdict_without_a_place_has_no_picture():

@@ -3,6 +3,7 @@ import math
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.report.verdict import Moment
 from sim_plant.refine.report.wording import (
     label,
     number_rows,
@@ -56,7 +57,7 @@ def test_a_number_that_the_library_set_is_not_told_as_found():
     )
     assert size_of(found) == (
         "mass 20 kg (assumed; the others hold for it), order 4, "
-        "frequency 3.4 Hz (95 %: 3.39 to 3.41)"
+        "frequency 3.40 Hz (95 %: 3.39 to 3.41)"
     )
 
 
@@ -82,7 +83,7 @@ def test_a_strength_that_no_record_shows_is_told_by_what_it_may_be():
         {"backlash_rad": 0.0, "compliance_rad_N_m": 0.003},
         interval95={"backlash_rad": (0.0, 0.004), "compliance_rad_N_m": (0.0029, 0.0031)},
     )
-    assert size_of(found).startswith("backlash not shown: between 0 and 0.2292 deg, compliance")
+    assert size_of(found).startswith("backlash not shown: between 0 and 0.229 deg, compliance")
 
 
 def test_components_and_angles_are_no_size():
@@ -108,10 +109,39 @@ def test_an_outline_without_a_name_is_told_by_its_largest_orders():
 def test_details_of_a_named_outline_are_not_told_beside_its_size():
     details = {"cos1_m": 1e-4, "sin1_m": 0.0}
     found = finding("out_of_round_roll", "unwind", {"shape": "flat", "size_m": 0.012, **details})
-    assert size_of(found) == "flat, size 12 mm"
+    assert size_of(found) == "flat, depth 12 mm"
 
 
 PARTS = (("cos", 0.6), ("sin", -0.8))
+
+
+@pytest.mark.parametrize(
+    ("value", "ends", "said"),
+    [
+        (0.2452, (0.2343, 0.258), "0.25 (95 %: 0.23 to 0.26)"),
+        (1.00812, (1.00784, 1.0084), "1.0081 (95 %: 1.0078 to 1.0084)"),
+        (99.7, (99.6999, 99.7001), "99.7000 (95 %: 99.6999 to 99.7001)"),
+        (34.4, (26.08, 42.73), "34 (95 %: 26 to 43)"),
+    ],
+)
+def test_digits_end_where_the_interval_says_nothing_more(value, ends, said):
+    found = finding("radius_error", "unwind", {"ratio": value}, interval95={"ratio": ends})
+    assert size_of(found) == f"ratio {said}"
+
+
+def test_a_share_per_speed_is_told_in_percent():
+    found = finding("slip", "swrap", {"slope_s_m": 0.0034})
+    assert size_of(found) == "slope 0.34 % per m/s"
+
+
+def test_a_moment_of_the_record_is_told_once():
+    found = finding(
+        "bearing_drag",
+        "R14",
+        {"constant_N_m": 0.05, "from_s": 28.8},
+        begins=Moment(record="a.csv", time_s=28.8),
+    )
+    assert size_of(found) == "constant 0.05 N m, in a.csv from 28.8 s"
 
 
 HUM = {
@@ -133,21 +163,22 @@ def test_what_every_cell_has_is_told_by_its_name_and_whole():
     found = finding("mains_hum", "all", HUM, cells=CELLS, interval95=interval)
     # of cells 2 and 3 the phasor is the first's plus their own: 0 + 0.4j, -0.3 - 0.4j
     assert size_of(found) == (
-        "frequency 99.7 Hz, 1.03 N at unwind_tension, 0.4 N at r3_tension, 0.5 N at rewind_tension"
+        "frequency 99.7 Hz, 1.03 N amplitude at unwind_tension, 0.4 N amplitude at r3_tension, "
+        "0.5 N amplitude at rewind_tension"
     )
     rows = number_rows(found)
     assert [(n.name, n.value, n.unit) for n in rows] == [
         ("frequency", "99.7", "Hz"),
-        ("at unwind_tension", "1.03", "N"),
-        ("at r3_tension", "0.4", "N"),
-        ("at rewind_tension", "0.5", "N"),
+        ("amplitude at unwind_tension", "1.03", "N"),
+        ("amplitude at r3_tension", "0.4", "N"),
+        ("amplitude at rewind_tension", "0.5", "N"),
     ]
     assert [(n.low, n.high) for n in rows[1:]] == [("1", "1.1"), ("", ""), ("", "")]
 
 
 def test_cells_of_a_line_that_is_not_known_are_counted():
     assert size_of(finding("mains_hum", "all", HUM)).endswith(
-        "1.03 N at cell 1, 0.4 N at cell 2, 0.5 N at cell 3"
+        "1.03 N amplitude at cell 1, 0.4 N amplitude at cell 2, 0.5 N amplitude at cell 3"
     )
 
 
