@@ -147,6 +147,14 @@ VERDICT = (
         "may make that difference"
     ),
     N_("{what}: told apart, for errors of the model make up to {number}"),
+    N_(
+        "What begins at {number} s of {name} begins with a step of the line speed reference: the "
+        "line's own answer to that may be what was found; record the step again."
+    ),
+    N_(
+        "What begins at {number} s of {name} begins with a step of the tension reference: the "
+        "line's own answer to that may be what was found; record the step again."
+    ),
     N_("A score says which explanation is best, not that it is enough."),
     N_("Partly: {rest}; {what}, the numbers do not."),
     N_("the places stand"),

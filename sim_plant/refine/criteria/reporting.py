@@ -87,6 +87,12 @@ class ReportCriteria:
         "outside are named each; more of them say that the explanation is incomplete",
         "decision: each is an order to measure something",
     )
+    near_step_s: float = criterion(
+        0.5,
+        "s",
+        "a moment this close to a step of a reference is told as falling on it",
+        "theory: drives answer within a tenth of a second, a tension loop within half a second",
+    )
     smallest_start_m: float = criterion(
         1e-6, "m", "orders of a start shape below this are left out", NOT_RECORDED
     )

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,18 +15,11 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.report.aff_block import AffBlock, actuators_for, aff_blocks
 from sim_plant.refine.report.facts import NOTHING_KNOWN, Facts
+from sim_plant.refine.report.near_steps import near_steps
 from sim_plant.refine.report.next_step import PERIODIC, next_step
 from sim_plant.refine.report.partly import partly
-from sim_plant.refine.report.plots import (
-    SHOWN_S,
-    channels_by_error,
-    overlay,
-    part_around,
-    spectrum,
-    wavenumber_map,
-    worst_of,
-    worst_part,
-)
+from sim_plant.refine.report.parts_shown import loudest, overlays
+from sim_plant.refine.report.plots import channels_by_error, spectrum, wavenumber_map
 from sim_plant.refine.report.sketch import sketch
 from sim_plant.refine.report.tables import ShiftRow, above_noise, best_each, error_rows, shift_rows
 from sim_plant.refine.report.wording import (
@@ -92,7 +84,16 @@ def confidence(verdict: Verdict, facts: Facts = NOTHING_KNOWN) -> str:
     less = partly(verdict, facts)
     less = less and f"A score says which explanation is best, not that it is enough. {less}"
     return " ".join(
-        filter(None, [*sure, *_seen(verdict, facts), less, *_sure_of_unknown(verdict.unknown)])
+        filter(
+            None,
+            [
+                *sure,
+                *_seen(verdict, facts),
+                *facts.near_steps,
+                less,
+                *_sure_of_unknown(verdict.unknown),
+            ],
+        )
     )
 
 
@@ -183,19 +184,8 @@ def facts_of(outcome: Outcome) -> Facts:
         sample_time_s=outcome.selection.record_axes[0].sample_time_s,
         shifts=tuple(shifts_of(outcome)),
         tolerances={n.name: n.tolerance for n in declared_nuisances(outcome.declared)},
-        loudest=_loudest(outcome),
-    )
-
-
-def _loudest(outcome: Outcome) -> str:
-    """Return where and when most is left on the record judged, as text."""
-    judged, step_s = outcome.evaluation, outcome.selection.record_axes[0].sample_time_s
-    above = above_noise(judged, channels_by_error(judged))
-    if not above:
-        return ""
-    name, part = max(above, key=lambda k: above[k]), _loudest_part(judged, above, step_s)
-    return (
-        f"{name} ({above[name]:.2f} of its noise), {_span(outcome.judged.path.name, part, step_s)}"
+        near_steps=near_steps(outcome.verdict, outcome.records[: len(outcome.plan.records)]),
+        loudest=loudest(outcome),
     )
 
 
@@ -208,47 +198,6 @@ def shifts_of(outcome: Outcome) -> list[ShiftRow]:
     """Return the declared numbers as estimated anew with the effects."""
     tolerances = {n.name: n.tolerance for n in declared_nuisances(outcome.declared)}
     return shift_rows(outcome.selection.adjustments, tolerances)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Shown:
-    """Two plots of a part of a record, and what is said above them."""
-
-    caption: str
-    plots: tuple[str, ...]
-
-
-def overlays(outcome: Outcome) -> list[Shown]:
-    """Return what begins where it does, and the record judged where it is worst."""
-    judged, step_s = outcome.evaluation, outcome.selection.record_axes[0].sample_time_s
-    shown = []
-    if outcome.record_of_onset is not None:
-        at, found = outcome.record_of_onset.moment, outcome.record_of_onset.evaluation
-        part = part_around(found, step_s, at.time_s)
-        said = f"{_span(at.record, part, step_s)}; dotted: {at.time_s:.2f} s, where it begins"
-        plots = overlay(found, step_s, part, draw_amended=outcome.is_amended, mark_s=at.time_s)
-        shown.append(Shown(caption=said, plots=plots))
-    part = worst_of(judged, step_s)
-    said = f"{_span(outcome.judged.path.name, part, step_s)}, where the declared line is worst"
-    plots = overlay(judged, step_s, part, draw_amended=outcome.is_amended)
-    shown.append(Shown(caption=said, plots=plots))
-    above = above_noise(judged, channels_by_error(judged))
-    if outcome.is_amended and above:
-        part = _loudest_part(judged, above, step_s)
-        plots = overlay(judged, step_s, part, draw_amended=True)
-        said = f"{_span(outcome.judged.path.name, part, step_s)}, where the amended line is worst"
-        shown.append(Shown(caption=said, plots=plots))
-    return shown
-
-
-def _loudest_part(judged: Evaluation, above: Mapping[str, float], step_s: float) -> slice:
-    """Return the samples in which most is left of the channel that is furthest above noise."""
-    at = judged.channels.index(max(above, key=lambda channel: above[channel]))
-    return worst_part(judged, at, max(1, round(SHOWN_S / step_s)), judged.amended)
-
-
-def _span(record: str, part: slice, step_s: float) -> str:
-    return f"{record}, {part.start * step_s:.1f} to {part.stop * step_s:.1f} s"
 
 
 def write_report(outcome: Outcome, command: str, amended: Path | None, block: Path | None) -> Path:

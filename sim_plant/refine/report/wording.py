@@ -94,6 +94,7 @@ class NumberRow:
     """One parameter of a finding as text; ``low`` and ``high`` (95 %) are empty without interval.
 
     ``value`` is ``NOT_SHOWN`` where the records do not tell the number from its absence.
+    ``is_open``: they do not tell its sign either.
     """
 
     key: str
@@ -102,6 +103,7 @@ class NumberRow:
     unit: str = ""
     low: str = ""
     high: str = ""
+    is_open: bool = False
 
 
 def number_rows(finding: EffectFinding) -> list[NumberRow]:
@@ -187,7 +189,10 @@ def _number_row(
     places = _decimals(factor, interval)
     low, high = (f"{factor * end:{places}}" for end in interval) if interval else ("", "")
     text = NOT_SHOWN if hidden else f"{factor * value:{places}}"
-    return NumberRow(key=key, name=name, value=text, unit=shown, low=low, high=high)
+    is_open = interval is not None and interval[0] < 0.0 < interval[1]
+    return NumberRow(
+        key=key, name=name, value=text, unit=shown, low=low, high=high, is_open=is_open
+    )
 
 
 def _decimals(factor: float, interval: tuple[float, float] | None) -> str:
@@ -228,7 +233,8 @@ def assumed(effect: str, parameter: str) -> bool:
 def size_of(finding: EffectFinding) -> str:
     """Return how much of an effect there is, with units and 95 % intervals."""
     sizes, effect = [], finding.place.effect
-    for number in number_rows(finding):
+    rows = number_rows(finding)
+    for number in [n for n in rows if not n.is_open] or rows:
         if number.key not in finding.parameters:
             sizes.append(f"{number.value} {number.unit} {number.name}")
             continue

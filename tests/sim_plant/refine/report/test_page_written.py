@@ -15,6 +15,7 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.aff_block import write_block
 from sim_plant.refine.report.findings import verdict_of
+from sim_plant.refine.report.near_steps import near_steps
 from sim_plant.refine.report.outcome import Outcome, Plan, RecordOfOnset
 from sim_plant.refine.report.page import next_of, write_report
 from sim_plant.refine.report.verdict import Moment
@@ -111,6 +112,7 @@ def test_a_page_says_which_records_it_rests_on_and_each_figure_its_own(tmp_path)
         r"b\.csv, [\d.]+ to [\d.]+ s, where the declared line is worst", captions[0]
     )
     assert captions[1:] == ["b.csv, 0 to 30.0 s", "a.csv, the whole record"]
+    assert "numbers that may be 0" not in page  # every component is surely there
     assert "<title>What euclid lacks: a.csv, b.csv, 2" in page
 
 
@@ -150,6 +152,21 @@ def test_without_an_effect_a_page_has_one_curve_and_nothing_amended(tmp_path):
     both = page_of(outcome(tmp_path, [found()]))
     assert page.count("<svg") == both.count("<svg") - 2  # one map, not two; no sketch
     assert '<tr class="sum"><td>unwind_angle_rad</td>' in page
+
+
+@pytest.mark.parametrize(("time_s", "told"), [(15.2, True), (14.8, True), (16.0, False)])
+def test_what_begins_with_a_step_of_a_reference_is_told_as_that(tmp_path, time_s, told):
+    tension_N = np.where(np.arange(ROWS) * STEP_S < 15.0, 80.0, 90.0)
+    one = record("a.csv", 1.0, 1.0)
+    one = replace(one, columns=one.columns | {"tension_ref_N": tension_N})
+    begun = replace(
+        outcome(tmp_path, [found()]).verdict.effects[0],
+        begins=Moment(record="a.csv", time_s=time_s),
+    )
+    verdict = replace(outcome(tmp_path, [found()]).verdict, effects=(begun,))
+    said = near_steps(verdict, [one])
+    assert bool(said) is told
+    assert all("begins with a step of the tension reference" in text for text in said)
 
 
 def test_what_begins_is_shown_in_its_record(tmp_path):

@@ -129,6 +129,14 @@ def test_digits_end_where_the_interval_says_nothing_more(value, ends, said):
     assert size_of(found) == f"ratio {said}"
 
 
+def test_a_number_that_may_be_of_either_sign_is_no_size():
+    numbers = {"shape": "flat", "size_m": 0.012, "unwound_m": 0.0025}
+    ends = {"size_m": (0.0117, 0.0123), "unwound_m": (-0.0038, 0.0088)}
+    found = finding("out_of_round_roll", "unwind", numbers, interval95=ends)
+    assert size_of(found) == "flat, depth 12.0 mm (95 %: 11.7 to 12.3)"
+    assert [n.is_open for n in number_rows(found)] == [False, False, True]
+
+
 def test_a_share_per_speed_is_told_in_percent():
     found = finding("slip", "swrap", {"slope_s_m": 0.0034})
     assert size_of(found) == "slope 0.34 % per m/s"
