@@ -202,6 +202,10 @@ VERDICT = (
         "The ripple of a cancelled roller comes back when the service is off; to be rid of it: "
         "{what}."
     ),
+    N_(
+        "Until that is done, try site_proposed.yaml with `aff-runtime settings try`: it has the "
+        "block of {roll}."
+    ),
     N_("At the machine: {what}."),
     N_("Also at the machine: {what}."),
     N_("This is no ripple to cancel."),

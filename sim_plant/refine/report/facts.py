@@ -19,6 +19,7 @@ class Facts:
     sample_time_s : of the records fitted; 0: not known.
     shifts : declared numbers as estimated anew.
     tolerances : of declared numbers, as their corrections count them.
+    is_proposed : the site file with the AFF blocks in their places was written.
     near_steps : sentences on moments that fall on a step of a reference.
     loudest : where and when most is left on the record judged, as text.
     """
@@ -28,6 +29,7 @@ class Facts:
     sample_time_s: float = 0.0
     shifts: tuple[ShiftRow, ...] = ()
     tolerances: Mapping[str, float] = field(default_factory=dict)
+    is_proposed: bool = False
     near_steps: tuple[str, ...] = ()
     loudest: str = ""
 

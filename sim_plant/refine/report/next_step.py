@@ -37,7 +37,7 @@ def next_step(
     """
     open_ = {a.place for a in verdict.ambiguous}
     said = [
-        *_of_effects([e for e in verdict.effects if e.place not in open_], by),
+        *_of_effects([e for e in verdict.effects if e.place not in open_], by, facts),
         *_of_unknown(verdict.unknown, facts),
         *_of_sets(verdict.ambiguous, by, facts),
     ]
@@ -56,17 +56,21 @@ def next_step(
     return "Nothing to do: the declaration stands."
 
 
-def _of_effects(effects: Sequence[EffectFinding], by: Mapping[str, str]) -> list[str]:
+def _of_effects(
+    effects: Sequence[EffectFinding], by: Mapping[str, str], facts: Facts
+) -> list[str]:
     """Return what to do at the machine, and the block that cancels until it is done."""
     ripples = [e for e in effects if e.cancel and e.place.location in by]
     others = [e for e in effects if e not in ripples]
     said = []
     if ripples:
         where = " and ".join(dict.fromkeys(by[e.place.location] for e in ripples))
+        paste = "paste the AFF block below into the site file, at the actuator of"
+        if facts.is_proposed:
+            paste = "try site_proposed.yaml with `aff-runtime settings try`: it has the block of"
         said += [
             f"First at the machine: {_remedies(ripples)}.",
-            "Until that is done, paste the AFF block below into the site file, at the actuator of "
-            f"{where}.",
+            f"Until that is done, {paste} {where}.",
             "The ripple of a cancelled roller comes back when the service is off.",
         ]
     if others:
@@ -97,16 +101,15 @@ def _of_unknown(unknown: Sequence[UnknownFinding], facts: Facts) -> list[str]:
     """Return where to look for what no effect explains: in a log first where it has a moment."""
     if not unknown:
         return []
-    rolls = [
-        str(u.coordinate["roll"])
-        for u in unknown
-        if u.unknown_class == "angle" and "roll" in u.coordinate and not u.also
-    ]
-    if rolls:
-        return [
-            f"Put a dial gauge on {' and then on '.join(dict.fromkeys(rolls))} and turn it "
-            "once by hand: what the gauge shows is the cause."
-        ]
+    turning = [u for u in unknown if u.unknown_class == "angle" and not u.also]
+    if turning:
+        rolls = dict.fromkeys(str(u.coordinate.get("roll", "")) for u in turning)
+        named = " and then on ".join(filter(None, rolls)) or "what turns so"
+        gauge = (
+            f"Put a dial gauge on {named} and turn it once by hand: what the gauge shows is the "
+            "cause."
+        )
+        return [gauge, *_of_unknown([u for u in unknown if u not in turning], facts)]
     if unknown[0].unknown_class in PERIODIC:
         one_speed = [ANOTHER_SPEED] if any(u.also for u in unknown) else []
         return [

@@ -184,6 +184,7 @@ def facts_of(outcome: Outcome) -> Facts:
         sample_time_s=outcome.selection.record_axes[0].sample_time_s,
         shifts=tuple(shifts_of(outcome)),
         tolerances={n.name: n.tolerance for n in declared_nuisances(outcome.declared)},
+        is_proposed=outcome.proposal is not None and bool(outcome.proposal.adds),
         near_steps=near_steps(outcome.verdict, outcome.records[: len(outcome.plan.records)]),
         loudest=loudest(outcome),
     )
@@ -237,7 +238,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         unknown_words=lambda u: coordinate_text(
             u.unknown_class, u.coordinate, u.begins, u.also, facts.tolerances
         ),
-        proposed=outcome.proposal is not None and outcome.proposal.adds,
+        proposed=facts.is_proposed,
         best_each=best_each,
         numbers=number_rows,
         place_words=place_words,

@@ -195,6 +195,12 @@ def test_what_is_certain_is_acted_on_beside_what_is_not_told_apart():
     assert "turn R4" not in said
 
 
+def test_a_site_file_that_was_written_is_tried_and_no_block_pasted():
+    said = next_step(verdict_with(EFFECT), {"unwind": "unwind"}, facts=Facts(is_proposed=True))
+    assert "try site_proposed.yaml with `aff-runtime settings try`" in said
+    assert "paste" not in said
+
+
 def test_what_was_left_out_on_request_is_named():
     line = unknown("angle", {"roll": "unwind", "order": 1.003})
     found = verdict_with(unknown=[line], answer="unknown")
