@@ -52,7 +52,7 @@ def seen(values: Mapping[str, Value], sample_time_s: float) -> str:
     hertz, rate_Hz = float(values["frequency_Hz"]), 1.0 / sample_time_s
     if hertz <= 0.5 * rate_Hz:
         return ""
-    shown_Hz = abs(hertz - rate_Hz * round(hertz / rate_Hz))
+    shown_Hz = float(f"{abs(hertz - rate_Hz * round(hertz / rate_Hz)):.3g}")
     alike = (shown_Hz, *(k * rate_Hz + side for k in (1, 2) for side in (-shown_Hz, shown_Hz)))
     return (
         f"the readings show {shown_Hz:.3g} Hz, folded by their sampling at {rate_Hz:.4g} Hz: "

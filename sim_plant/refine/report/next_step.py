@@ -101,10 +101,11 @@ def _of_unknown(unknown: Sequence[UnknownFinding], facts: Facts) -> list[str]:
     """Return where to look for what no effect explains: in a log first where it has a moment."""
     if not unknown:
         return []
-    turning = [u for u in unknown if u.unknown_class == "angle" and not u.also]
+    turning = [
+        u for u in unknown if u.unknown_class == "angle" and "roll" in u.coordinate and not u.also
+    ]
     if turning:
-        rolls = dict.fromkeys(str(u.coordinate.get("roll", "")) for u in turning)
-        named = " and then on ".join(filter(None, rolls)) or "what turns so"
+        named = " and then on ".join(dict.fromkeys(str(u.coordinate["roll"]) for u in turning))
         gauge = (
             f"Put a dial gauge on {named} and turn it once by hand: what the gauge shows is the "
             "cause."

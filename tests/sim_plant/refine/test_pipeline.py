@@ -91,7 +91,7 @@ def test_what_records_lack_is_told_without_work_and_what_cannot_be_used_is_named
     assert "b.csv: cannot be used" in said
     length = f"a.csv: {0.01 * ROWS:.1f} s to be fitted, 0.9 to 1.3 m/s, tension reference 89 N"
     assert length in said
-    assert "  cannot be claimed: a wrong scale or zero of a load cell" in said
+    assert "  cannot be claimed: a wrong scale or zero of the load cell" in said
     assert "simulating" not in said
 
 
