@@ -18,6 +18,7 @@ from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.near_steps import near_steps
 from sim_plant.refine.report.outcome import Outcome, Plan, RecordOfOnset
 from sim_plant.refine.report.page import next_of, write_report
+from sim_plant.refine.report.parts_shown import overlays
 from sim_plant.refine.report.verdict import Moment
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from tests.sim_plant.refine.small import LINE, LINE_FILE, STEP_S, axes_at, fit_of, one_peak
@@ -99,6 +100,9 @@ def test_a_page_fits_a_narrow_screen(tmp_path):
     page = page_of(outcome(tmp_path, [found()]))
     assert 'name="viewport"' in page
     assert page.count("<table>") == page.count('<div class="wide"><table>') > 0
+    # what the reader judges by stands beside the name: a narrow screen shows no more
+    assert "<th>channel</th><th>after / floor</th>" in page
+    assert '<td>unwind_tension_N</td><td class="ok">1.00</td>' in page
 
 
 def test_a_page_says_which_records_it_rests_on_and_each_figure_its_own(tmp_path):
@@ -116,12 +120,18 @@ def test_a_page_says_which_records_it_rests_on_and_each_figure_its_own(tmp_path)
     assert "<title>What euclid lacks: a.csv, b.csv, 2" in page
 
 
-def test_the_ratio_to_noise_stands_beside_the_name_of_a_channel(tmp_path):
-    """What a narrow screen shows without scrolling is what the reader judges by."""
-    page = page_of(outcome(tmp_path, [found()], after=(1.5, 1.0, 9.0)))
-    assert "<th>channel</th><th>after / floor</th>" in page
-    assert '<td>unwind_tension_N</td><td class="miss">1.50</td>' in page
-    assert "where the amended line is worst" in page
+def test_where_something_is_left_the_amended_line_is_shown_at_its_worst(tmp_path, monkeypatch):
+    drawn = "sim_plant.refine.report.parts_shown.overlay"
+    monkeypatch.setattr(drawn, lambda *_, **__: ("", ""))
+    (declared,) = overlays(outcome(tmp_path, [found()]))
+    one = outcome(tmp_path, [found()], after=(1.5, 1.0, 9.0))
+    one.evaluation.amended[0, 1000:1100] = 9.0
+    declared, amended = overlays(one)
+    assert declared.caption.endswith("where the declared line is worst")
+    assert amended.caption.endswith("where the amended line is worst")
+    first_s, last_s = map(float, re.findall(r"[\d.]+", amended.caption.split(", ")[1]))
+    assert first_s <= 10.0
+    assert last_s >= 11.0
 
 
 def test_a_block_of_what_is_not_told_apart_has_to_wait(tmp_path):
