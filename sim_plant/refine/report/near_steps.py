@@ -21,9 +21,9 @@ def near_steps(verdict: Verdict, fitted: Sequence[Recording]) -> tuple[str, ...]
         f"What begins at {at.time_s:.1f} s of {at.record} begins with a step of the {name} "
         "reference: the line's own answer to that may be what was found; record the step again."
         for at in moments
-        if at.number < len(fitted)
+        if at.record_index < len(fitted)
         for name, column in REFERENCES
-        if _steps_near(fitted[at.number], column, at)
+        if _steps_near(fitted[at.record_index], column, at)
     )
 
 
