@@ -25,7 +25,7 @@ class OutputChannel:
     exact_column: int
     scale: float = 1.0
     lsb: float = 0.0
-    body: int = -1
+    zero: int = -1
     eccentricity: float = 0.0
     eccentricity_angle_rad: float = 0.0
 
@@ -34,7 +34,7 @@ class OutputChannel:
         """The row of the C table."""
         numbers = (self.scale, self.lsb, self.eccentricity, self.eccentricity_angle_rad)
         floats = ", ".join(repr(float(number)) for number in numbers)
-        return f"    {{{self.column}, {self.exact_column}, {self.body}, {floats}}},"
+        return f"    {{{self.column}, {self.exact_column}, {self.zero}, {floats}}},"
 
 
 def output_channels(line: LineSimulation) -> Iterator[OutputChannel]:
@@ -53,7 +53,7 @@ def output_channels(line: LineSimulation) -> Iterator[OutputChannel]:
             column=channel.true_column,
             exact_column=channel.true_column,
             scale=channel.scale,
-            body=channel.theta_body,
+            zero=channel.theta_body,
         )
     yield from _unseen(line)
 
@@ -78,7 +78,7 @@ def _measured(channel: Channel, unit: str, text: str) -> OutputChannel:
         exact_column=channel.exact_column,
         scale=channel.scale,
         lsb=channel.lsb,
-        body=channel.theta_body,
+        zero=channel.zero,
         eccentricity=channel.eccentricity,
         eccentricity_angle_rad=channel.eccentricity_angle_rad,
     )
@@ -107,7 +107,7 @@ def _unseen(line: LineSimulation) -> Iterator[OutputChannel]:
     yield _true(WEB_LEFT, left, "m", at.width + line.arrays.drives.size)
 
 
-def _true(name: str, text: str, unit: str, column: int, body: int = -1) -> OutputChannel:
+def _true(name: str, text: str, unit: str, column: int, zero: int = -1) -> OutputChannel:
     return OutputChannel(
-        name=name, description=text, unit=unit, column=column, exact_column=column, body=body
+        name=name, description=text, unit=unit, column=column, exact_column=column, zero=zero
     )

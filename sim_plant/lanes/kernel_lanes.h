@@ -1,6 +1,6 @@
 /* Made from the compiled functions of sim_plant by sim_plant.codegen; not by hand. */
 
-#define SOURCE "475e8cede9fef19f" /* of the files it was made from */
+#define SOURCE "921329a552e4c017" /* of the files it was made from */
 
 /* LANES lines side by side: one vector of doubles, or of integers, for each number of a line.
    Built several times, with other LANES and other instructions; see setup.py. */
@@ -491,6 +491,7 @@ typedef struct {
     int64_t radius_m;
     int64_t tension_N;
     int64_t travel_m;
+    int64_t encoder_rad;
     int64_t width;
 } LogLayout;
 
@@ -2123,12 +2124,14 @@ static inline LogLayout k_log_layout(int64_t cells, int64_t drives, int64_t bodi
     int64_t radii = 0;
     int64_t tensions = 0;
     int64_t travels = 0;
+    int64_t encoders = 0;
     speeds = (INT64_C(3) * cells);
     angles = (speeds + (INT64_C(2) * drives));
     radii = (angles + bodies);
     tensions = (radii + INT64_C(2));
     travels = ((tensions + bodies) - INT64_C(1));
-    return ((LogLayout){INT64_C(0), cells, (INT64_C(2) * cells), speeds, (speeds + drives), angles, radii, tensions, travels, (travels + carriages)});
+    encoders = (travels + carriages);
+    return ((LogLayout){INT64_C(0), cells, (INT64_C(2) * cells), speeds, (speeds + drives), angles, radii, tensions, travels, encoders, (encoders + drives)});
 }
 
 static inline void k_log_frame(const LineArrays * p, const Layout * lay, const LineState * s, const Work * w, float_lanes_1 row) {
@@ -2146,7 +2149,9 @@ static inline void k_log_frame(const LineArrays * p, const Layout * lay, const L
     const int64_t t3_ = p->drives.n;
     for (int64_t d = 0; d < t3_; d++) {
         row.at[(at->measured_rad_s + d)] = s->measured_rad_s.at[d];
-        row.at[(at->true_rad_s + d)] = s->y.at[(lay->omega + (&p->drives.at[d])->body[0])];
+        k = (&p->drives.at[d])->body[0];
+        row.at[(at->true_rad_s + d)] = s->y.at[(lay->omega + k)];
+        row.at[(at->encoder_rad + d)] = (s->y.at[(lay->theta + k)] + s->y.at[(lay->twist + d)]);
     }
     const int64_t t4_ = lay->n;
     for (int64_t k = 0; k < t4_; k++) {

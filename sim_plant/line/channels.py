@@ -19,7 +19,7 @@ from sim_plant.line.declaration import (
     RollRadius,
 )
 from sim_plant.line.layout import Layout
-from sim_plant.line.log_layout import log_layout
+from sim_plant.line.log_layout import LogLayout, log_layout
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +33,7 @@ class Channel:
     scale: float = 1.0
     lsb: float = 0.0  # applied here for angles, radii; the kernel quantises forces and speeds
     theta_body: int = -1  # the body whose angle this is, or -1
+    zero: int = -1  # of the angle as measured: place in the angles at the start of the record
     eccentricity: float = 0.0  # of the encoder: the angle reads theta + e sin(theta + a)
     eccentricity_angle_rad: float = 0.0
 
@@ -63,7 +64,7 @@ def channels_of(declaration: Declaration, lay: Layout, p: LineArrays) -> list[Ch
             believed = float(p.drives["radius_ratio"][where[0]]) if where.size else 1.0
             found.append(_channel(name, at, lsb=sensor.lsb_m, scale=believed))
         elif isinstance(sensor, RollAngle):
-            found.append(_angle(name, log.theta_rad, body, sensor.lsb_rad, p.drives[where]))
+            found.append(_angle(name, log, body, sensor.lsb_rad, p))
         elif where.size == 0:
             raise PlantError(f"sensors.{name}: {sensor.roller} has no drive")
         else:
@@ -93,35 +94,44 @@ def _channel(
     )
 
 
-def _angle(name: str, angles: int, body: int, lsb_rad: float, drives: Array) -> Channel:
-    at = angles + body
-    eccentric = drives[0] if drives.size else None
+def _angle(name: str, log: LogLayout, body: int, lsb_rad: float, p: LineArrays) -> Channel:
+    """Return an angle: of a driven roller where its encoder is, on the motor, as its speed is."""
+    at = true = log.theta_rad + body
+    zero, offset, angle_rad = body, 0.0, 0.0
+    for d in np.flatnonzero(p.drives["body"] == body):
+        at, zero = log.encoder_rad + int(d), p.bodies.size + int(d)
+        offset = float(p.drives["encoder_offset_ratio"][d])
+        angle_rad = float(p.drives["encoder_angle_rad"][d])
     return Channel(
         name=name,
         column=at,
-        true_column=at,
+        true_column=true,
         exact_column=at,
         lsb=lsb_rad,
         theta_body=body,
-        eccentricity=0.0 if eccentric is None else float(eccentric["encoder_offset_ratio"]),
-        eccentricity_angle_rad=0.0 if eccentric is None else float(eccentric["encoder_angle_rad"]),
+        zero=zero,
+        eccentricity=offset,
+        eccentricity_angle_rad=angle_rad,
     )
 
 
 def column_values(
     channel: Channel, rows: Array, theta0: Array, exact: bool
 ) -> tuple[Array, Array]:
-    """Return measured and true values of one channel for log rows (samples, columns)."""
+    """Return measured and true values of one channel for log rows (samples, columns).
+
+    ``theta0`` : angles of all bodies, then of the encoders of all drives, where the record starts.
+    """
     measured = rows[:, channel.exact_column if exact else channel.column] * channel.scale
     true = rows[:, channel.true_column] * channel.scale
     if channel.theta_body >= 0:
-        zero = float(theta0[channel.theta_body])
+        zero = float(theta0[channel.zero])
+        turn = measured + channel.eccentricity_angle_rad
         measured = measured - zero
         if channel.eccentricity != 0.0:
-            turn = true + channel.eccentricity_angle_rad
             start = zero + channel.eccentricity_angle_rad
             measured = measured + channel.eccentricity * (np.sin(turn) - np.sin(start))
-        true = true - zero
+        true = true - float(theta0[channel.theta_body])
     if channel.lsb > 0.0 and not exact:
         measured = channel.lsb * np.floor(measured / channel.lsb + 0.5)
     return measured, true
@@ -138,13 +148,13 @@ def channel_value(
     measured = row[channel.exact_column if exact else channel.column] * channel.scale
     true = row[channel.true_column] * channel.scale
     if channel.theta_body >= 0:
-        zero = theta0[channel.theta_body]
+        zero = theta0[channel.zero]
+        turn = measured + channel.eccentricity_angle_rad
         measured -= zero
         if channel.eccentricity != 0.0:
-            turn = np.sin(true + channel.eccentricity_angle_rad)
             start = np.sin(zero + channel.eccentricity_angle_rad)
-            measured += channel.eccentricity * float(turn - start)
-        true -= zero
+            measured += channel.eccentricity * float(np.sin(turn) - start)
+        true -= theta0[channel.theta_body]
     if channel.lsb > 0.0 and not exact:
         steps = measured / channel.lsb + 0.5
         measured = channel.lsb * (math.floor(steps) if math.isfinite(steps) else steps)
@@ -160,7 +170,7 @@ class MeasuredColumns:
     columns : of a whole log row, in the order in which the short log has them.
     channels : how each is read from a row of the short log.
     first : those columns of the row that the record starts with.
-    theta0 : angles of all bodies there, rad.
+    theta0 : angles of all bodies, then of all encoders, there, rad.
     exact : of a noise-free run.
     """
 

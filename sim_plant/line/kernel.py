@@ -361,7 +361,9 @@ def log_frame(p: LineArrays, lay: Layout, s: LineState, w: Work, row: Array) -> 
         row[at.mean_N + c] = 0.5 * (w.tensions[k - 1] + w.tensions[k])
     for d in range(p.drives.size):
         row[at.measured_rad_s + d] = s.measured_rad_s[d]
-        row[at.true_rad_s + d] = s.y[lay.omega + p.drives[d].body]
+        k = p.drives[d].body
+        row[at.true_rad_s + d] = s.y[lay.omega + k]
+        row[at.encoder_rad + d] = s.y[lay.theta + k] + s.y[lay.twist + d]
     for k in range(lay.n):
         row[at.theta_rad + k] = s.y[lay.theta + k]
     row[at.radius_m] = s.y[lay.radius]

@@ -19,6 +19,7 @@ class LogLayout(NamedTuple):
     radius_m: int  # unwind, rewind
     tension_N: int  # per span
     travel_m: int  # per carriage
+    encoder_rad: int  # per drive: angle of the shaft that its encoder sits on
     width: int
 
 
@@ -30,6 +31,7 @@ def log_layout(cells: int, drives: int, bodies: int, carriages: int) -> LogLayou
     radii = angles + bodies
     tensions = radii + 2
     travels = tensions + bodies - 1
+    encoders = travels + carriages
     return LogLayout(
         0,
         cells,
@@ -40,5 +42,6 @@ def log_layout(cells: int, drives: int, bodies: int, carriages: int) -> LogLayou
         radii,
         tensions,
         travels,
-        travels + carriages,
+        encoders,
+        encoders + drives,
     )

@@ -56,7 +56,7 @@ class LineSimulation:
         driven: list[int] = self.arrays.drives["body"].tolist()
         names = enumerate(r.name for r in declaration.rollers)
         self._drive_of = {name: driven.index(body) for body, name in names if body in driven}
-        self._theta0 = self.angles().copy()
+        self._theta0 = self._start_angles()
         self._observe()
 
     @property
@@ -90,6 +90,13 @@ class LineSimulation:
         """Return the angle of every body, rad, sense of transport (view of the state)."""
         lay = self.layout
         return self.state.y[lay.theta : lay.theta + lay.n]
+
+    def _start_angles(self) -> Array:
+        """Return the angles of all bodies, then of the shafts that all encoders sit on, rad."""
+        lay, driven = self.layout, self.arrays.drives["body"]
+        angles = self.angles()
+        twist = self.state.y[lay.twist : lay.twist + driven.size]
+        return np.concatenate((angles, angles[driven] + twist))
 
     def settle(self, duration_s: float = 40.0, *, quiet: bool = True) -> None:
         """Bring the line to its steady state at the present references, then rewind its rolls.
@@ -134,7 +141,7 @@ class LineSimulation:
         changes["from_s"] = from_s
         self.channels = channels_of(self.declaration, lay, self.arrays)
         self._observe()
-        self._theta0 = self.angles().copy()
+        self._theta0 = self._start_angles()
 
     def _observe(self) -> None:
         """Measure the present state and log it as the row that the next record starts with."""

@@ -7,9 +7,10 @@
 #define TAU (2.0 * PI)
 
 /* how an output is read from a row: without noise from another column; an angle counts from its
-   start, and an eccentric encoder reads theta + e sin(theta + a) */
+   own at the start (`zero`: bodies, then encoders of drives), and an eccentric encoder reads
+   theta + e sin(theta + a) */
 typedef struct {
-    int64_t column, exact_column, body;
+    int64_t column, exact_column, zero;
     double scale, lsb, eccentricity, eccentricity_angle_rad;
 } channel;
 

@@ -33,7 +33,7 @@ typedef struct {
     int64_t samples;
     int64_t phase, prepared, logging;
     uint64_t random;
-    double theta0_rad[BODIES], row[ROW], outputs[OUTPUTS];
+    double theta0_rad[BODIES + DRIVES], row[ROW], outputs[OUTPUTS];
 } line_memory;
 
 typedef struct {
@@ -112,11 +112,11 @@ static double round_to(double value, double lsb) { return lsb * floor(value / ls
 static double channel_of(const line *it, const channel *c) {
     const line_memory *m = &it->memory;
     double value = m->row[m->numbers.noise ? c->column : c->exact_column] * c->scale;
-    if (c->body >= 0) {
-        double zero = m->theta0_rad[c->body], true_rad = value;  /* an angle has one column */
+    if (c->zero >= 0) {
+        double zero = m->theta0_rad[c->zero], shaft_rad = value;
         value = value - zero;
         if (c->eccentricity != 0.0) {
-            double turn = true_rad + c->eccentricity_angle_rad;
+            double turn = shaft_rad + c->eccentricity_angle_rad;
             double start = zero + c->eccentricity_angle_rad;
             value = value + c->eccentricity * (sin(turn) - sin(start));
         }
@@ -296,7 +296,9 @@ static bool prepare(line *it) {
     }
     m->random = (uint64_t)n->seed;
     observe(it);
-    memcpy(m->theta0_rad, &m->state.y[LAYOUT.theta], sizeof m->theta0_rad);
+    memcpy(m->theta0_rad, &m->state.y[LAYOUT.theta], BODIES * sizeof m->theta0_rad[0]);
+    for (int d = 0; d < DRIVES; d++)
+        m->theta0_rad[BODIES + d] = m->theta0_rad[n->drives[d].body] + m->state.y[LAYOUT.twist + d];
     read_outputs(it);
     m->prepared = 1;
     return true;

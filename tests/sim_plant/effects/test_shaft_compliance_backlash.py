@@ -30,6 +30,21 @@ def test_a_shaft_twists_by_its_torque_and_its_play(compliance: float, play: floa
     assert twist == pytest.approx(torque_N_m * compliance - 0.5 * play, rel=1e-3)
 
 
+def test_an_encoder_on_the_motor_counts_what_its_speed_adds_up_to() -> None:
+    soft_N_m = 90.0
+    made = line(effect("shaft_compliance_backlash", "unwind", compliance_rad_N_m=1.0 / soft_N_m))
+    samples, step_s = 400, made.sample_time_s
+    tension_N = np.where(np.arange(samples) < 50, 80.0, 110.0)
+    found = made.simulate(np.full(samples, 1.0), tension_N)
+    speed, angle = found["unwind_speed_rad_s"], found["unwind_angle_rad"]
+    turned = np.concatenate(([0.0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * step_s)))
+    np.testing.assert_allclose(angle, turned, atol=1e-3)
+    lag_rad = found["true_unwind_angle_rad"] - angle
+    pull_N = found["true_unwind_tension_N"][-1] - found["true_unwind_tension_N"][0]
+    radius_m = found["unwind_radius_m"][-1]
+    assert lag_rad[-1] == pytest.approx(pull_N * radius_m / soft_N_m, rel=0.05)
+
+
 @pytest.mark.parametrize(
     ("roller", "drive", "core_kg_m2"), [("pull_roll", 3, 0.05), ("unwind", 0, 0.25)]
 )

@@ -30,7 +30,7 @@ def test_the_line_has_each_way_to_read_a_channel():
 @pytest.mark.parametrize("beside", [0.0, np.inf, -np.inf, np.nan])
 def test_a_row_as_numbers_is_the_record_of_it_to_the_last_bit(exact, beside):
     rng = np.random.default_rng(3)
-    theta0 = rng.uniform(-40.0, 40.0, LINE.layout.n)
+    theta0 = rng.uniform(-40.0, 40.0, LINE.layout.n + LINE.arrays.drives.size)
     for row in rng.uniform(-300.0, 300.0, (40, LINE.log.width)):
         row[::3] += beside
         with np.errstate(invalid="ignore"):
