@@ -28,7 +28,7 @@ HEAD = (
 
 
 def page(entries: Sequence[Entry]) -> str:
-    """Return the table and the totals of each part as Markdown."""
+    """Return the page of the pairs in ``shared/data``: table and totals as Markdown."""
     lines = [
         "# Labelled pairs of another simulator",
         "",
@@ -36,6 +36,13 @@ def page(entries: Sequence[Entry]) -> str:
         "were made for this project and are kept beside the repository, in `shared/data` "
         "([references](../references.md#data)).",
         "",
+    ]
+    return "\n".join(lines) + "\n" + tables(entries)
+
+
+def tables(entries: Sequence[Entry]) -> str:
+    """Return the table and the totals of each part as Markdown."""
+    lines = [
         _row(HEAD),
         _row(["---"] * len(HEAD)),
         *(_row(_cells(*entry)) for entry in entries),
