@@ -1,13 +1,12 @@
-"""Every answer and every line of a job comes back as it was said, or is refused."""
+"""Every answer comes back as it was said, or is refused."""
 
 import json
-from pathlib import Path
 
 import pytest
 
-from aff_runtime.app.commission import job_lines, views
 from aff_runtime.app.commission import maintenance_views as of_weeks
 from aff_runtime.app.commission import settings_views as of_settings
+from aff_runtime.app.commission import views
 from aff_runtime.app.commission.answers import (
     AnswerError,
     CardShown,
@@ -27,16 +26,7 @@ from aff_runtime.app.commission.answers import (
     decode,
     encode,
 )
-from aff_runtime.app.commission.job_lines import (
-    Ended,
-    Refused,
-    Reply,
-    Start,
-    read_line,
-    read_reply,
-    read_start,
-)
-from aff_runtime.app.commission.messages import Refusal, Request
+from aff_runtime.app.commission.messages import Refusal
 from aff_runtime.app.commission.refine_views import (
     AskedOf,
     LackingView,
@@ -47,7 +37,6 @@ from aff_runtime.app.commission.refine_views import (
     RunRow,
 )
 from aff_runtime.app.commission.site_lines import Clash
-from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.link.settings_answer import Version
 from aff_runtime.base import refinement
 
@@ -376,28 +365,3 @@ def test_what_is_no_card_is_no_answer_to_a_look_at_it(line):
 def test_what_another_release_says_besides_is_left_out():
     said = json.loads(encode(STATE)) | {"weather": "fine"}
     assert decode("state", json.dumps(said).encode()) == STATE
-
-
-@pytest.mark.parametrize(
-    "said",
-    [SAID, QUESTION, Refused(text="no"), Ended(answer=Done(text="kept"))],
-    ids=lambda said: type(said).__name__,
-)
-def test_a_line_of_a_job_comes_back_as_it_was_said(said):
-    assert read_line("keep", job_lines.encode(said).encode()) == said
-
-
-@pytest.mark.parametrize("line", [b"", b"[]", b"{}", b'{"sing": "la"}', b'{"say": "a", "b": 1}'])
-def test_what_is_no_line_of_a_job_is_refused(line):
-    with pytest.raises(ValueError, match=r"\S"):
-        read_line("keep", line)
-
-
-def test_what_a_job_is_told_comes_back_as_it_was_said():
-    where = Paths(
-        site=Path("s"), state=Path("t"), socket=Path("c"), card=Path("k"), runs=Path("r")
-    )
-    start = Start(asked=Request(do="step", step=4, by="root"), where=where, parent=17)
-    assert read_start(job_lines.encode(start)) == start
-    reply = Reply(number=3, text="10.0.0.9")
-    assert read_reply(job_lines.encode(reply)) == reply

@@ -48,3 +48,23 @@ def test_of_a_phasor_of_which_no_step_ran_the_length_is_known_as_its_parts():
     off_axis = hypothesis(BY_NAME["eccentric_roller"], "R6", (), ("cos_m", "sin_m"), LINE)
     fit = replace(fit_of(off_axis, values=[(3e-4, 4e-4)]), covariance=np.zeros((0, 0)))
     assert amplitude_standard_deviation(fit, 0, 1) == max(standard_deviations(fit))
+
+
+def test_a_size_is_as_uncertain_as_the_model_and_an_angle_only_as_the_noise():
+    flat = hypothesis(
+        BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),), ("size_m", "angle_rad")
+    )
+    off_axis = hypothesis(BY_NAME["eccentric_roller"], "R6")
+    fit = replace(
+        fit_of(flat, off_axis, values=((0.012, 1.0), (3e-4, 4e-4))),
+        covariance=np.diag([1e-10, 1e-6, 1e-14, 1e-14]),
+    )
+    size, angle, cos, sin = standard_deviations(fit)
+    assert size == pytest.approx(math.hypot(1e-5, CRITERIA.report.model_share * 0.012))
+    assert angle == pytest.approx(1e-3)
+    # either component is as uncertain as the phasor: the error may stand across it
+    assert (
+        cos
+        == pytest.approx(math.hypot(1e-7, CRITERIA.report.model_share * 5e-4))
+        == pytest.approx(sin)
+    )

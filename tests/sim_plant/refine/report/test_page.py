@@ -4,53 +4,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
-from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.report.confidence import standard_deviations
 from sim_plant.refine.report.facts import Facts
 from sim_plant.refine.report.next_step import next_step
 from sim_plant.refine.report.page import confidence, gain, headline
-from sim_plant.refine.report.plots import (
-    channels_by_error,
-    overlay,
-    part_around,
-    wavenumber_map,
-    worst_part,
-)
+from sim_plant.refine.report.plots import channels_by_error
 from sim_plant.refine.report.tables import above_noise, best_each, error_rows, shift_rows
 from sim_plant.refine.report.verdict import Ambiguity, ChannelError, Moment, UnknownFinding
-from tests.sim_plant.refine.small import finding, fit_of, verdict_with
-
-CHANNELS = ("unwind_tension_N", "unwind_angle_rad", "unwind_radius_m", "line_speed_m_s")
-STEP_S = 0.01
-
-
-def judged(wavenumber_1_m=4.0):
-    """One tension with a line in web travel while the speed doubles, gone when amended."""
-    speed = np.where(np.arange(4000) < 2000, 1.0, 2.0)
-    travel = np.cumsum(speed) * STEP_S
-    measured = np.zeros((4, 4000))
-    measured[0] = np.cos(2.0 * np.pi * wavenumber_1_m * travel)
-    declared, amended = np.zeros((4, 4000)), measured.copy()
-    return Evaluation(
-        channels=CHANNELS,
-        rms_declared=np.array([3.0, 900.0, 90.0, 2.0]),
-        rms_amended=np.array([0.26, 1.0, 1.0, 1.0]),
-        floor=np.array([0.25, 1.0, 1.0, 1.0]),
-        measured=measured,
-        declared=declared,
-        corrected=declared,
-        amended=amended,
-        effects=(),
-        angles_rad={},
-        unwound_m={},
-        first=100,
-        travel_m=travel,
-    )
-
+from tests.sim_plant.refine.report.judged_line import CHANNELS, judged
+from tests.sim_plant.refine.small import finding, verdict_with
 
 EFFECT = finding(
     "out_of_round_roll",
@@ -364,94 +327,3 @@ def test_numbers_that_used_most_of_their_tolerance_come_first():
 def test_every_form_of_a_rejected_effect_is_one_row():
     one, other = EffectAt("a", "R1"), EffectAt("b", "R1")
     assert best_each([(one, 9.0), (other, 8.0), (one, 7.0)]) == [(one, 9.0), (other, 8.0)]
-
-
-def test_the_overlay_shows_where_the_declared_line_is_worst():
-    one = judged()
-    one.measured[0] = 0.0
-    one.measured[0, 2500:2600] = 5.0
-    part = worst_part(one, 0, 200)
-    assert part.stop - part.start == 200
-    assert part.start <= 2500
-    assert part.stop >= 2600
-    early = replace(one, first=2700)
-    assert worst_part(early, 0, 200).start >= 2700
-    assert worst_part(early, 0, 9999) == slice(2700, 4000)
-
-
-def test_what_begins_is_shown_a_quarter_into_its_part_of_the_record():
-    assert part_around(judged(), STEP_S, 20.0) == slice(1500, 3500)
-    assert part_around(judged(), STEP_S, 0.5) == slice(0, 2000)
-    assert part_around(judged(), STEP_S, 39.9) == slice(2000, 4000)
-    short = replace(judged(), measured=np.zeros((4, 900)))
-    assert part_around(short, STEP_S, 5.0) == slice(0, 900)
-
-
-def test_without_an_amended_line_one_curve_and_one_map_are_drawn(monkeypatch):
-    drawn, marks = [], []
-    monkeypatch.setattr(
-        "matplotlib.axes.Axes.plot", lambda _axis, *_, label, **__: drawn.append(label)
-    )
-    monkeypatch.setattr("matplotlib.axes.Axes.axvline", lambda _axis, x, **_: marks.append(x))
-    monkeypatch.setattr("matplotlib.axes.Axes.legend", lambda _axis, **_: None)
-    part = part_around(judged(), STEP_S, 20.0)
-    overlay(judged(), STEP_S, part, draw_amended=False, mark_s=20.0)
-    assert set(drawn) == {"measured", "declared", "error as declared"}
-    assert set(marks) == {20.0}
-    overlay(judged(), STEP_S, part)
-    assert {"amended", "error as amended"} < set(drawn)
-    assert len(marks) == 2 * 2  # of two channels, measured and error: the first overlay's only
-    assert len(wavenumber_map(judged(), STEP_S, draw_amended=False)) == 1
-    assert "as amended" not in gain(judged(), held=True, is_amended=False).casefold()
-
-
-def test_a_line_in_web_travel_stands_still_on_the_map_at_every_speed(monkeypatch):
-    drawn = []
-    monkeypatch.setattr(
-        "matplotlib.axes.Axes.pcolormesh",
-        lambda axis, x, y, level, **_: drawn.append((x, y, level)),
-    )
-    wavenumber_map(judged(4.0), STEP_S)
-    (time_s, wavenumber, before), (_, _, after) = drawn
-    ridge = wavenumber[np.argmax(before, axis=0)]
-    slow = time_s < 18.0
-    assert 0 < slow.sum() < slow.size
-    assert np.abs(ridge - 4.0).max() < 2.0 * (wavenumber[1] - wavenumber[0])
-    assert before.max() > after.max() + 60.0
-
-
-def test_noise_of_the_floors_size_is_at_zero_decibels_of_the_map(monkeypatch):
-    """Mean power of white noise through a window: its variance times the window's energy."""
-    drawn = []
-    monkeypatch.setattr(
-        "matplotlib.axes.Axes.pcolormesh",
-        lambda _axis, _x, _y, level, *, vmin, vmax, **_: drawn.append((level, vmin, vmax)),
-    )
-    one = judged()
-    noise = one.floor[0] * np.random.default_rng(5).standard_normal(one.travel_m.size)
-    steady = replace(one, measured=one.declared + noise, travel_m=STEP_S * np.arange(4000.0))
-    wavenumber_map(steady, STEP_S, draw_amended=False)
-    ((level, lowest, highest),) = drawn
-    # without the mean of each part, and what the window brings of it
-    power = 10.0 * np.log10(np.mean(10.0 ** (level[3:] / 10.0)))
-    assert (lowest, highest) == pytest.approx((power - 6.0, power + 30.0), abs=0.3)
-
-
-def test_a_size_is_as_uncertain_as_the_model_and_an_angle_only_as_the_noise():
-    flat = hypothesis(
-        BY_NAME["out_of_round_roll"], "unwind", (("shape", "flat"),), ("size_m", "angle_rad")
-    )
-    off_axis = hypothesis(BY_NAME["eccentric_roller"], "R6")
-    fit = replace(
-        fit_of(flat, off_axis, values=((0.012, 1.0), (3e-4, 4e-4))),
-        covariance=np.diag([1e-10, 1e-6, 1e-14, 1e-14]),
-    )
-    size, angle, cos, sin = standard_deviations(fit)
-    assert size == pytest.approx(math.hypot(1e-5, CRITERIA.report.model_share * 0.012))
-    assert angle == pytest.approx(1e-3)
-    # either component is as uncertain as the phasor: the error may stand across it
-    assert (
-        cos
-        == pytest.approx(math.hypot(1e-7, CRITERIA.report.model_share * 5e-4))
-        == pytest.approx(sin)
-    )

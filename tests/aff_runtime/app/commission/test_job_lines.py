@@ -1,0 +1,49 @@
+"""Every line of a job comes back as it was said, or is refused."""
+
+from pathlib import Path
+
+import pytest
+
+from aff_runtime.app.commission import job_lines, views
+from aff_runtime.app.commission.answers import Done
+from aff_runtime.app.commission.job_lines import (
+    Ended,
+    Refused,
+    Reply,
+    Start,
+    read_line,
+    read_reply,
+    read_start,
+)
+from aff_runtime.app.commission.messages import Request
+from aff_runtime.app.commission.sources import Paths
+
+QUESTION = views.QuestionView(
+    number=1, name="host", text="Address", default=None, choices=("no",), rows=(("w2", "word 2"),)
+)
+SAID = views.SaidLine(kind="complain", text="no")
+
+
+@pytest.mark.parametrize(
+    "said",
+    [SAID, QUESTION, Refused(text="no"), Ended(answer=Done(text="kept"))],
+    ids=lambda said: type(said).__name__,
+)
+def test_a_line_of_a_job_comes_back_as_it_was_said(said):
+    assert read_line("keep", job_lines.encode(said).encode()) == said
+
+
+@pytest.mark.parametrize("line", [b"", b"[]", b"{}", b'{"sing": "la"}', b'{"say": "a", "b": 1}'])
+def test_what_is_no_line_of_a_job_is_refused(line):
+    with pytest.raises(ValueError, match=r"\S"):
+        read_line("keep", line)
+
+
+def test_what_a_job_is_told_comes_back_as_it_was_said():
+    where = Paths(
+        site=Path("s"), state=Path("t"), socket=Path("c"), card=Path("k"), runs=Path("r")
+    )
+    start = Start(asked=Request(do="step", step=4, by="root"), where=where, parent=17)
+    assert read_start(job_lines.encode(start)) == start
+    reply = Reply(number=3, text="10.0.0.9")
+    assert read_reply(job_lines.encode(reply)) == reply
