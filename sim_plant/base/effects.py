@@ -166,12 +166,13 @@ class Form:
 
     Attributes
     ----------
+    remedy : empty: the effect's own.
     sign : of the change of the first of them from its default; 0: either.
     """
 
     strengths: tuple[str, ...]
     text: str
-    remedy: str
+    remedy: str = ""
     sign: Literal[-1, 0, 1] = 0
 
 
@@ -282,7 +283,9 @@ class Effect:
         }
         fits = (form for form in self.forms if there and there <= set(form.strengths))
         form = next((f for f in fits if not f.sign or f.sign == self._sign(f, values)), None)
-        return (self.text, self.remedy) if form is None else (form.text, form.remedy)
+        if form is None:
+            return self.text, self.remedy
+        return form.text, form.remedy or self.remedy
 
     def _sign(self, form: Form, values: Mapping[str, Value]) -> int:
         """Return the sign of the change of a form's first strength from its default."""

@@ -44,8 +44,6 @@ def starts(_arrays: LineArrays, _place: int, demand: Demand) -> list[Start]:
     ]
 
 
-GRIP = "clean the surface of {place}, give it more wrap or nip, or run slower"
-
 EFFECT = Effect(
     name="slip",
     place="body",
@@ -68,7 +66,7 @@ EFFECT = Effect(
     onset=begins("slope_s_m", threshold_m_s=0.0),
     beside=where_alike("threshold_m_s", absent={"slope_s_m": 0.0}),
     starts=starts,
-    remedy=GRIP,
+    remedy="clean the surface of {place}, give it more wrap or nip, or run slower",
     forms=(
         Form(
             strengths=("slope_s_m",),
@@ -77,7 +75,6 @@ EFFECT = Effect(
                 "the web slips on a driven roller above a speed and runs slower than it: tension "
                 "drops before the roller and rises behind it, where no loop holds it"
             ),
-            remedy=GRIP,
         ),
         Form(
             strengths=("slope_s_m",),
@@ -86,7 +83,6 @@ EFFECT = Effect(
                 "the web slips on a driven roller above a speed and is pulled ahead of it: "
                 "tension rises before the roller and drops behind it, where no loop holds it"
             ),
-            remedy=GRIP,
         ),
     ),
 )

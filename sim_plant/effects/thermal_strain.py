@@ -35,8 +35,6 @@ def _warm_share(arrays: LineArrays, place: int, parameters: Mapping[str, Value])
     return min(max(place - first + 1.0 - float(parameters["warm_from_span"]), 0.0), 1.0)
 
 
-MEASURE = "measure the web's temperature before and after {place}"
-
 EFFECT = Effect(
     name="thermal_strain",
     place="span",
@@ -67,19 +65,17 @@ EFFECT = Effect(
             "rise_s": (0.5, 1.0, 2.0),
         },
     ),
-    remedy=MEASURE,
+    remedy="measure the web's temperature before and after {place}",
     forms=(
         Form(
             strengths=("strain",),
             sign=1,
             text="the web is warmer or moister in a zone: it is longer without being pulled",
-            remedy=MEASURE,
         ),
         Form(
             strengths=("strain",),
             sign=-1,
             text="the web is cooler or drier in a zone: it is shorter without being let go",
-            remedy=MEASURE,
         ),
     ),
 )

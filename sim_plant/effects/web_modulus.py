@@ -19,8 +19,6 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
     return arrays
 
 
-MEASURE = "measure the stiffness of the web and put web.EA_N of the declaration right"
-
 EFFECT = Effect(
     name="web_modulus",
     place="web",
@@ -32,19 +30,17 @@ EFFECT = Effect(
     apply=apply,
     text="the web is stiffer or softer than declared: draw zones hold another tension",
     shows=None,
-    remedy=MEASURE,
+    remedy="measure the stiffness of the web and put web.EA_N of the declaration right",
     forms=(
         Form(
             strengths=("factor",),
             sign=1,
             text="the web is stiffer than declared: the same draw pulls it tighter",
-            remedy=MEASURE,
         ),
         Form(
             strengths=("factor",),
             sign=-1,
             text="the web is softer than declared: the same draw pulls it less",
-            remedy=MEASURE,
         ),
     ),
     declared_as=(DeclaredNumber(number="web.EA_N", parameter="factor"),),

@@ -38,8 +38,6 @@ def turning(arrays: LineArrays, place: int) -> float:
     return -1.0 / (1.0 + float(arrays.web["supply_strain"][0]))
 
 
-ASK = "ask how tight the roll at {place} was wound; put web.wound_in_tension_N right"
-
 EFFECT = Effect(
     name="wound_in_strain",
     place="body",
@@ -54,19 +52,17 @@ EFFECT = Effect(
     bounds=bounds,
     text="the roll was wound tighter or looser: it turns at another speed for the same web",
     shows=None,
-    remedy=ASK,
+    remedy="ask how tight the roll at {place} was wound; put web.wound_in_tension_N right",
     forms=(
         Form(
             strengths=("strain",),
             sign=1,
             text="the roll was wound tighter than declared: it turns faster for the same web",
-            remedy=ASK,
         ),
         Form(
             strengths=("strain",),
             sign=-1,
             text="the roll was wound looser than declared: it turns slower for the same web",
-            remedy=ASK,
         ),
     ),
     declared_as=(

@@ -164,14 +164,14 @@ def _left(judged: Evaluation, ranked: Sequence[int], *, is_amended: bool) -> str
     return f"As {line}, more than 10 % above noise: {named}."
 
 
-def next_of(outcome: Outcome) -> str:
-    """Return what the reader may do now."""
+def next_of(outcome: Outcome, facts: Facts) -> str:
+    """Return what the reader may do now; ``facts``: see ``facts_of``."""
     judged, verdict = outcome.evaluation, outcome.verdict
     return next_step(
         verdict,
         {b.roll: actuators_for(b.roll, outcome.line.declaration) for b in blocks_of(outcome)},
         above_noise(judged, channels_by_error(judged)),
-        facts_of(outcome),
+        facts,
         outcome.caveats,
     )
 
@@ -217,7 +217,7 @@ def write_report(outcome: Outcome, command: str, amended: Path | None, block: Pa
         records_said=outcome.records_said(),
         sure=confidence(verdict, facts),
         gain=gain(judged, bool(outcome.plan.holdout), is_amended=is_amended),
-        next_step=next_of(outcome),
+        next_step=next_of(outcome, facts),
         verdict=verdict,
         rows=error_rows(judged),
         command=command,

@@ -32,7 +32,7 @@ def summary(outcome: Outcome) -> Summary:
         headline=headline(verdict, facts),
         sure=confidence(verdict, facts),
         gain=gain(judged, bool(held), is_amended=outcome.is_amended),
-        next_step=next_of(outcome),
+        next_step=next_of(outcome, facts),
         effects=tuple(_effect(e, rivals) for e in verdict.effects),
         unknown=tuple(
             coordinate_text(u.unknown_class, u.coordinate, u.begins, u.also, facts.tolerances)

@@ -17,7 +17,7 @@ from sim_plant.refine.report.aff_block import write_block
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.near_steps import near_steps
 from sim_plant.refine.report.outcome import Outcome, Plan, RecordOfOnset
-from sim_plant.refine.report.page import next_of, write_report
+from sim_plant.refine.report.page import facts_of, next_of, write_report
 from sim_plant.refine.report.parts_shown import overlays
 from sim_plant.refine.report.verdict import Moment
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
@@ -142,7 +142,8 @@ def test_a_block_of_what_is_not_told_apart_has_to_wait(tmp_path):
 
 
 def test_the_block_goes_to_the_actuators_beside_an_idler(tmp_path):
-    assert "at the actuator of unwind or swrap_lead." in next_of(outcome(tmp_path, [found()]))
+    one = outcome(tmp_path, [found()])
+    assert "at the actuator of unwind or swrap_lead." in next_of(one, facts_of(one))
 
 
 @pytest.mark.parametrize(("share", "is_outside"), [(0.98, False), (1.3, False), (1.6, True)])
@@ -152,7 +153,7 @@ def test_a_number_outside_its_tolerance_is_marked_and_told(tmp_path, share, is_o
     page = page_of(one)
     assert ('<tr class="out"><td>web.EA_N' in page) is is_outside
     assert ("times it on (red) something is" in page) is is_outside
-    assert ("web.EA_N +" in next_of(one)) is is_outside
+    assert ("web.EA_N +" in next_of(one, facts_of(one))) is is_outside
 
 
 def test_without_an_effect_a_page_has_one_curve_and_nothing_amended(tmp_path):
