@@ -25,12 +25,15 @@ from aff_runtime.core.probe.estimate import Tone, fit_delay, fit_tones, measured
 from aff_runtime.core.probe.excitation import PERIOD_S, ROUNDS, Waveform, step_Hz
 from aff_runtime.core.probe.planning import TonePlan
 from aff_runtime.core.probe.repeats import repeat_sigmas, same_operating_point
+from aff_runtime.core.probe.scan_clock import scan_time_s
 from aff_runtime.core.probe.strange_ripple import RippleLine
 from aff_runtime.core.response import Provenance, Response
 
 MIN_RATIO = 0.5
 RATIO_SPREAD = 0.02
-MIN_GOOD_SHARE = 0.8
+MIN_GOOD_SHARE = 0.7
+"""Of a PLC as fast as the cycle that is read at the edge of its scans three of four reads are new;
+of one that is half as fast, one of two."""
 WITHDRAWN_S = 0.5
 """How long the tones of a probe that ends in the middle take to zero."""
 ZERO = ActuatorStep(value=0.0, peak_bound=0.0, slew_bound=0.0)
@@ -96,6 +99,7 @@ class Probe:
         self._record = [_column(self._samples) for _ in self._probed]
         self._ratio = [_column(self._samples) for _ in self._probed]
         self._theta = [_column(self._samples) for _ in site.rolls]
+        self._heartbeat = _column(self._samples)
         self._drives = [
             DriveRecord(site, actuator, self._phases.by_name, self._samples)
             for actuator in self._probed
@@ -255,6 +259,7 @@ class Probe:
             return tuple(steps)
         for column, phase in zip(self._theta, self._phases.by_name.values(), strict=True):
             column[k] = phase.theta_rad
+        self._heartbeat[k] = snapshot.plc_heartbeat
         for j, wave in enumerate(self._waves):
             i = self._positions[j]
             self._ratio[j][k] = permission.applied_ratio[i]
@@ -311,6 +316,7 @@ class Probe:
         columns += 4 * self._p.nuisance_orders * len(angles) + 3
         if keep.sum() < 2 * columns or not tones[j]:
             raise RefusedError(f"{name}: no tones, or too many for this duration")
+        time_s[keep] = scan_time_s(time_s[keep], np.asarray(self._heartbeat)[keep])
         fit = fit_tones(
             time_s=time_s[keep],
             signal=signal[keep],
