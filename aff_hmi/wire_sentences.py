@@ -9,10 +9,11 @@ from __future__ import annotations
 import errno
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 
 from aff_hmi.words import N_
+from aff_runtime.base.events import STALE_BEGAN
 from aff_runtime.base.printable import printable
 
 CHECK_CABLE = N_("check cable, switch and PLC")
@@ -43,14 +44,22 @@ class Trouble:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Told:
-    """A trouble with its values; ``name`` : as an alarm has it."""
+    """A trouble with its values.
+
+    Attributes
+    ----------
+    ended_the_plc : the loss of the PLC began with it; it may be over.
+    """
 
     trouble: Trouble
     values: dict[str, str]
+    ended_the_plc: bool = False
 
     @property
     def name(self) -> str:
-        """Of a reading that is not taken, or of the wire that brings them."""
+        """As an alarm has it: of a reading that is not taken, or of the wire that brings them."""
+        if self.ended_the_plc:
+            return "BEFORE PLC_STALE"
         return "RADIUS" if self.trouble.is_radius else "WIRE"
 
 
@@ -133,6 +142,10 @@ TROUBLES = (
     Trouble(text=N_("no reply within {seconds} s")),
     Trouble(text=N_("no connection within {seconds} s")),
     Trouble(text=N_("closed by the other side")),
+    Trouble(
+        text=N_("no trouble of the wire: its heartbeat did not move"),
+        to_do=N_("does the PLC run, and does its program count the heartbeat up in each scan?"),
+    ),
     Trouble(text=N_("a reply broke the protocol")),
     Trouble(
         heard="the last reply came spoilt (wrong CRC or length): {rest}",
@@ -189,6 +202,8 @@ OTHER = Trouble(text="{said}")
 
 def told(sentence: str) -> Told:
     """Return what a sentence of the service says; what is in no pattern is its own text."""
+    if sentence.startswith(STALE_BEGAN):
+        return replace(told(sentence.removeprefix(STALE_BEGAN)), ended_the_plc=True)
     for trouble in TROUBLES:
         if found := _pattern(trouble.heard or trouble.text).fullmatch(sentence):
             values = {name: printable(text, LONGEST) for name, text in found.groupdict().items()}

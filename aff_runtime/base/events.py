@@ -142,3 +142,5 @@ TABLE: tuple[Event, ...] = (
 )
 BY_NAME = {event.name: event for event in TABLE}
 BY_CODE = {event.code: event for event in TABLE}
+STALE_BEGAN = "PLC_STALE began with: "
+"""In front of a trouble of the wire that ended in the loss of the PLC; it may be over."""

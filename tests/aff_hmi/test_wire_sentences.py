@@ -154,3 +154,16 @@ def test_a_name_without_an_address_has_its_own_advice() -> None:
     name, text, to_do = shown(str(told_it.value))
     assert (name, text) == ("WIRE", "plc.invalid.:502: zu diesem Namen gibt es keine Adresse")
     assert to_do == "die IP-Adresse schreiben oder DNS prüfen"
+
+
+def test_what_the_loss_of_the_plc_began_with_has_a_name_of_its_own_and_the_same_advice() -> None:
+    name, text, to_do = shown("PLC_STALE began with: closed by the other side")
+    assert (name, text) == ("BEFORE PLC_STALE", "von der Gegenseite geschlossen")
+    assert to_do == shown("closed by the other side")[2]
+    name, text, _ = shown(
+        "PLC_STALE began with: no trouble of the wire: its heartbeat did not move"
+    )
+    assert (name, text) == (
+        "BEFORE PLC_STALE",
+        "keine Störung der Leitung: ihr Lebenszeichen stand still",
+    )

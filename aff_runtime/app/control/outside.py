@@ -42,7 +42,7 @@ ARM_PATIENCE_TICKS = 100
 ARM_LEAST_TICKS = 3
 SHADOW_RETRY_TICKS = 100
 ARMED = (State.ARMED, State.ACTIVE)
-FRESH = HEAD.index("fresh")
+FRESH, ALARM = HEAD.index("fresh"), HEAD.index("alarm")
 PLC_STALE = BY_NAME["PLC_STALE"].code
 CONFIG_DIFFERS = BY_NAME["CONFIG_DIFFERS"].code
 
@@ -106,7 +106,7 @@ class ControlOutside:
         if self._next_law is not None and self._next_law.is_stepping:
             self._exchange_law(self._next_law)
         self._ring.write((*record, *self._law.law_telemetry()))
-        self._troubles.follow(fresh=bool(record[FRESH]))
+        self._troubles.follow(fresh=bool(record[FRESH]), latched=int(record[ALARM]) == PLC_STALE)
         self._troubles.look(self._tick)
         first = len(HEAD)
         self._shapes.listen(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
+from aff_runtime.base.events import STALE_BEGAN
 from aff_runtime.base.ports import Gateway
 
 EVERY_TICKS: Final = 100
@@ -38,18 +39,29 @@ class TroubleLog:
         self._seen: tuple[str, ...] = ()
         self._said: tuple[str, ...] = ()
         self._first: tuple[str, ...] = ()
+        self._began: tuple[str, ...] = ()
 
-    def follow(self, *, fresh: bool) -> None:
-        """Keep what the wire said first since the PLC's data were fresh; each tick."""
+    def follow(self, *, fresh: bool, latched: bool) -> None:
+        """Keep what the wire said first since the PLC's data were fresh; each tick.
+
+        Parameters
+        ----------
+        latched : PLC_STALE is the alarm; what it began with is shown until it is none any more.
+        """
+        if self._began and fresh and not latched:
+            self._began = ()
+            self._show(self._said)
         if fresh:
             self._first = ()
         elif not self._first:
             self._first = self._gateway.troubles
 
     def stale(self) -> None:
-        """Log what the loss of the PLC began with: when it is told, the wire may work again."""
-        first = "; ".join(self._first) or "no trouble of the wire: its heartbeat did not move"
-        self._say(f"PLC_STALE began with: {first}")
+        """Tell what the loss of the PLC began with: when it is told, the wire may work again."""
+        first = self._first or ("no trouble of the wire: its heartbeat did not move",)
+        self._say(f"{STALE_BEGAN}{'; '.join(first)}")
+        self._began = tuple(f"{STALE_BEGAN}{trouble}" for trouble in first)
+        self._show((*self._said, *self._began))
 
     def look(self, tick: int) -> None:
         """Log the troubles when two looks in a row found the same and they are not logged yet."""
@@ -59,6 +71,6 @@ class TroubleLog:
         if self._seen != before or self._seen == self._said:
             return
         self._said = self._seen
-        self._show(self._seen)
+        self._show((*self._seen, *self._began))
         for trouble in self._seen or ("no trouble any more",):
             self._say(f"wire: {trouble}")

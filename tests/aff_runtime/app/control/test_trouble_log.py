@@ -56,13 +56,32 @@ def test_a_lost_plc_is_told_with_what_came_first_though_the_wire_works_again() -
         (False, ""),  # connected anew, and not heard twice yet
     ):
         wire.troubles = (trouble,) if trouble else ()
-        log.follow(fresh=fresh)
+        log.follow(fresh=fresh, latched=False)
     log.stale()
     assert said == ["PLC_STALE began with: closed by the other side"]
-    log.follow(fresh=True)
-    log.follow(fresh=False)
+    log.follow(fresh=True, latched=True)
+    log.follow(fresh=False, latched=True)
     log.stale()
     assert said[1:] == ["PLC_STALE began with: no trouble of the wire: its heartbeat did not move"]
+
+
+def test_what_the_loss_began_with_is_shown_until_the_alarm_is_over() -> None:
+    wire, shown = Wire(), []
+    log = TroubleLog(wire, tuple, lambda _: None, shown.append)  # type: ignore[arg-type]
+    wire.troubles = ("closed by the other side",)
+    log.follow(fresh=False, latched=False)
+    log.stale()
+    began = "PLC_STALE began with: closed by the other side"
+    assert shown == [(began,)]
+    wire.troubles = ("no connection within 0.05 s",)
+    looks(log, 2)
+    assert shown[1:] == [("no connection within 0.05 s", began)]
+    wire.troubles = ()
+    log.follow(fresh=True, latched=True)
+    looks(log, 2)
+    assert shown[2:] == [(began,)]
+    log.follow(fresh=True, latched=False)
+    assert shown[3:] == [()]
 
 
 def test_a_trouble_of_a_moment_is_not_said() -> None:
