@@ -37,7 +37,12 @@ def scan_time_s(time_s: Floats, heartbeat: Floats) -> Floats:
     if not np.isfinite(counted).all() or not forward.any():
         return time_s
     usual = float(np.median(counted[forward] / elapsed_s[forward])) * elapsed_s
-    counted += FEWEST_COUNTS * np.rint((usual - counted) / FEWEST_COUNTS)  # it started over
+    starts = np.rint((usual - counted) / FEWEST_COUNTS)
+    counted += FEWEST_COUNTS * starts
+    # a count that started over after anything else is off from there on, by any number
+    off = np.abs(counted - usual)[starts != 0.0]
+    if bool((off > 1.0 + max(1.0, float(np.median(usual)))).any()):
+        return time_s
     count = np.concatenate([[0.0], np.cumsum(counted)])
     per_s, first = np.polyfit(time_s, count, 1)
     if not per_s > 0.0:

@@ -60,8 +60,9 @@ def test_a_scan_that_takes_as_long_as_its_work_is_no_clock():
         np.full(READS, np.nan),
         -np.arange(0.0, READS),
         np.r_[np.arange(0.0, READS // 2), np.arange(READS // 2) * 5 % 256],
+        np.mod(np.arange(35.0 - READS, 35.0), 10_000),
     ],
-    ids=["stands", "absent", "counts down", "jumps"],
+    ids=["stands", "absent", "counts down", "jumps", "starts over at 10000, near the end"],
 )
 def test_what_is_no_count_of_scans_moves_nothing(heartbeat):
     time_s = np.arange(READS) * CYCLE_S
