@@ -146,6 +146,13 @@ TROUBLES = (
         text=N_("no trouble of the wire: its heartbeat did not move"),
         to_do=N_("does the PLC run, and does its program count the heartbeat up in each scan?"),
     ),
+    Trouble(text=N_("no trouble of the wire: nothing new came in time")),
+    Trouble(text=N_("no trouble of the wire: there was no connection")),
+    Trouble(
+        text=N_("no trouble of the wire: it refused what was asked"),
+        to_do=N_("read the PLC's own log"),
+    ),
+    Trouble(text=N_("no trouble of the wire: its replies or heartbeats were not to be believed")),
     Trouble(text=N_("a reply broke the protocol")),
     Trouble(
         heard="the last reply came spoilt (wrong CRC or length): {rest}",

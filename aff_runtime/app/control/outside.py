@@ -42,7 +42,7 @@ ARM_PATIENCE_TICKS = 100
 ARM_LEAST_TICKS = 3
 SHADOW_RETRY_TICKS = 100
 ARMED = (State.ARMED, State.ACTIVE)
-FRESH, ALARM = HEAD.index("fresh"), HEAD.index("alarm")
+FRESH, ALARM, OUTCOME = (HEAD.index(name) for name in ("fresh", "alarm", "outcome"))
 PLC_STALE = BY_NAME["PLC_STALE"].code
 CONFIG_DIFFERS = BY_NAME["CONFIG_DIFFERS"].code
 
@@ -106,7 +106,11 @@ class ControlOutside:
         if self._next_law is not None and self._next_law.is_stepping:
             self._exchange_law(self._next_law)
         self._ring.write((*record, *self._law.law_telemetry()))
-        self._troubles.follow(fresh=bool(record[FRESH]), latched=int(record[ALARM]) == PLC_STALE)
+        self._troubles.follow(
+            int(record[OUTCOME]),
+            fresh=bool(record[FRESH]),
+            latched=int(record[ALARM]) == PLC_STALE,
+        )
         self._troubles.look(self._tick)
         first = len(HEAD)
         self._shapes.listen(

@@ -2,14 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections import Counter
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
 from typing import Final
 
 from aff_runtime.base.events import STALE_BEGAN
 from aff_runtime.base.ports import Gateway
+from aff_runtime.base.signals import Outcome
 
 EVERY_TICKS: Final = 100
 """Between two looks; half a second at a cycle of 5 ms."""
+WENT: Final[Mapping[int, str]] = MappingProxyType(
+    {
+        Outcome.OK: "its heartbeat did not move",
+        Outcome.TIMEOUT: "nothing new came in time",
+        Outcome.NOT_CONNECTED: "there was no connection",
+        Outcome.EXCEPTION: "it refused what was asked",
+        Outcome.BAD_REPLY: "its replies or heartbeats were not to be believed",
+    }
+)
+"""What a tick without fresh data was, where the wire knows of no trouble."""
 
 
 class TroubleLog:
@@ -40,12 +53,14 @@ class TroubleLog:
         self._said: tuple[str, ...] = ()
         self._first: tuple[str, ...] = ()
         self._began: tuple[str, ...] = ()
+        self._went: Counter[int] = Counter()
 
-    def follow(self, *, fresh: bool, latched: bool) -> None:
+    def follow(self, outcome: int, *, fresh: bool, latched: bool) -> None:
         """Keep what the wire said first since the PLC's data were fresh; each tick.
 
         Parameters
         ----------
+        outcome : how the tick's exchange ended.
         latched : PLC_STALE is the alarm; what it began with is shown until it is none any more.
         """
         if self._began and fresh and not latched:
@@ -53,15 +68,25 @@ class TroubleLog:
             self._show(self._said)
         if fresh:
             self._first = ()
-        elif not self._first:
+            self._went.clear()
+            return
+        self._went[outcome] += 1
+        if not self._first:
             self._first = self._gateway.troubles
 
     def stale(self) -> None:
         """Tell what the loss of the PLC began with: when it is told, the wire may work again."""
-        first = self._first or ("no trouble of the wire: its heartbeat did not move",)
+        first = self._first or (self._usual(),)
         self._say(f"{STALE_BEGAN}{'; '.join(first)}")
         self._began = tuple(f"{STALE_BEGAN}{trouble}" for trouble in first)
         self._show((*self._said, *self._began))
+
+    def _usual(self) -> str:
+        """Return what most ticks since then were."""
+        if not self._went:
+            return "no tick without fresh data"
+        ((outcome, _),) = self._went.most_common(1)
+        return f"no trouble of the wire: {WENT[outcome]}"
 
     def look(self, tick: int) -> None:
         """Log the troubles when two looks in a row found the same and they are not logged yet."""

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import pytest
+
 from aff_runtime.app.control.trouble_log import EVERY_TICKS, TroubleLog
+from aff_runtime.base.signals import Outcome
 
 
 class Wire:
@@ -56,20 +59,40 @@ def test_a_lost_plc_is_told_with_what_came_first_though_the_wire_works_again() -
         (False, ""),  # connected anew, and not heard twice yet
     ):
         wire.troubles = (trouble,) if trouble else ()
-        log.follow(fresh=fresh, latched=False)
+        log.follow(Outcome.OK if fresh else Outcome.NOT_CONNECTED, fresh=fresh, latched=False)
     log.stale()
     assert said == ["PLC_STALE began with: closed by the other side"]
-    log.follow(fresh=True, latched=True)
-    log.follow(fresh=False, latched=True)
+
+
+@pytest.mark.parametrize(
+    ("outcome", "went"),
+    [
+        (Outcome.OK, "its heartbeat did not move"),
+        # each reply a tick too late: it is asked anew, and the connection stays
+        (Outcome.TIMEOUT, "nothing new came in time"),
+        # as of a counter that went backwards
+        (Outcome.BAD_REPLY, "its replies or heartbeats were not to be believed"),
+    ],
+)
+def test_a_wire_without_trouble_is_told_by_what_its_ticks_were(
+    outcome: Outcome, went: str
+) -> None:
+    wire, said = Wire(), []
+    log = TroubleLog(wire, tuple, said.append)  # type: ignore[arg-type]
+    for before in (Outcome.TIMEOUT, Outcome.TIMEOUT, Outcome.BAD_REPLY, Outcome.BAD_REPLY):
+        log.follow(before, fresh=False, latched=False)
+    log.follow(Outcome.OK, fresh=True, latched=False)
+    for ended in (Outcome.OK, outcome, outcome):
+        log.follow(ended, fresh=False, latched=False)
     log.stale()
-    assert said[1:] == ["PLC_STALE began with: no trouble of the wire: its heartbeat did not move"]
+    assert said == [f"PLC_STALE began with: no trouble of the wire: {went}"]
 
 
 def test_what_the_loss_began_with_is_shown_until_the_alarm_is_over() -> None:
     wire, shown = Wire(), []
     log = TroubleLog(wire, tuple, lambda _: None, shown.append)  # type: ignore[arg-type]
     wire.troubles = ("closed by the other side",)
-    log.follow(fresh=False, latched=False)
+    log.follow(Outcome.NOT_CONNECTED, fresh=False, latched=False)
     log.stale()
     began = "PLC_STALE began with: closed by the other side"
     assert shown == [(began,)]
@@ -77,10 +100,10 @@ def test_what_the_loss_began_with_is_shown_until_the_alarm_is_over() -> None:
     looks(log, 2)
     assert shown[1:] == [("no connection within 0.05 s", began)]
     wire.troubles = ()
-    log.follow(fresh=True, latched=True)
+    log.follow(Outcome.OK, fresh=True, latched=True)
     looks(log, 2)
     assert shown[2:] == [(began,)]
-    log.follow(fresh=True, latched=False)
+    log.follow(Outcome.OK, fresh=True, latched=False)
     assert shown[3:] == [()]
 
 
