@@ -196,14 +196,17 @@ def _number_row(
 
 
 def _decimals(factor: float, interval: tuple[float, float] | None) -> str:
-    """Return the format of a number: the last digit is no larger than half its interval."""
+    """Return the format of a number: the last digit is no larger than half its interval.
+
+    What rounds to 0 has no sign.
+    """
     half = 0.5 * abs(factor) * (interval[1] - interval[0]) if interval is not None else 0.0
     if not math.isfinite(half) or half <= 0.0:
         return ".4g"
     if interval is not None and 0.0 in interval:  # a bound, no value give or take something
         return ".3g"
     decimals = math.ceil(-math.log10(half) - ROUNDING)
-    return f".{max(0, decimals)}f" if decimals <= MOST_DECIMALS else ".4g"
+    return f"z.{max(0, decimals)}f" if decimals <= MOST_DECIMALS else ".4g"
 
 
 def not_shown(effect: str, parameter: str, value: float) -> bool:
