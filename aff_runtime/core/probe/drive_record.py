@@ -20,7 +20,7 @@ from aff_runtime.core.probe.estimate import FIRST_TONE, Fit, Tone
 
 OWN_MOTION = (Source.ENCODER, Source.ROLL_SPEED)
 STRANGE_SHARE = 0.02
-"""Of the samples, for which line speed over radius may stand in for the roll's own motion."""
+"""Of the readings, for which line speed over radius may stand in for the roll's own motion."""
 
 
 class DriveRecord:
@@ -49,7 +49,7 @@ class DriveRecord:
         self._theta = array("d", [math.nan]) * samples
         self._speed = array("d", [math.nan]) * samples
         self._radius_m = math.nan
-        self._foreign = 0
+        self._readings = self._foreign = 0
 
     def take(self, k: int, values: Sequence[float]) -> None:
         """Write down one fresh snapshot as sample ``k``."""
@@ -57,6 +57,7 @@ class DriveRecord:
             return
         self._theta[k] = self._phase.theta_rad
         self._speed[k] = values[self._line_speed] if self._line_speed >= 0 else math.nan
+        self._readings += 1
         self._foreign += self._phase.source not in OWN_MOTION
         if 2 * k <= len(self._theta):
             self._radius_m = self._phase.radius_m
@@ -129,8 +130,8 @@ class DriveRecord:
                 "is not seen, so neither its speed loop nor its inertia is known; give it one, or "
                 "declare the drive"
             )
-        if self._foreign > STRANGE_SHARE * len(self._theta):
-            share = self._foreign / len(self._theta)
+        if self._foreign > STRANGE_SHARE * self._readings:
+            share = self._foreign / self._readings
             raise RefusedError(
                 f"the angle of {roll.name} was lost in {share:.1%} of the readings, "
                 f"{STRANGE_SHARE:.0%} may be; look at its encoder, then probe again"
