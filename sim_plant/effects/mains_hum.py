@@ -18,6 +18,8 @@ MAINS_HZ = (50.0, 60.0, 100.0, 120.0)
 a record at 10 ms: 400 Hz alone onto all from 0 to 4 Hz, where dancers and loops swing."""
 STEP_HZ = 1e-4
 """Of a finite difference: a twentieth of a turn after five minutes, a slope and no chord."""
+DECIMALS = 6
+"""Of a frequency in Hz: one that folds to 0 is told as 0."""
 MOST_CELLS = 8
 OTHERS = tuple(Quadrature(cos=f"cos_{k}_N", sin=f"sin_{k}_N") for k in range(1, MOST_CELLS))
 """What the cell of this number, as the line declares them, has more than ``PAIR``."""
@@ -47,16 +49,20 @@ def apply(arrays: LineArrays, place: int, parameters: Mapping[str, Value]) -> Li
 def seen(values: Mapping[str, Value], sample_time_s: float) -> str:
     """Return which frequency the readings show, and what else folds to it; "" where none does.
 
-    Equation: |f - k f_s|, k the nearest whole number, and k f_s -+ that for every k  [sampling].
+    Equation: |f - k f_s|, k the nearest whole number, and k f_s -+ that for every k  [sampling];
+    told for 1, 2 and the nearest.
     """
     hertz, rate_Hz = float(values["frequency_Hz"]), 1.0 / sample_time_s
     if hertz <= 0.5 * rate_Hz:
         return ""
-    shown_Hz = float(f"{abs(hertz - rate_Hz * round(hertz / rate_Hz)):.3g}")
-    alike = (shown_Hz, *(k * rate_Hz + side for k in (1, 2) for side in (-shown_Hz, shown_Hz)))
+    nearest = round(hertz / rate_Hz)
+    shown_Hz = round(abs(hertz - rate_Hz * nearest), DECIMALS)
+    folds = sorted({1, 2, nearest})
+    alike = (k * rate_Hz + side for k in folds for side in (-shown_Hz, shown_Hz))
+    texts = dict.fromkeys((f"{shown_Hz:.3g}", *(f"{f:.5g}" for f in alike)))
     return (
         f"the readings show {shown_Hz:.3g} Hz, folded by their sampling at {rate_Hz:.4g} Hz: "
-        f"{', '.join(f'{f:.5g}' for f in alike)} Hz look the same; read the cell with the web "
+        f"{', '.join(texts)} Hz look the same; read the cell with the web "
         "off, or sample faster, to tell which"
     )
 

@@ -54,3 +54,9 @@ def test_hum_that_was_folded_is_told_as_it_was_read_with_what_folds_alike():
     assert said.startswith("the readings show 0.3 Hz, folded by their sampling at 100 Hz: ")
     assert "0.3, 99.7, 100.3, 199.7, 200.3 Hz look the same" in said
     assert seen({"frequency_Hz": 49.7}, 0.01) == ""
+    # what was found is among them, and none twice
+    assert ": 0.02, 9.98, 10.02, 19.98, 20.02, 49.98, 50.02 Hz look" in seen(
+        {"frequency_Hz": 50.02}, 0.1
+    )
+    assert ": 0, 50, 100 Hz look" in seen({"frequency_Hz": 50.0}, 0.02)
+    assert ": 45.2, 50, 140.48, 145.24, 235.71 Hz look" in seen({"frequency_Hz": 50.0}, 0.0105)
