@@ -74,9 +74,10 @@ refine-runs: setup
 refine-records: setup
 	nice -n 19 $(BIN)/python -m benchmarks.records --docs docs/results
 
-# rooms, floors, import arrows, longest functions; REV="main~9 HEAD" for other revisions
+# rooms, floors, import arrows, longest functions; REV="main~9 HEAD" for other revisions;
+# EXTRA=--docs writes docs/results/house.md
 house: setup
-	$(BIN)/python -m benchmarks.house $(addprefix --rev ,$(REV))
+	$(BIN)/python -m benchmarks.house $(addprefix --rev ,$(REV)) $(EXTRA)
 
 # everything that decides whether a change may land
 test: export PYTHONDONTWRITEBYTECODE =

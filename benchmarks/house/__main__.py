@@ -1,6 +1,7 @@
 """Print the shape of the code, room by room: ``python -m benchmarks.house [--rev REV ...]``.
 
-Reads sources only: any revision of this repository will do, installed or not.
+Reads sources only: any revision of this repository will do, installed or not. ``--docs`` writes
+docs/results/house.md: before the redesign of the house beside a revision (HEAD, or ``--rev``).
 """
 
 from __future__ import annotations
@@ -14,9 +15,11 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
+from benchmarks.house.page import BEFORE, LAID_OUT, MOST_FILES, PROVING, Proof, Revision, page
 from benchmarks.house.rooms import PACKAGES, SCREEN, Room, read_modules, rooms, whole
 
 ROOT = Path(__file__).resolve().parents[2]
+PAGE = Path("docs", "results", "house.md")
 HEAD = (
     "room",
     "modules",
@@ -37,13 +40,45 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.house", description=__doc__)
     parser.add_argument("--rev", action="append", help="a revision; may be given again")
     parser.add_argument("--root", type=Path, default=ROOT, help="a checkout (default: this one)")
+    parser.add_argument("--docs", action="store_true", help=f"write {PAGE} of the last revision")
     options = parser.parse_args(arguments)
+    if options.docs:
+        write_page(options.root, (options.rev or ["HEAD"])[-1])
+        return 0
     if not options.rev:
         print(table(options.root))
     for revision in options.rev or ():
         with checkout(options.root, revision) as folder:
             print(f"{revision}\n\n{table(folder)}")
     return 0
+
+
+def write_page(root: Path, revision: str) -> None:
+    """Write the page of a revision beside those before it."""
+    now = _git(root, "rev-parse", "--short=8", revision).strip()
+    found = []
+    for name in (BEFORE, LAID_OUT, now):
+        with checkout(root, name) as folder:
+            found.append(Revision(name=name, modules=read_modules(folder)))
+    proofs = [
+        Proof(what=what, commit=commit, files=_files(root, commit), most=MOST_FILES[what])
+        for what, commit in PROVING.items()
+    ]
+    (root / PAGE).write_text(page(found, proofs), encoding="utf-8")
+
+
+def _files(root: Path, commit: str) -> tuple[str, ...]:
+    """Return the files that a commit changes."""
+    return tuple(_git(root, "show", "--format=", "--name-only", commit).split())
+
+
+def _git(root: Path, *words: str) -> str:
+    asked = subprocess.run(
+        ["git", "-C", str(root), *words], capture_output=True, check=False, text=True
+    )
+    if asked.returncode:
+        raise SystemExit(f"git {' '.join(words)}: {asked.stderr.strip()}")
+    return asked.stdout
 
 
 @contextmanager
@@ -55,15 +90,8 @@ def checkout(root: Path, revision: str) -> Iterator[Path]:
     SystemExit
         git knows no such revision.
     """
-    names = subprocess.run(
-        ["git", "-C", str(root), "ls-tree", "--name-only", revision],
-        capture_output=True,
-        check=False,
-        text=True,
-    )
-    if names.returncode:
-        raise SystemExit(f"--rev {revision}: {names.stderr.strip()}")
-    there = [name for name in PACKAGES if name in names.stdout.split()]
+    names = _git(root, "ls-tree", "--name-only", revision).split()
+    there = [name for name in PACKAGES if name in names]
     packed = subprocess.run(
         ["git", "-C", str(root), "archive", "--format=tar", revision, *there],
         capture_output=True,

@@ -5,6 +5,7 @@ import pytest
 
 from benchmarks.house.__main__ import main
 from benchmarks.house.imports import arrows_between, circles, floors
+from benchmarks.house.page import Proof, Revision, page
 from benchmarks.house.rooms import read_modules, rooms, whole
 from tests.house.documents import ROOT
 
@@ -69,6 +70,23 @@ def test_many_imports_between_two_rooms_are_one_arrow():
     assert arrows_between(["p.a", "p.b"], imports) == {("p.a", "p.b")}
 
 
+def test_the_page_has_both_revisions_and_says_what_is_missed(tree):
+    now = Revision(name="now", modules=read_modules(tree, ["aff_runtime"]))
+    (tree / "aff_runtime/law/shape.py").unlink()
+    before = Revision(name="before", modules=read_modules(tree, ["aff_runtime"]))
+    shown = page(
+        [before, now],
+        [
+            Proof(what="an effect", commit="a1", files=("a", "b", "c"), most=3),
+            Proof(what="a law", commit="a2", files=("a", "b"), most=1),
+        ],
+    )
+    assert "| aff_runtime | `now` | 6 | 14 | 3 | 3 | 2 | 0 | 0 | `app:g` 3 | 1 | 0 |\n" in shown
+    assert "| aff_runtime.law | 2 | 3 | 1 | 2 | 1 | 2 | 0 | 1 |  | `shape:f` 2 | 0 | 0 |" in shown
+    assert "| an effect | `a1` | 3 | 3 | met |" in shown
+    assert "| a law | `a2` | 2 | 1 | missed |" in shown
+
+
 @pytest.mark.campaign  # two seconds a package; quick: the arrows of a made tree
 @pytest.mark.parametrize("package", ["aff_runtime", "sim_plant"])
 @pytest.mark.sweep(every=2)
@@ -89,5 +107,5 @@ def test_any_revision_can_be_printed(capsys):
 
 
 def test_an_unknown_revision_is_refused_by_name():
-    with pytest.raises(SystemExit, match="--rev nowhere"):
+    with pytest.raises(SystemExit, match="ls-tree --name-only nowhere"):
         main(["--root", str(ROOT), "--rev", "nowhere"])
