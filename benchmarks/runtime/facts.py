@@ -23,11 +23,12 @@ class Row:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Section:
-    """One table with its heading; ``note`` says what was measured and how."""
+    """One table with its heading; ``note`` says what was measured and how, ``head`` what it is."""
 
     title: str
     note: str
     rows: tuple[Row, ...]
+    head: str = "measured"
 
 
 def quantiles_us(durations_ns: Sequence[int]) -> tuple[float, float, float]:

@@ -12,9 +12,12 @@ from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
 from benchmarks.runtime.instructions import costs_of_calls
 from benchmarks.runtime.latency import parse
 from benchmarks.runtime.paced import law_of, law_step
-from benchmarks.runtime.page import markdown, text
+from benchmarks.runtime.page import judged, markdown, read, text
 from benchmarks.runtime.parts import Stopwatch, respond, table
+from benchmarks.runtime.reckoned import carried_ms
 from benchmarks.runtime.shape_time import ratios, shape_work
+from benchmarks.runtime.targets import targets
+from tests.house.documents import ROOT
 
 CYCLICTEST = """# Histogram
 000000 000000
@@ -141,3 +144,43 @@ calls=1 7
 12 50
 """
     assert costs_of_calls(counts) == {"guard": 800, "law": 900}
+
+
+BENCH = [
+    Section(title="Tick of the law", note="", rows=(Row(name="16 blocks", value="p50 41 us"),)),
+    Section(
+        title="Whole tick of the shape law over a bare FC23",
+        note="",
+        rows=(
+            Row(name="whole tick", value="p50 170 us, p99 350 us, max 4 us"),
+            Row(name="bare FC23", value="p50 100 us, p99 200 us, max 3 us"),
+            Row(name="ratio p50", value="1.70"),
+            Row(name="ratio p99", value="1.75"),
+        ),
+    ),
+]
+
+
+def test_a_target_stands_beside_its_figure_and_says_why_it_is_missed() -> None:
+    """A ratio of 1.6 leaves 0.6 of the exchange; what was never measured is no pass."""
+    rows = {row.name: row for row in targets(BENCH).rows}
+    blocks, whole = rows["16 plain blocks, paced, p50"], rows["whole tick over bare FC23, p50"]
+    assert (blocks.value, blocks.remark[:21]) == ("41 us", "at most 40: missed; p")
+    assert whole.remark.startswith("at most 1.6: missed; beside a bare exchange of 100 us it")
+    assert "leaves 60 us" in whole.remark
+    assert whole.remark.endswith("take 70 us")
+    assert rows["whole tick over bare FC23, p99"].remark == "at most 1.8: met"
+    assert rows["simulated line"].remark == "at least 400: not measured"
+
+
+def test_a_gateway_carries_the_cycle_of_which_a_tick_takes_half() -> None:
+    assert carried_ms(1.0e6, 1.0e9) == 2  # 1 ms a tick: exactly half
+    assert carried_ms(1.01e6, 1.0e9) == 5
+    assert carried_ms(1.0e6, 1.0e7) is None
+
+
+def test_the_page_of_speed_says_what_its_own_figures_say() -> None:
+    """``python -m benchmarks.runtime --again`` writes it anew."""
+    page = (ROOT / "docs" / "results" / "bench.md").read_text(encoding="utf-8")
+    date, sections = read(page)
+    assert markdown(judged(sections), date=date) == page
