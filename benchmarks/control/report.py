@@ -184,7 +184,7 @@ def _targets(rows: Sequence[Row]) -> list[str]:
     return out
 
 
-ALL_SEEDS = ("constant", "ramp", "roll", "follower", "mismatch")
+ALL_SEEDS = ("constant", "ramp", "roll", "follower", "mismatch", "film")
 ORDER = {law: i for i, law in enumerate((OWN, *RIVALS))}
 INTRODUCTION = [
     "Written by `make bench-control` (`QUICK=1` for the short set). One line, one noise, one",

@@ -146,6 +146,7 @@ def targets(rows: Sequence[Row]) -> list[Target]:
             3,
         ),
         *_ahead(rows, own),
+        *_film(rows),
     ]
 
 
@@ -250,6 +251,38 @@ def _ramp(rows: Sequence[Row]) -> list[Target]:
             3,
         ),
         *_each("2 second ramp, 1x below a perfect roll", "<= 3 dB", gaps, lambda x: x <= 3, 1),
+    ]
+
+
+def _film(rows: Sequence[Row]) -> list[Target]:
+    """Judge the film line: a row's worst order of its steady part or of both its ramps.
+
+    Orders that the line itself does not let go down show it with a perfect roll.
+    """
+
+    def of(law: str) -> list[Row]:
+        return [r for r in rows if r["section"] == "film" and r["law"] == law]
+
+    return [
+        *_each(
+            "8 film, every order below 60 Hz, ramps included",
+            ">= 20 dB",
+            (min(r["worst_dB"]) for r in of(OWN)),
+            lambda x: x >= 20,
+        ),
+        *_each(
+            "8 the same with a perfect roll",
+            "(cap)",
+            (min(r["worst_dB"]) for r in of(PERFECT)),
+            lambda x: x >= 20,
+        ),
+        *_each(
+            "8 film, total ripple, ramps included",
+            "<= 0.10",
+            (max(r["ripple"]) for r in of(OWN)),
+            lambda x: x <= 0.1,
+            3,
+        ),
     ]
 
 

@@ -110,6 +110,18 @@ def test_targets_say_what_share_of_rows_meets_them():
     assert found["4 unwind tension meanwhile"] == "50 %"
 
 
+def test_a_film_row_is_as_good_as_its_worst_order_in_its_worst_ramp():
+    row = {"section": "film", "law": OWN, "case": "x", "seed": 1, "ripple": [0.02, 0.01]}
+    steady, ramps = {**row, "worst_dB": [28.0]}, {**row, "worst_dB": [22.0, 9.0]}
+    rows = [steady, {**ramps, "ripple": [0.04, 0.11]}, {**steady, "worst_dB": [20.0]}]
+    found = {t.what: t for t in targets(rows)}
+    orders = found["8 film, every order below 60 Hz, ramps included"]
+    assert (orders.reached, orders.met) == ("9 / 20 / 28", "67 %")
+    ripple = found["8 film, total ripple, ramps included"]
+    assert (ripple.reached, ripple.met) == ("0.020 / 0.020 / 0.110", "67 %")
+    assert "8 the same with a perfect roll" not in found
+
+
 def test_a_rival_with_less_ripple_is_named_with_its_ratio():
     own = {"section": "constant", "law": OWN, "case": "x", "seed": 1, "ripple": 0.05}
     rival = {**own, "law": "FxLMS", "ripple": 0.04}
