@@ -14,9 +14,12 @@ from benchmarks.screen.rig import used
 from benchmarks.screen.targets import target
 from sim_plant.demo.processes import Child
 
+NAME = "P10 tabs that come and go"
 EVERY_S = 0.25
 LOOKERS = 9
 WARM = 0.25  # of the time: what is made once is made by then
+MOST_MB, MOST_MB_PER_H = 150.0, 0.1
+JUDGED_S = 7200.0  # in two minutes such a slope is less than a page of memory
 
 
 async def _tabs(url: str, screen: Child, seconds: float) -> tuple[int, list[tuple[float, float]]]:
@@ -67,19 +70,37 @@ def churn(url: str, screen: Child, seconds: float) -> list[Row]:
     after = held()
     at_s, at_MB = np.asarray([one for one in memory if one[0] >= WARM * seconds]).T
     slope = np.polyfit(at_s / 3600.0, at_MB, 1)[0] if len(at_s) > 2 else float("nan")
-    value = f"{at_MB.max():.0f} MB, {slope:+.1f} MB/h"
+    value = f"{at_MB.max():.0f} MB, {slope:+.2f} MB/h"
     held_words = f"descriptors {before[0]} to {after[0]}, threads {before[1]} to {after[1]}"
+    about = (
+        f"{count} tabs in {seconds:g} s beside {LOOKERS} that stay, the first quarter not counted"
+    )
     return [
         Row(
-            name="P10 tabs that come and go",
+            name=NAME,
             value=f"{value}; {held_words}",
-            remark=target(
-                "150 MB, no descriptor, no thread more",
-                (float(at_MB.max()), 150.0),
-                (after[0], before[0]),
-                (after[1], before[1]),
-            )
-            + f"; {count} tabs in {seconds:g} s beside {LOOKERS} that stay, the first quarter not "
-            "counted",
+            remark=f"{verdict(seconds, float(at_MB.max()), float(slope), before, after)}; {about}",
         )
     ]
+
+
+def verdict(
+    seconds: float,
+    most_MB: float,
+    slope_MB_h: float,
+    before: tuple[int, int],
+    after: tuple[int, int],
+) -> str:
+    """Return P10 with whether it was met: memory and its slope; descriptors and threads held.
+
+    Only the time that a slope of this size takes to show can meet it; in a shorter one the slope
+    says nothing either way.
+    """
+    held = ((after[0], before[0]), (after[1], before[1]))
+    words = (
+        f"{MOST_MB:g} MB, no descriptor, no thread more, "
+        f"at most {MOST_MB_PER_H:g} MB/h over {JUDGED_S / 3600.0:g} h"
+    )
+    if seconds < JUDGED_S:
+        return target(words, (most_MB, MOST_MB), *held, is_judged=False)
+    return target(words, (most_MB, MOST_MB), *held, (slope_MB_h, MOST_MB_PER_H))

@@ -7,6 +7,7 @@ import math
 import pytest
 
 from benchmarks.runtime.facts import Row, Section
+from benchmarks.screen.churn import verdict
 from benchmarks.screen.targets import of_targets, target
 
 
@@ -23,6 +24,7 @@ def test_every_miss_stands_in_the_list_of_targets() -> None:
         Row(name="P6", value="14 ms", remark=target("60 ms", (14.0, 60.0)) + "; of 20"),
         Row(name="P7", value="1.3 s", remark=target("1 s", (1.3, 1.0)) + "; cold"),
         Row(name="P9", value="not measured", remark="RuntimeError: no browser"),
+        Row(name="P10", value="94 MB", remark=target("150 MB", (94.0, 150.0), is_judged=False)),
         Row(name="processor", value="any"),
     )
     found = of_targets([Section(title="", note="", rows=rows)])
@@ -30,5 +32,23 @@ def test_every_miss_stands_in_the_list_of_targets() -> None:
         ("met", "1"),
         ("missed", "1"),
         ("missed: P7", "1.3 s"),
+        ("too short to judge: P10", "94 MB"),
         ("not measured: P9", "not measured"),
     ]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "most_MB", "slope_MB_h", "after", "said"),
+    [
+        (120.0, 94.0, 52.1, (11, 2), "too short to judge"),
+        (120.0, 94.0, 52.1, (12, 2), "MISSED"),  # one descriptor more is a miss at once
+        (120.0, 151.0, 0.0, (11, 2), "MISSED"),
+        (7200.0, 94.0, 0.1, (11, 2), "met"),
+        (7200.0, 94.0, 0.2, (11, 2), "MISSED"),
+        (7200.0, 94.0, math.nan, (11, 2), "MISSED"),
+    ],
+)
+def test_memory_that_grows_is_judged_over_two_hours_alone(
+    seconds: float, most_MB: float, slope_MB_h: float, after: tuple[int, int], said: str
+) -> None:
+    assert verdict(seconds, most_MB, slope_MB_h, (11, 2), after).endswith(f": {said}")
