@@ -178,6 +178,9 @@ class Hub:
     def _own_samples(self) -> Iterator[Sample | MetricHistogram]:
         hand = self.hand
         yield from self.counts.samples(hand.sessions.by_role() if hand is not None else None)
+        left_s = self._machine.certificate_s
+        if left_s is not None:
+            yield Sample("aff_hmi_certificate_seconds", (), left_s)
         if self.sources is not None:
             yield from self.sources.samples()
 

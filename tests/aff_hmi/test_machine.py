@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from aff_hmi.hub import Hub
 from aff_hmi.machine import SHOWN_NS, Machine, ends_of
+from aff_hmi.watch import Watch
 from tests.doubles.virtual_clock import VirtualClock
 
 needs_openssl = pytest.mark.skipif(shutil.which("openssl") is None, reason="openssl is needed")
@@ -87,6 +89,10 @@ def test_of_a_chain_the_first_to_end_counts(tmp_path: Path) -> None:
     wall = Wall(clock)
     machine = Machine(clock, wall, (chain,))
     assert machine.certificate_s == pytest.approx(told_by_openssl(soon) - wall())
+    hub = Hub(Watch(Path("/nowhere"), clock), clock, machine=machine)
+    assert f"\naff_hmi_certificate_seconds {machine.certificate_s!r}\n" in hub.metrics()
+    plain = Hub(Watch(Path("/nowhere"), clock), clock)
+    assert "aff_hmi_certificate_seconds" not in plain.metrics()
 
 
 @pytest.mark.parametrize(

@@ -139,6 +139,12 @@ OF_SCREEN: tuple[Metric, ...] = (
     Metric("aff_hmi_sockets", GAUGE, (), "browsers that look at this screen"),
     Metric("aff_hmi_frames_total", COUNTER, (), "frames that the screen has sent"),
     Metric("aff_hmi_frames_skipped_total", COUNTER, (), "frames that slow browsers did without"),
+    Metric(
+        "aff_hmi_certificate_seconds",
+        GAUGE,
+        (),
+        "until the first certificate of this screen ends; negative: it has ended",
+    ),
     Metric("aff_hmi_sessions", GAUGE, ("role",), "who has logged in"),
     Metric("aff_hmi_logins_total", COUNTER, ("result",), "logins: done, refused, told to wait"),
     Metric(
