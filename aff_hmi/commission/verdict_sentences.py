@@ -148,6 +148,10 @@ VERDICT = (
     ),
     N_("{what}: told apart, for errors of the model make up to {number}"),
     N_(
+        "On the record judged the error in {channel} is {before} rms with {what}, {after} with "
+        "{why} in its place."
+    ),
+    N_(
         "What begins at {number} s of {name} begins with a step of the line speed reference: the "
         "line's own answer to that may be what was found; record the step again."
     ),

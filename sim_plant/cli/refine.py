@@ -254,6 +254,7 @@ def _last(judged: str, out: Path, *, held: bool) -> str:
 
 def summary(outcome: Outcome) -> str:
     """Return the verdict and the error table as text."""
+    from sim_plant.refine.report.beside_rival import beside_rival  # noqa: PLC0415
     from sim_plant.refine.report.page import facts_of  # noqa: PLC0415
     from sim_plant.refine.report.partly import partly  # noqa: PLC0415
     from sim_plant.refine.report.wording import coordinate_text, size_of  # noqa: PLC0415
@@ -266,6 +267,8 @@ def summary(outcome: Outcome) -> str:
         lines.append(
             f"    score {e.score:.0f}, runner-up {e.runner_up or ''}, margin {e.margin:.0f}"
         )
+        beside = beside_rival(e, verdict.residual_rms)
+        lines += [f"    {beside}"] if beside else []
     for a in verdict.ambiguous:
         lines.append(f"  not identifiable: {a.place} or {', '.join(map(str, a.alternatives))}")
         lines += [f"    to tell: {what}" for what in a.experiments]

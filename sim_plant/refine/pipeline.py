@@ -40,6 +40,7 @@ from sim_plant.refine.report.site_edit import FILE as SITE
 from sim_plant.refine.report.site_edit import Proposal, SiteFile, proposed
 from sim_plant.refine.report.summary import write_summary
 from sim_plant.refine.report.verdict import Verdict
+from sim_plant.refine.rivals import left_by_rivals, with_rivals_refitted
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.forward_selection import forward_selection
 from sim_plant.refine.search.selection import Selection
@@ -77,6 +78,7 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
         evaluation,
         str(judged.record.path),
         [(f.record.path.name, f.twin) for f in fitted],
+        left_by_rivals(judged, selection, plan.workers, progress, held_out=bool(held)),
     )
     outcome = Outcome(
         plan=plan,
@@ -164,6 +166,7 @@ def find(
         objective = declared_objective(pool, [f.measured for f in fitted])
         tried = all_hypotheses(twins[0].declaration, without, demand_of(twins))
         selection = forward_selection(objective, tried, progress, without)
+        selection = with_rivals_refitted(objective, selection, progress)
         progress(f"{pool.simulations} simulations")
     return selection
 

@@ -4,6 +4,7 @@ __all__ = [
     "aff_block",
     "amend",
     "announce",
+    "beside_rival",
     "findings",
     "folder",
     "next_step",

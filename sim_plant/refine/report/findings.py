@@ -42,6 +42,7 @@ def verdict_of(
     evaluation: Evaluation | None,
     holdout: str,
     fitted: Sequence[Fitted] = (),
+    left_by_rivals: Sequence[Mapping[str, float]] = (),
 ) -> Verdict:
     """Return the whole verdict.
 
@@ -51,13 +52,17 @@ def verdict_of(
     holdout : path of that record as text, the first held out or else the first fitted: as a key
         of the verdict has it.
     fitted : the records fitted; none: nothing is told by their names and channels.
+    left_by_rivals : per effect, what its runner-up leaves on the record judged; none: not judged.
     """
     sensors = fitted[0][1].declaration.sensors if fitted else ()
     encoder_rollers = {sensor.roller for sensor in sensors if isinstance(sensor, RollAngle)}
     along = [roller.name for roller in fitted[0][1].declaration.rollers] if fitted else ()
     return Verdict(
         answer=_answer(selection),
-        effects=effect_findings(selection, fitted),
+        effects=tuple(
+            replace(found, runner_up_rms=left_by_rivals[k] if left_by_rivals else {})
+            for k, found in enumerate(effect_findings(selection, fitted))
+        ),
         unknown=tuple(
             UnknownFinding(
                 unknown_class=u.unknown_class,

@@ -14,6 +14,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.report.aff_block import AffBlock, actuators_for, aff_blocks
+from sim_plant.refine.report.beside_rival import beside_rival
 from sim_plant.refine.report.facts import NOTHING_KNOWN, Facts
 from sim_plant.refine.report.near_steps import near_steps
 from sim_plant.refine.report.next_step import PERIODIC, next_step
@@ -81,6 +82,7 @@ def confidence(verdict: Verdict, facts: Facts = NOTHING_KNOWN) -> str:
             text += "no other explains the record as well"
         said.append(text)
     sure = ["; ".join(said) + "."] if said else []
+    sure += [beside_rival(e, verdict.residual_rms) for e in verdict.effects]
     less = partly(verdict, facts)
     less = less and f"A score says which explanation is best, not that it is enough. {less}"
     return " ".join(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 from aff_runtime.base.errors import PlantError
@@ -51,6 +51,8 @@ class EffectFinding:
     cells : channels of the line's load cells, in the order in which it declares them; a file of
         version 1 has none.
     begins : when an effect that begins at a moment does; not in a file of version 1 either.
+    runner_up_rms : error by channel on the record judged with the runner-up in its place, all else
+        fitted again; empty where that was not judged.
     """
 
     place: EffectAt
@@ -63,6 +65,7 @@ class EffectFinding:
     text: str
     cells: tuple[str, ...] = ()
     begins: Moment | None = None
+    runner_up_rms: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -241,6 +244,7 @@ def _effect_row(e: EffectFinding) -> dict[str, Any]:
         "margin": e.margin,
         "cancel": e.cancel,
         "text": e.text,
+        **({"runner_up_rms": e.runner_up_rms} if e.runner_up_rms else {}),
     }
 
 
@@ -254,4 +258,5 @@ def _effect_of(row: Mapping[str, Any]) -> EffectFinding:
         margin=row["margin"],
         cancel=row["cancel"],
         text=row["text"],
+        runner_up_rms=dict(row.get("runner_up_rms", {})),
     )

@@ -3,6 +3,7 @@
 __all__ = [
     "candidate",
     "forward_selection",
+    "outside_prior",
     "selection",
     "set_apart",
     "unexplained",

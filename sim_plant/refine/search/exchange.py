@@ -74,7 +74,9 @@ def exchanged(objective: Objective, selection: Selection, progress: Progress) ->
             ambiguous=tuple(p for p in dict.fromkeys([*others, *alike]) if p != there),
         )
         gains = {place: was.cost - other.cost for place, other in tried}
-        accepted[k] = scored_at(chosen, gains | {here: 0.0}) if there != here or alike else chosen
+        told = scored_at(chosen, gains | {here: 0.0}) if there != here or alike else chosen
+        rival = next((other for place, other in tried if place == told.runner_up), told.rival)
+        accepted[k] = replace(told, rival=rival)
     return replace(selection, fit=fit, accepted=tuple(accepted))
 
 

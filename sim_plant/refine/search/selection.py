@@ -32,6 +32,7 @@ class AcceptedEffect:
     rejected : the best other candidates and their scores, best first.
     ambiguous : effects and places that explain as much.
     shared : the records show that it, or what stood in for it, is there, and not which of them.
+    rival : a fit that has the runner-up; None where it was not fitted.
     """
 
     hypothesis: Hypothesis
@@ -41,6 +42,7 @@ class AcceptedEffect:
     rejected: tuple[tuple[EffectAt, float], ...]
     ambiguous: tuple[EffectAt, ...] = ()
     shared: bool = False
+    rival: Fit | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -299,6 +301,7 @@ def accept(
         rejected=tuple(others[: ACCEPTANCE.reported_rejected]),
         ambiguous=tuple(dict.fromkeys(alike)),
         shared=shared,
+        rival=next((c.fit for c in scored if c.hypothesis.key == runner_up), None),
     )
     return Extension(accepted=accepted, fit=best.fit)
 
@@ -344,13 +347,8 @@ def preferred(
     ``complete`` explain their own spectral lines, ``partial`` leave much of them. A complete one
     that explains less than a partial one gives way to that: it may be half of a pair.
     """
-    best_complete = min(complete, key=lambda e: e.fit.cost, default=None)
-    best_partial = min(partial, key=lambda e: e.fit.cost, default=None)
-    if best_complete is not None and (
-        best_partial is None or best_complete.fit.cost < best_partial.fit.cost
-    ):
-        return best_complete, True
-    return best_partial, False
+    best = min([*partial, *complete], key=lambda e: e.fit.cost, default=None)
+    return best, best in complete
 
 
 def at_noise_floor(selection: Selection, expected_cost: float, sure_excess: float) -> bool:

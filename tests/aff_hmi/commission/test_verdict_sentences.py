@@ -131,6 +131,17 @@ def test_a_verdict_reads_german_from_its_headline_to_what_to_do():
     assert effect.experiments == ("lift the web off R4",)
 
 
+def test_what_the_next_best_leaves_is_told_in_german():
+    said = summary(
+        sure="On the record judged the error in unwind_tension_N is 0.26 N rms with bearing drag "
+        "at R4, 0.41 N with bearing drag at R5 in its place."
+    )
+    assert told(said, GERMAN).sure == (
+        "Auf der beurteilten Aufzeichnung ist der Fehler von unwind_tension_N effektiv 0.26 N mit "
+        "schwergängiges Lager: R4, 0.41 N mit schwergängiges Lager: R5 an seiner Stelle."
+    )
+
+
 def test_a_verdict_in_english_is_what_refine_wrote():
     assert told(summary(), ENGLISH) == summary()
 

@@ -256,6 +256,33 @@ def test_how_sure_names_the_next_best_and_by_how_much_it_is_behind():
     assert confidence(verdict_with()) == ""
 
 
+def test_how_sure_says_in_newton_what_the_next_best_leaves_where_the_two_differ_most():
+    """By noise floors: the unwind's tension by 1.5, the pull roll's by 1, a speed by 9."""
+    one = finding(
+        "eccentric_roller",
+        "R4",
+        {},
+        runner_up=EffectAt("eccentric_roller", "R5"),
+        margin=300.0,
+        runner_up_rms={
+            "unwind_tension_N": 0.41,
+            "pullroll_tension_N": 1.2,
+            "line_speed_m_s": 0.01,
+            "gone_N": 9.0,
+        },
+    )
+    errors = {
+        "unwind_tension_N": ChannelError(before=3.0, after=0.26, noise_floor=0.1),
+        "pullroll_tension_N": ChannelError(before=3.0, after=1.0, noise_floor=0.2),
+        "line_speed_m_s": ChannelError(before=0.004, after=0.001, noise_floor=0.001),
+    }
+    said = confidence(replace(verdict_with(one), residual_rms=errors))
+    assert (
+        " On the record judged the error in unwind_tension_N is 0.26 N rms with eccentric roller "
+        "at R4, 0.41 N with eccentric roller at R5 in its place. "
+    ) in said
+
+
 def test_what_is_not_told_apart_is_not_said_to_be_decided():
     rival = EffectAt("eccentric_roller", "R5")
     one = finding("eccentric_roller", "R4", {}, score=121900.0, runner_up=rival, margin=253.0)

@@ -126,6 +126,14 @@ def test_what_a_line_may_be_as_well_stands_beside_it_and_is_read_back():
     assert Verdict.from_json(said.to_json()).unknown == said.unknown
 
 
+def test_what_the_runner_up_leaves_is_a_key_more_where_it_was_judged():
+    (found,) = VERDICT.effects
+    said = replace(VERDICT, effects=(replace(found, runner_up_rms={"unwind_tension_N": 0.4}),))
+    (row,) = json.loads(said.to_json())["effects"]
+    assert row["runner_up_rms"] == {"unwind_tension_N": 0.4}
+    assert Verdict.from_json(said.to_json()) == said
+
+
 def test_no_runner_up_is_an_empty_text_in_a_file():
     alone = json.loads(GOLDEN)
     alone["effects"][0]["runner_up"] = ""
