@@ -25,6 +25,7 @@ from sim_plant.refine.judge.rest_shown import rest_in_floors, rest_shown
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.records.recording import Recording
+from sim_plant.refine.report.confidence import sizes_shown
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
 from sim_plant.refine.search.set_apart import has_large_wander
@@ -111,8 +112,31 @@ def confirmed(
         said = (not_confirmed(selection, judged.record, against),)
         progress(said[0])
         selection, evaluation = withdrawn(selection), as_declared(evaluation)
-    claimed = without_imitations(judged, selection, evaluation, workers, progress)
+    sized = without_sizeless(judged, selection, evaluation, workers, progress)
+    claimed = without_imitations(
+        judged, sized.selection, sized.evaluation, workers, progress, sized.said
+    )
     return replace(claimed, said=(*said, *claimed.said))
+
+
+def without_sizeless(
+    judged: RecordWithTwin,
+    selection: Selection,
+    evaluation: Evaluation,
+    workers: int,
+    progress: Progress,
+) -> Claimed:
+    """Return what is claimed without effects that may have no size, the weakest first."""
+    said: list[str] = []
+    while not all(shown := sizes_shown(selection)):
+        sizeless = [k for k, has_size in enumerate(shown) if not has_size]
+        at = min(sizeless, key=lambda k: selection.accepted[k].score)
+        key = selection.accepted[at].hypothesis.key
+        said.append(f"not claimed: {key}: the fit is better with it, but its size may be none")
+        progress(said[-1])
+        selection = without_accepted(selection, at)
+        evaluation = judge(judged, selection, workers, progress, held_out=True)
+    return Claimed(selection=selection, evaluation=evaluation, said=tuple(said))
 
 
 def without_imitations(
@@ -121,6 +145,7 @@ def without_imitations(
     evaluation: Evaluation,
     workers: int,
     progress: Progress,
+    before: tuple[str, ...] = (),
 ) -> Claimed:
     """Return what is claimed without effects that can be imitations, one after the other.
 
@@ -128,8 +153,12 @@ def without_imitations(
     surely more than noise without it, that is unknown, and the verdict says so. So does it where
     the weakest stays for its response is shown, or where the effects, which are there, leave more
     of what that record shows than right ones do.
+
+    Parameters
+    ----------
+    before : sentences on effects that are not claimed already.
     """
-    said: list[str] = []
+    said = list(before)
     judgement = Judgement(judged, selection, evaluation, workers, progress)
     while weak := without_weakest_imitation(judgement):
         if weak.shown:

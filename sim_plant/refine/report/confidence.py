@@ -8,6 +8,7 @@ import numpy as np
 
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.spread import SPREAD, model_errors
+from sim_plant.refine.search.selection import Selection
 
 
 def standard_deviations(fit: Fit) -> list[float]:
@@ -44,6 +45,36 @@ def amplitude_standard_deviation(fit: Fit, cos: int, sin: int) -> float:
     along = np.array([flat[cos], flat[sin]]) / size
     noise = float(along @ fit.covariance[np.ix_(both, both)] @ along)
     return math.hypot(math.sqrt(max(noise, 0.0)), own)
+
+
+def sizes_shown(selection: Selection) -> list[bool]:
+    """Return per effect whether the records show that it has a size at all.
+
+    One of its strengths, or the length of a phasor, has an interval that leaves out the value at
+    which the effect has no trace. Where none has, the effect can be absent for all that its own
+    numbers say, however much better the fit is with it: something else has its place there.
+    Without a covariance no step ran, and the scores alone speak.
+    """
+    fit, sd, at = selection.fit, standard_deviations(selection.fit), 0
+    if not fit.covariance.size:
+        return [True] * len(fit.hypotheses)
+    shown = []
+    ranges = selection.ranges or ({},) * len(fit.hypotheses)
+    for h, values, known in zip(fit.hypotheses, fit.values, ranges, strict=True):
+        rows = list(zip(h.names, values, h.idle, sd[at : at + len(values)], strict=True))
+        between = {name: known.get(name, interval(value, s)) for name, value, _, s in rows}
+        idle = {name: none for name, _, none, _ in rows[: h.strengths]}
+        sizes = [not low <= idle[n] <= high for n, (low, high) in between.items() if n in idle]
+        position = {name: at + k for k, name in enumerate(h.names)}
+        flat = dict(zip(h.names, values, strict=True))
+        for pair in h.effect.quadratures:
+            if pair.cos in position and pair.sin in position:
+                spread = amplitude_standard_deviation(fit, position[pair.cos], position[pair.sin])
+                low, _ = interval(math.hypot(flat[pair.cos], flat[pair.sin]), spread)
+                sizes.append(low > 0.0)
+        shown.append(any(sizes) or not idle)
+        at += len(values)
+    return shown
 
 
 def _anywhere(low: float, high: float) -> float:

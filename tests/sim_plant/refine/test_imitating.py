@@ -12,6 +12,7 @@ from sim_plant.refine.confirm import (
     RecordWithTwin,
     judge,
     without_imitations,
+    without_sizeless,
     without_weakest_imitation,
 )
 from sim_plant.refine.judge.holdout import Evaluation
@@ -108,6 +109,23 @@ def test_what_an_imitation_leaves_is_unknown_where_the_record_shows_it(noise, si
     if kind == "time":
         (stays,) = found.selection.unknown
         assert stays.coordinate["frequency_Hz"] == pytest.approx(0.9, abs=0.04)  # half a bin
+
+
+def test_an_effect_that_may_have_no_size_is_not_claimed_and_what_stays_is_unknown():
+    judged, both = held_out(1.0, 4.0), both_drags()
+    values = ((0.3, 10.0), (0.2, 20.0))
+    sd = np.array([0.01, 0.01, 0.15, 0.01])
+    fit = replace(both.fit, values=values, covariance=np.diag(sd**2))
+    sizeless = replace(both, fit=fit)
+    found = without_sizeless(judged, sizeless, of_both({}, 3.0), 1, quiet)
+    (said,) = found.said
+    assert said.startswith("not claimed: bearing_drag at R7: ")
+    assert "its size may be none" in said
+    found = without_imitations(judged, found.selection, found.evaluation, 1, quiet, found.said)
+    (claimed,) = found.selection.accepted
+    assert claimed.hypothesis.location == "R5"
+    assert [u.unknown_class for u in found.selection.unknown] == ["time"]
+    assert found.said[0] == said
 
 
 def test_beside_slip_no_line_is_named_for_its_changes_have_slow_ones_of_their_own():

@@ -7,8 +7,13 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import hypothesis
-from sim_plant.refine.report.confidence import amplitude_standard_deviation, standard_deviations
-from tests.sim_plant.refine.small import LINE, fit_of
+from sim_plant.refine.report.confidence import (
+    amplitude_standard_deviation,
+    sizes_shown,
+    standard_deviations,
+)
+from sim_plant.refine.search.selection import Selection
+from tests.sim_plant.refine.small import LINE, fit_of, one_peak
 
 DRAG = hypothesis(BY_NAME["bearing_drag"], "R7", (), ("constant_N_m",), LINE)
 
@@ -68,3 +73,42 @@ def test_a_size_is_as_uncertain_as_the_model_and_an_angle_only_as_the_noise():
         == pytest.approx(math.hypot(1e-7, CRITERIA.report.model_share * 5e-4))
         == pytest.approx(sin)
     )
+
+
+def selected(*hypotheses, values, sd, ranges=()):
+    """Return these effects selected, with these standard deviations of all their numbers."""
+    fit = replace(fit_of(*hypotheses, values=values), covariance=np.diag(sd) ** 2)
+    return Selection(
+        nominal=fit_of(cost=1e4),
+        fit=fit,
+        record_axes=(),
+        spectra_declared=one_peak(),
+        spectra_left=one_peak(),
+        accepted=(),
+        ranges=ranges,
+    )
+
+
+def test_an_effect_has_a_size_where_an_interval_leaves_out_its_absence():
+    both = selected(DRAG, DRAG, values=[(0.2,), (0.2,)], sd=[0.09, 0.11])
+    assert sizes_shown(both) == [True, False]  # 2.2 and 1.8 standard deviations
+    searched = ({}, {"constant_N_m": (0.1, 0.3)})
+    assert sizes_shown(replace(both, ranges=searched)) == [True, True]
+
+
+def test_a_phasor_has_a_size_where_its_length_has_one_though_neither_part_has():
+    off_axis = hypothesis(BY_NAME["eccentric_roller"], "R6", (), ("cos_m", "sin_m"), LINE)
+    either = selected(off_axis, values=[(3e-5, 3e-5)], sd=[2e-5, 2e-5])
+    assert sizes_shown(either) == [True]  # 1.5 standard deviations each, 2.1 together
+    assert sizes_shown(selected(off_axis, values=[(3e-5, 0.0)], sd=[2e-5, 2e-5])) == [False]
+
+
+def test_a_moment_alone_is_no_size():
+    late = hypothesis(BY_NAME["bearing_drag"], "R7", (), ("constant_N_m", "from_s"), LINE)
+    assert sizes_shown(selected(late, values=[(0.2, 40.0)], sd=[0.3, 0.01])) == [False]
+
+
+def test_without_a_covariance_scores_alone_speak():
+    one = selected(DRAG, values=[(0.2,)], sd=[0.3])
+    unknown = replace(one, fit=replace(one.fit, covariance=np.zeros((0, 0))))
+    assert sizes_shown(unknown) == [True]
