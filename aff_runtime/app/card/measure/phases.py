@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,6 +14,7 @@ from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
 
 SHORTEST_S = 5.0  # of a stretch; shorter ones are left out
+_T = TypeVar("_T")
 _OFF, _ON, _FADE = 0, 1, 2  # a correction that goes out in another state than ACTIVE fades
 
 
@@ -54,3 +58,31 @@ def phases(window: Window) -> list[Phase]:
             stretches.pop()
         stretches.append(phase)
     return stretches
+
+
+def offs_and_ons(found: Sequence[Phase], settle_s: float) -> list[tuple[Phase, Phase]]:
+    """Return every off with the on behind it, the settling taken from that.
+
+    An on that ends before it has settled goes with its off: what comes next is a pair of its own.
+    """
+    return [
+        (off, on.later(settle_s))
+        for off, on in pairwise(found)
+        if on.on and on.to_s - on.from_s > settle_s
+    ]
+
+
+def last_two(
+    newest_first: Iterable[_T], is_whole: Callable[[_T], bool]
+) -> tuple[list[_T], list[_T]]:
+    """Return the last two that are whole, and those behind the first of them that are not.
+
+    Oldest first. Without two whole ones the last two, whatever they are, and none left out.
+    """
+    found: list[_T] = []
+    for one in newest_first:
+        found.insert(0, one)
+        whole = [each for each in found if is_whole(each)]
+        if len(whole) == 2:
+            return whole, [each for each in found if each not in whole]
+    return found[-2:], []

@@ -9,7 +9,7 @@ import numpy as np
 
 from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Figure, StepResult, at_most
-from aff_runtime.app.card.measure.phases import Phase, phases
+from aff_runtime.app.card.measure.phases import last_two, offs_and_ons, phases
 from aff_runtime.app.report.comparison.comparing import Comparison, OrderRow, compare
 from aff_runtime.app.report.comparison.turns import Change, Estimate
 from aff_runtime.app.report.comparison.window import Window
@@ -44,8 +44,8 @@ def measure(evidence: Evidence) -> StepResult:
     if not math.isfinite(settle_s):
         settle_s = settling_s(evidence.site, mean_speed_m_s(window))
     promised = evidence.typed.number("promised", "dB")
-    chosen = last_off_on_off_on(phases(window), settle_s)
-    if not chosen:
+    made = offs_and_ons(phases(window), settle_s)
+    if len(made) < 2:
         return StepResult(
             figures=(),
             missing=(
@@ -53,8 +53,9 @@ def measure(evidence: Evidence) -> StepResult:
                 f"(on: {settle_s:.0f} s to settle, and {TURNS + BROKEN_TURNS} turns)",
             ),
         )
-    pairs = tuple(compare(chosen[k].of(window), chosen[k + 1].of(window)) for k in (0, 2))
     wanted = corrected(evidence.site)
+    newest_first = (compare(off.of(window), on.of(window)) for off, on in reversed(made))
+    pairs, cut = last_two(newest_first, lambda pair: _is_whole(pair, wanted))
     overall = list(_overall(pairs, wanted, promised))
     turns = list(_turns(pairs, wanted))
     conditions = _conditions(pairs, window.table.events)
@@ -62,7 +63,7 @@ def measure(evidence: Evidence) -> StepResult:
     return StepResult(
         figures=(*overall, *turns, *conditions, *_orders(pairs, wanted)),
         missing=(*(() if overall else (NOTHING_PROVEN,)), *map(_too_short, short)),
-        remarks=tuple(_remarks(pairs)),
+        remarks=(*_remarks(pairs), *map(_left_out, cut)),
     )
 
 
@@ -103,18 +104,9 @@ def mean_speed_m_s(window: Window) -> float:
     return max(abs(float(np.nanmean(speed))), SLOWEST_M_S)
 
 
-def last_off_on_off_on(found: Sequence[Phase], settle_s: float) -> list[Phase]:
-    """Return the last off, on, off, on, the settling taken from each on; empty without."""
-    usable = [
-        phase.later(settle_s) if phase.on else phase
-        for phase in found
-        if not phase.on or phase.to_s - phase.from_s > settle_s
-    ]
-    for end in range(len(usable), 3, -1):
-        four = usable[end - 4 : end]
-        if [phase.on for phase in four] == [False, True, False, True]:
-            return four
-    return []
+def _left_out(cut: Comparison) -> str:
+    off, on = (f"{one.name}, {one.seconds:.0f} s" for one in cut.windows)
+    return f"left out, fewer than {TURNS} whole turns in one of them: off {off}, on {on}"
 
 
 def reduction(changes: Sequence[Change]) -> Change:
@@ -246,23 +238,30 @@ def root_sum(ends: Sequence[Estimate], noise: float) -> tuple[float, float]:
 
 def _turns(pairs: Sequence[Comparison], wanted: frozenset[Key]) -> Iterator[Figure]:
     """Yield for each of the four parts the fewest whole turns that an estimate rests on."""
-    rows = [tuple(_by_key(pair, wanted).values()) for pair in pairs]
-    parts = [
-        [(end.turns, roll) for end, roll in ends]
-        for both in rows
-        for ends in (
-            [(row.before, row.roll) for row in both],
-            [(row.after, row.roll) for row in both],
-        )
-    ]
-    for part, counted in zip(PARTS, parts, strict=True):
-        turns, roll = min(counted, default=(0, ""))
+    fewest = [one for pair in pairs for one in _fewest_turns(pair, wanted)]
+    for part, (turns, roll) in zip(PARTS, fewest, strict=True):
         yield Figure(
             name=f"{part}: whole turns{f' of {roll}' if roll else ''}",
             value=float(turns),
             limit=f"at least {TURNS}",
-            good=True if turns >= TURNS else None,
+            good=None if _is_short((turns, roll)) else True,
         )
+
+
+def _fewest_turns(pair: Comparison, wanted: frozenset[Key]) -> Iterator[tuple[int, str]]:
+    """Yield of an off and its on the fewest whole turns of a corrected roll, and which it is."""
+    rows = _by_key(pair, wanted).values()
+    yield min(((row.before.turns, row.roll) for row in rows), default=(0, ""))
+    yield min(((row.after.turns, row.roll) for row in rows), default=(0, ""))
+
+
+def _is_whole(pair: Comparison, wanted: frozenset[Key]) -> bool:
+    """Whether an off and its on have their turns; how far the ripple fell is not asked."""
+    return not any(map(_is_short, _fewest_turns(pair, wanted)))
+
+
+def _is_short(turns: tuple[int, str]) -> bool:
+    return turns[0] < TURNS
 
 
 def _too_short(turns: Figure) -> str:

@@ -43,8 +43,8 @@ def abab_run(request, tmp_path_factory, worker_id):
 
 
 def by_formula(folder):
-    """Return the same of a record that is made up."""
-    columns, truth = switched(130.0, [(30.0, 67.0), (93.0, 130.0)])
+    """Return the same of a record that is made up, with an on between that a fault cut short."""
+    columns, truth = switched(161.0, [(29.0, 64.0), (87.0, 103.0), (126.0, 161.0)])
     return recorded(folder / "runs", columns), truth
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from aff_runtime.app.card.figures import Verdict
 from aff_runtime.app.card.measure import proof
-from aff_runtime.app.card.measure.phases import Phase, phases
+from aff_runtime.app.card.measure.phases import Phase, last_two, offs_and_ons, phases
 from aff_runtime.app.report.comparison.turns import Change, Estimate
 from aff_runtime.config.loader import load_site
 from sim_plant.base.order_tracking import order_amplitudes
@@ -25,10 +25,16 @@ def true_size(truth, phase):
     return float(abs(order_amplitudes(tension, angle, (1,))[0]))
 
 
-def test_the_reduction_is_that_of_the_plants_true_tension_within_a_decibel(abab_run):
+@pytest.fixture(scope="module")
+def measured(abab_run):
+    """The window, its four parts, and what is found."""
     whole = window(abab_run[0], from_s=5.0)
-    found = proof.measure(evidence(whole, given=[f"settle={SETTLE_S} s"]))
-    four = proof.last_off_on_off_on(phases(whole), SETTLE_S)
+    first, *_, last = offs_and_ons(phases(whole), SETTLE_S)
+    return (*first, *last), proof.measure(evidence(whole, given=[f"settle={SETTLE_S} s"]))
+
+
+def test_the_reduction_is_that_of_the_plants_true_tension_within_a_decibel(abab_run, measured):
+    four, found = measured
     assert [phase.on for phase in four] == [False, True, False, True]
     sizes = [true_size(abab_run[1], phase) for phase in four]
     true_dB = 10.0 * math.log10(sizes[0] * sizes[2] / sizes[1] / sizes[3])
@@ -42,12 +48,9 @@ def test_the_reduction_is_that_of_the_plants_true_tension_within_a_decibel(abab_
     assert found.verdict is Verdict.PASS
 
 
-def test_the_turns_of_each_off_and_on_are_counted_and_shown(abab_run):
-    whole = window(abab_run[0], from_s=5.0)
-    found = proof.measure(evidence(whole, given=[f"settle={SETTLE_S} s"]))
-    for part, phase in zip(
-        proof.PARTS, proof.last_off_on_off_on(phases(whole), SETTLE_S), strict=True
-    ):
+def test_the_turns_of_each_off_and_on_are_counted_and_shown(abab_run, measured):
+    four, found = measured
+    for part, phase in zip(proof.PARTS, four, strict=True):
         time_s, _, angle_rad = abab_run[1].T
         passed_rad = np.ptp(angle_rad[(time_s >= phase.from_s) & (time_s < phase.to_s)])
         turns = figure(found, f"{part}: whole turns of swrap_follower")  # it is the larger one
@@ -85,7 +88,7 @@ def test_a_promise_that_is_not_kept_fails(abab_run):
 def test_a_proof_in_which_no_order_stands_out_is_open_and_no_pass(abab_run):
     """Of each on a second is left behind its settling: no order can be told in it."""
     whole = window(abab_run[0], from_s=5.0)
-    on = min(one.to_s - one.from_s for one in phases(whole) if one.on)
+    on = min(one.to_s - one.from_s for _, one in offs_and_ons(phases(whole), 20.0)) + 20.0
     found = proof.measure(evidence(whole, given=[f"settle={on - 1.0} s", "promised=3 dB"]))
     assert found.verdict is Verdict.OPEN
     assert found.missing[0].startswith("nothing is proven: no corrected order stands out")
@@ -101,16 +104,35 @@ def parts(pattern):
     return [Phase(on=on, from_s=100.0 * k, to_s=100.0 * k + 90.0) for k, on in enumerate(pattern)]
 
 
-def test_the_last_four_count_and_each_on_settles_first():
-    four = proof.last_off_on_off_on(parts([False, True, False, True, False, True]), 30.0)
-    assert [(p.from_s, p.to_s) for p in four] == [
-        (200.0, 290.0),
-        (330.0, 390.0),
-        (400.0, 490.0),
-        (530.0, 590.0),
+def test_each_off_counts_with_the_on_behind_it_once_that_has_settled():
+    pairs = offs_and_ons(parts([True, False, True, False, True, False]), 30.0)
+    assert [(off.from_s, off.to_s, on.from_s, on.to_s) for off, on in pairs] == [
+        (100.0, 190.0, 230.0, 290.0),
+        (300.0, 390.0, 430.0, 490.0),
     ]
-    assert proof.last_off_on_off_on(parts([False, True, False]), 30.0) == []
-    assert proof.last_off_on_off_on(parts([False, True, False, True]), 95.0) == []
+    assert offs_and_ons(parts([False, True]), 95.0) == []
+
+
+def test_a_pair_that_a_fault_cut_short_is_left_out_and_the_one_made_again_counts(
+    abab_run, measured
+):
+    """By formula there are three: 4 s of the second's on are left once it has settled."""
+    made = offs_and_ons(phases(window(abab_run[0], from_s=5.0)), SETTLE_S)
+    left_out = [
+        text for text in measured[1].remarks if text.startswith("left out, fewer than 20 ")
+    ]
+    assert len(left_out) == len(made) - 2
+    assert all(text.endswith(", 4 s") for text in left_out)
+    assert measured[1].verdict is Verdict.PASS
+
+
+def test_the_last_two_whole_ones_count_and_without_them_the_last_two():
+    def of(*pairs):
+        return last_two(reversed(pairs), str.isupper)
+
+    assert of("A", "B", "C") == (["B", "C"], [])
+    assert of("A", "B", "c", "D", "e") == (["B", "D"], ["c", "e"])
+    assert of("A", "b", "c") == (["b", "c"], [])
 
 
 def test_two_changes_are_one_reduction_with_both_their_spreads():
