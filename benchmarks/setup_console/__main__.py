@@ -19,13 +19,15 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.files import replace_text
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models.gateway import ModbusTcp
+from benchmarks.setup_console.at_the_machine import StuckError
 from benchmarks.setup_console.commissioning import Commissioning
 from benchmarks.setup_console.page import page
-from benchmarks.setup_console.plants import PLANTS, PlayedPlant
-from benchmarks.setup_console.technician import StuckError, Technician
+from benchmarks.setup_console.plants import PLANTS
+from benchmarks.setup_console.technician import Technician
 from benchmarks.setup_console.terminal import play
 from benchmarks.setup_console.words import wrong_words
 from sim_plant.demo.processes import PLANT, RUNTIME, Child
+from sim_plant.demo.unusual_plants import UnusualPlant
 from sim_plant.demo.wires import free_port
 from sim_plant.servers.map_file import load_plc_map
 
@@ -39,7 +41,7 @@ def say(text: str) -> None:
     sys.stdout.flush()
 
 
-def commissioned(name: str, plant: PlayedPlant, out: Path, steps: str, first: int) -> bool:
+def commissioned(name: str, plant: UnusualPlant, out: Path, steps: str, first: int) -> bool:
     """Play one plant; return whether all of it came out.
 
     Parameters

@@ -3,20 +3,14 @@
 from __future__ import annotations
 
 import re
-import statistics
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 
+from aff_runtime.base.signals import Status
+from benchmarks.setup_console.at_the_machine import MOST_TRIES, AtTheMachine, StuckError
 from benchmarks.setup_console.plants import FURTHER
-from sim_plant.demo.session import pause
-from sim_plant.servers.answers import PlantStatus
-from sim_plant.servers.control_client import ask
 
-LBF_N, IN_M, FPM_M_S = 4.4482216152605, 0.0254, 0.00508
-WALK_S, PRESSED_S = 2.0, 3.0
-LOOKS, LOOK_S = 10, 0.1
-MOST_TRIES = 4
 SECOND, SECOND_TENSION = "swrap_follower", "pullroll_tension_N"
 RECORDED = [name for name in FURTHER if name != "line_speed_ref_m_s"]
 # what a question asks for, and the channel whose display shows it
@@ -56,44 +50,36 @@ ANSWERS = {
     "Width": "6 in",
     "Outer radius of the core": "1.75 in",
 }
+PARTS = {
+    "number": "Which number has word",
+    "function": "Function codes",
+    "status.order": "AFF's own order of bits",
+    **{f"bits.{bit.name}": f"{bit.name}: " for bit in Status},
+}
+"""Part of a question, by the name that it has on a screen."""
 _ASKED = re.compile(r"now as (?P<what>.+?), all digits|PLC show the (?P<encoder>.+?), and does")
 
 
-class StuckError(Exception):
-    """A question comes again and again."""
-
-
-class Technician:
+class Technician(AtTheMachine):
     """Reads the terminal, the displays and the manual, types the answers.
-
-    Where setup takes a row by Enter he takes it; else he presses on the load cell behind the
-    unwind, and looks the others up in the manual.
 
     Parameters
     ----------
     socket : the plant's control socket. ``port`` : of its Modbus server.
-    manual : first wire address of every channel. ``answers`` : what he says otherwise.
-
-    Attributes
-    ----------
-    questions : how many were asked. ``by_enter``, ``by_moving``, ``by_manual`` : channels by how
-        their word was chosen.
+    manual : first wire address of every channel.
+    answers : what he says otherwise, by the question's name on a screen.
     """
 
     def __init__(
         self, socket: Path, port: int, manual: Mapping[str, int], answers: Mapping[str, str]
     ) -> None:
-        self._socket = socket
-        self._manual = manual
-        self._answers = {**ANSWERS, "Port": str(port), **answers}
+        super().__init__(socket, manual)
+        self._otherwise = answers
+        asked = {part: answers[name] for name, part in PARTS.items() if name in answers}
+        self._answers = {**ANSWERS, "Port": str(port), **asked}
         self._further = iter([*RECORDED, "none"])
         self._channel = ""
         self._times: Counter[str] = Counter()
-        self._said: dict[str, list[str]] = {}
-        self.questions = 0
-        self.by_enter: list[str] = []
-        self.by_moving: list[str] = []
-        self.by_manual: list[str] = []
 
     def answer(self, question: str) -> str:
         """Return what to type; empty takes the default.
@@ -106,11 +92,12 @@ class Technician:
         self.questions += 1
         asked = _ASKED.search(question)
         if asked is not None:
-            return self._shown(asked["what"] or asked["encoder"])
+            return self._seen(asked["what"] or asked["encoder"])
         if "Which one?" in question:
-            return self._pick(question)
+            is_sure = re.search(r"\[\d+\]: $", question) is not None
+            return self.row(self._channel, is_sure=is_sure)
         if "move this alone" in question:
-            self._move()
+            self.move(self._channel)
             return ""
         if "Further channel" in question:
             return next(self._further)
@@ -120,62 +107,9 @@ class Technician:
         found = [said for part, said in self._answers.items() if part in question]
         return found[-1] if found else ""
 
-    def _shown(self, what: str) -> str:
+    def _seen(self, what: str) -> str:
         """Return what the display shows; an encoder is there."""
         self._channel = DISPLAYS[what]
         if self._channel.endswith("_rad"):
-            return ""
-        value = self.mean(self._channel)
-        unit, text = _SHOWN[self._channel.rpartition("_")[2]]
-        if self._channel.endswith("_rad_s"):
-            return f"{value:.3f} rad/s"
-        if self._channel.endswith("_m_s"):
-            return f"{value / FPM_M_S:.1f} FPM"
-        return text.format(value / unit)
-
-    def _pick(self, question: str) -> str:
-        channel = self._channel
-        said = self._said.setdefault(channel, [])
-        if len(said) > MOST_TRIES:
-            raise StuckError(f"{channel}: {question} {said}")
-        said.append(self._row(channel, question, said))
-        return said[-1]
-
-    def _row(self, channel: str, question: str, said: list[str]) -> str:
-        """Return Enter where there is a row for it; else what decides."""
-        if re.search(r"\[\d+\]: $", question):
-            (self.by_moving if "move" in said else self.by_enter).append(channel)
-            return ""
-        if channel == "unwind_tension_N" and "move" not in said:
-            return "move"
-        word = f"w{self._manual[channel]}"
-        if said and said[-1] == word:  # it is not among the rows: a value of another moment
-            self.by_manual.remove(channel)
-            return "again"
-        self.by_manual.append(channel)
-        return word
-
-    def _move(self) -> None:
-        """Press on the roller of the load cell, which the plant has as a fault of its reading."""
-        ask(self._socket, f"fault absurd={self._channel}@{WALK_S:g}:{PRESSED_S:g}")
-
-    def mean(self, channel: str) -> float:
-        """Return what a display shows of a channel, which smooths it."""
-        values = []
-        for _ in range(LOOKS if not channel.endswith("_m") else 1):
-            value = self.status().measured[channel]
-            assert value is not None
-            values.append(value)
-            pause(LOOK_S)
-        return statistics.fmean(values)
-
-    def status(self) -> PlantStatus:
-        """Return what the plant does now."""
-        return PlantStatus.from_json(ask(self._socket, "status"))
-
-
-_SHOWN: Mapping[str, tuple[float, str]] = {
-    "N": (LBF_N, "{:.1f} lbf"),
-    "m": (IN_M, "{:.2f} in"),
-    "s": (1.0, "{:.3f}"),
-}
+            return self._otherwise.get(f"{self._channel}.display", "")
+        return self.shown(self._channel)

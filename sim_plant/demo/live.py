@@ -5,6 +5,8 @@ from __future__ import annotations
 import secrets
 import subprocess
 from contextlib import ExitStack
+from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
@@ -19,13 +21,22 @@ from sim_plant.demo.session import (
     probe,
     service_command,
 )
+from sim_plant.demo.unusual_plants import PLC_MAP, UnusualPlant
+from sim_plant.demo.wires import MODBUS
+from sim_plant.servers.map_file import load_plc_map
 
 LOOK_S = 0.5
+FILES = {"can": "*.dbc", "canopen": "*.eds"}
 ACCOUNT = "demo"
 
 
 def run_live(
-    plan: Plan, progress: Progress, *, listen: str, hands_off: bool, fresh: bool = False
+    plan: Plan,
+    progress: Progress,
+    *,
+    listen: str,
+    hands_off: bool,
+    fresh: UnusualPlant | None = None,
 ) -> None:
     """Run until interrupted, or until one of them ends.
 
@@ -33,19 +44,22 @@ def run_live(
     ----------
     listen : ``ADDRESS:PORT`` of the screen.
     hands_off : leave probing and arming to whoever looks.
-    fresh : leave the site file to whoever looks as well; there is none.
+    fresh : plant to commission: there is no site file, that too is left to whoever looks.
 
     Raises
     ------
     PlantError
         When one of them does not start, or ends.
     """
-    bench = prepare(plan)
-    if fresh:
+    bench, line = prepare(plan), plan.line
+    if fresh is not None:
         bench.site.unlink()
+        more = fresh.serve_arguments(bench.folder)
+        bench = replace(bench, plant_arguments=(*bench.plant_arguments, *more))
+        line = fresh.line_file(bench.folder, line)
     with ExitStack() as stack:
         progress("starting the plant (compiles its kernel the first time)")
-        command = plant_command(bench, plan.line, plan.line_speed_m_s, plan.seed)
+        command = plant_command(bench, line, plan.line_speed_m_s, plan.seed)
         plant = Child("plant", command, bench.folder / "plant.log", "ready")
         stack.enter_context(plant)
         command = [*service_command(bench), "--hand", "commission", "--wait"]
@@ -61,19 +75,35 @@ def run_live(
         url = screen.await_line("look: ", 30.0).removeprefix("look: ")
         progress(f"\n  look at the line: {url}")
         progress(f"  bypass, arm, commission: log in as {ACCOUNT}, password {password}\n")
-        if fresh:
-            wire = bench.plant_arguments[bench.plant_arguments.index("--modbus") + 1]
-            progress(f"  the PLC to commission: {wire}, 24 words from wire address 0\n")
+        if fresh is not None:
+            progress(f"  the PLC to commission: {_reached(bench, fresh)}\n")
         else:
             await_state(bench, service, {"FAULT", "OFF", "READY"}, 30.0)
-        if not (hands_off or fresh):
-            _operate(bench, progress)
+            if not hands_off:
+                _operate(bench, progress)
         progress(_commands(bench))
         children = (plant, service, commissioner, screen)
         while all(child.process.poll() is None for child in children):
             pause(LOOK_S)
         ended = next(child for child in children if child.process.poll() is not None)
         raise PlantError(f"the {ended.name} ended: {ended.tail()}")
+
+
+def _reached(bench: Bench, plant: UnusualPlant) -> str:
+    """Return how the PLC is reached, and where its manual is."""
+    given = dict(pairwise(bench.plant_arguments))
+    if plant.wire != MODBUS:
+        files = sorted(bench.folder.glob(FILES[plant.wire]))
+        names = ", ".join(one.name for one in files)
+        return (
+            f"interface frame_socket, channel {given['--channel']}; beside the site file: {names}"
+        )
+    manual = Path(given.get("--plc", PLC_MAP))  # the shipped one, where it is not edited
+    words = load_plc_map(manual)
+    return (
+        f"{given['--modbus']}, {words.read_count} words from wire address {words.read_start}; "
+        f"its manual: {manual}"
+    )
 
 
 def _account(accounts: Path) -> str:

@@ -13,8 +13,9 @@ from sim_plant.base.shipped import shipped
 from sim_plant.base.yaml_edit import value_at, with_values
 from sim_plant.line.yaml_file import parse_yaml
 
-SITES = {"modbus": "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_canopen.yaml"}
-FILM_SITES = {"modbus": "film.yaml", "can": "film_can.yaml"}
+MODBUS = "modbus"
+SITES = {MODBUS: "euclid.yaml", "can": "euclid_can.yaml", "canopen": "euclid_canopen.yaml"}
+FILM_SITES = {MODBUS: "film.yaml", "can": "film_can.yaml"}
 _PLC_MAP = "plc/gateway_block.yaml"
 _PLC_ROW = ("write", "corrections", "unwind")
 _PROTOCOL = {"can": "dbc", "canopen": "canopen"}
@@ -59,7 +60,7 @@ def wire_up(wire: str, site: Path, folder: Path, limit_m_s: float | None = None)
     """
     values: dict[tuple[str, ...], str | float]
     arguments: tuple[str, ...]
-    if wire == "modbus":
+    if wire == MODBUS:
         port = free_port()
         values = {("gateway", "modbus_tcp", "port"): port}
         arguments = ("--modbus", f"127.0.0.1:{port}")

@@ -12,7 +12,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Status
 from sim_plant.line.yaml_file import load_yaml
-from sim_plant.servers.plc_map import CorrectionItem, PlcMap
+from sim_plant.servers.plc_map import CorrectionItem, PlcMap, StatusBit
 from sim_plant.servers.words import RegisterItem, WordType
 
 _READ_WORDS = ("plc_heartbeat", "status", "roll_id")
@@ -27,6 +27,12 @@ def _not_zero(scale: float) -> float:
     return scale
 
 
+def _only_status(names: Sequence[object]) -> None:
+    unknown = [name for name in names if name not in Status.__members__]
+    if unknown:
+        raise ValueError(f"unknown {unknown}; known are {list(Status.__members__)}")
+
+
 class _Strict(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True)
 
@@ -38,6 +44,22 @@ _SignedScale = Annotated[float, Field(), AfterValidator(_not_zero)]
 
 class _WordRow(_Strict):
     address: _Address
+
+
+class _BitRow(_Strict):
+    bit: Annotated[int, Field(ge=0, le=15)]
+    address: _Address | None = None
+    inverted: bool = False
+
+
+class _StatusRow(_WordRow):
+    bits: dict[str, _BitRow] = {}
+
+    @field_validator("bits")
+    @classmethod
+    def _known(cls, bits: dict[str, _BitRow]) -> dict[str, _BitRow]:
+        _only_status(list(bits))
+        return bits
 
 
 class _ChannelRow(_Strict):
@@ -63,7 +85,7 @@ class _CorrectionRow(_Strict):
 
 class _ReadRows(_Strict):
     plc_heartbeat: _WordRow
-    status: _WordRow
+    status: _StatusRow
     roll_id: _WordRow
     aff_echo: _WordRow | None = None
     applied: dict[str, _AppliedRow] = {}
@@ -91,9 +113,7 @@ class _SafetyRows(_Strict):
     def _known(cls, names: object) -> object:
         if not isinstance(names, list):
             return names
-        unknown = [name for name in names if name not in Status.__members__]
-        if unknown:
-            raise ValueError(f"unknown {unknown}; known are {list(Status.__members__)}")
+        _only_status(names)
         return tuple(names)
 
 
@@ -156,8 +176,11 @@ def _build(rows: _MapFile) -> PlcMap:
         RegisterItem(name=name, address=row.address - base, type=row.type, scale=row.scale)
         for name, row in rows.read.applied.items()
     )
+    bits = tuple(_status_bits(rows.read.status, base))
+    places = {one.address for one in bits} - {read["status"]}
     shown = [(item.address, item.length) for item in (*channels, *applied)]
-    read_start, read_count = _block("read", _MAX_READ, [*_spans(read), *shown])
+    words = [*_spans(read), *shown, *((address, 1) for address in places)]
+    read_start, read_count = _block("read", _MAX_READ, words)
     copies = ((c.complement_address, c.item.length) for c in corrections)
     values = ((c.item.address, c.item.length) for c in corrections)
     write_start, write_count = _block("write", _MAX_WRITE, [*_spans(write), *values, *copies])
@@ -182,7 +205,14 @@ def _build(rows: _MapFile) -> PlcMap:
         permissives=permissives,
         applied=applied,
         scan_s=rows.scan_ms * 1e-3 if rows.scan_ms is not None else 0.0,
+        status_bits=bits,
     )
+
+
+def _status_bits(row: _StatusRow, base: int) -> Iterable[StatusBit]:
+    for name, one in row.bits.items():
+        at = row.address if one.address is None else one.address
+        yield StatusBit(flag=Status[name], address=at - base, bit=one.bit, inverted=one.inverted)
 
 
 def _spans(words: Mapping[str, int]) -> Iterable[tuple[int, int]]:

@@ -19,6 +19,16 @@ class CorrectionItem:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class StatusBit:
+    """Where a PLC with an order of its own shows one status bit; ``inverted``: 0 means yes."""
+
+    flag: Status
+    address: int
+    bit: int
+    inverted: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PlcMap:
     """Where every word of the PLC lives (wire addresses) and how its safety half is set.
 
@@ -34,6 +44,7 @@ class PlcMap:
     fade_s : time of the ramp to zero.
     permissives : status bits that must all be set for a correction to count.
     scan_s : time of a scan; 0: the sample time of the line.
+    status_bits : of a PLC with an order of its own; empty: AFF's order, in the word ``status``.
     """
 
     read: Mapping[str, int]
@@ -51,6 +62,7 @@ class PlcMap:
     permissives: Status
     applied: tuple[RegisterItem, ...] = ()
     scan_s: float = 0.0
+    status_bits: tuple[StatusBit, ...] = ()
 
     def encode_read(
         self,
@@ -62,6 +74,8 @@ class PlcMap:
         block = [0] * self.read_count
         for name, address in self.read.items():
             block[address - self.read_start] = words[name] & 0xFFFF
+        if self.status_bits:
+            self._put_status_bits(block, words["status"])
         rows = [(item, values_si) for item in self.channels]
         rows += [(item, applied_si) for item in self.applied]
         for item, values in rows:
@@ -70,6 +84,13 @@ class PlcMap:
                 values[item.name], low_first=self.low_first
             )
         return block
+
+    def _put_status_bits(self, block: list[int], status: int) -> None:
+        """Show the status in the PLC's own order; a bit without a place is not shown."""
+        block[self.read["status"] - self.read_start] = 0
+        for place in self.status_bits:
+            if bool(status & place.flag) is not place.inverted:
+                block[place.address - self.read_start] |= 1 << place.bit
 
     def read_value(self, block: Sequence[int], item: RegisterItem) -> float:
         """Return what the read block says of a channel or of what is applied, SI."""

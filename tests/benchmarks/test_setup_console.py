@@ -8,11 +8,15 @@ from typing import Any
 
 import pytest
 
+from aff_runtime.app.setup.draft import Draft
+from aff_runtime.app.setup.interview import bit_questions, first_number, status_questions
 from aff_runtime.config.loader import load_site
+from benchmarks.setup_console.at_the_machine import MOST_TRIES, StuckError
 from benchmarks.setup_console.page import page
-from benchmarks.setup_console.plants import FURTHER, LINE, PLANTS
-from benchmarks.setup_console.technician import MOST_TRIES, StuckError, Technician
+from benchmarks.setup_console.plants import FURTHER, PLANTS
+from benchmarks.setup_console.technician import Technician
 from benchmarks.setup_console.words import wrong_words
+from sim_plant.demo.unusual_plants import LINE
 from sim_plant.line.yaml_file import load_yaml
 from sim_plant.servers.map_file import load_plc_map
 
@@ -24,13 +28,15 @@ class AtTheDisplay(Technician):
     """A technician whose displays stand still, and who moves nothing."""
 
     def __init__(self, **answers: str) -> None:
-        super().__init__(Path(), 5020, {"unwind_tension_N": 2, "r3_tension_N": 19}, answers)
+        manual = {"unwind_tension_N": 2, "r3_tension_N": 19}
+        named = {name.replace("__", "."): text for name, text in answers.items()}
+        super().__init__(Path(), 5020, manual, named)
         self.moves = 0
 
     def mean(self, channel: str) -> float:
         return 90.0
 
-    def _move(self) -> None:
+    def move(self, channel: str) -> None:
         self.moves += 1
 
 
@@ -40,7 +46,7 @@ def test_every_plant_has_a_map_and_a_line_with_what_is_unlike(name: str, tmp_pat
     assert {item.name for item in plc.channels} >= FURTHER.keys()
     line = PLANTS[name].line_file(tmp_path)
     assert load_yaml(line)[0]
-    is_edited = bool(PLANTS[name].edits)
+    is_edited = bool(PLANTS[name].line)
     assert (line.read_text() != LINE.read_text()) is is_edited
 
 
@@ -62,6 +68,24 @@ def test_a_word_that_is_no_row_is_asked_for_at_another_moment_and_not_for_ever()
     assert said == ["w19", "again", "w19", "again", "w19"]
     with pytest.raises(StuckError, match="r3_tension_N"):
         who.answer(WHICH)
+
+
+def test_what_a_plant_has_otherwise_he_says_to_the_question_of_that_name() -> None:
+    """An answer by a name that no question of the console has would never be given."""
+    status = PLANTS["status bits of its own"].answers
+    who = AtTheDisplay(
+        number="40001", **{name.replace(".", "__"): a for name, a in status.items()}
+    )
+
+    def known(_: int) -> str:
+        return ""
+
+    draft = Draft(answers={"heartbeat": "0"})
+    asked = (first_number(0), *status_questions(known), *bit_questions(draft, known))
+    said = {one.name: who.answer(f"{one.text}: ") for one in asked}
+    assert {name: text for name, text in said.items() if text} == {
+        **status, "number": "40001", "status.word": "1"
+    }  # fmt: skip
 
 
 def test_a_question_that_nothing_answers_is_not_asked_for_ever() -> None:

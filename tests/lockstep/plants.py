@@ -6,10 +6,7 @@ PLC, wire, setup and runtime in one process and in virtual time: real Modbus fra
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from functools import reduce
 from pathlib import Path
-from typing import Any
 
 from aff_runtime.app.setup.dialogue import Dialogue
 from aff_runtime.app.setup.draft import Draft
@@ -24,20 +21,17 @@ from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.tcp_wire import Connecting
 from sim_plant.base.ports import SteppedLine
+from sim_plant.demo.unusual_plants import PLANTS as ALL
+from sim_plant.demo.unusual_plants import UnusualPlant
 from sim_plant.servers.faults import FaultBoard
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.modbus_answer import answer_to
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.plc import Plc
-from tests import quick_yaml
 from tests.doubles.lockstep_plant import LockstepPlant
 from tests.doubles.virtual_clock import VirtualClock
-from tests.lockstep.known_response import LINE, ROOT
 
-PLC_MAP = ROOT / "config" / "plc" / "gateway_block.yaml"
-TURN = 6.283185307179586
 SECOND, SECOND_CHANNEL = "swrap_follower", "pullroll_tension_N"
-Edit = Callable[[str], str]
 
 
 class LeftOpenError(AssertionError):
@@ -48,93 +42,12 @@ class RefusedAnswerError(Exception):
     """An answer was refused; the text is what the technician reads."""
 
 
-def unwind_filter_5_Hz(text: str) -> str:
-    """Give the unwind's load cell an amplifier of 5 Hz."""
-    before, cell, after = text.partition("- channel: unwind_tension_N\n")
-    return before + cell + after.replace("low_pass_Hz: 20.0", "low_pass_Hz: 5.0", 1)
-
-
-def drive_60_ms_late(text: str) -> str:
-    """Let corrections reach the unwind's drive 60 ms late."""
-    late = "- effect: loop_delay\n  location: unwind\n  parameters: {delay_s: 0.06}\n"
-    return text + late
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class UnusualPlant:
-    """What is unlike the shipped plant.
-
-    Attributes
-    ----------
-    plc : what the PLC's map says otherwise.
-    line : edit of the line's declaration.
-    fc23 : whether the PLC knows function 23.
-    answers : what the technician says otherwise.
-    """
-
-    plc: Mapping[str, Any] = field(default_factory=dict)
-    line: Edit | None = None
-    fc23: bool = True
-    answers: Mapping[str, str] = field(default_factory=dict)
-
-    def plc_map(self, folder: Path) -> Path:
-        """Write the PLC's map."""
-        path = folder / "plc.yaml"
-        whole = quick_yaml.safe_load(PLC_MAP.read_text(encoding="utf-8"))
-        path.write_text(quick_yaml.safe_dump(_merged(whole, self.plc)), encoding="utf-8")
-        return path
-
-    def line_file(self, folder: Path) -> Path:
-        """Return the line's declaration; a written one where it is unlike the shipped one."""
-        if self.line is None:
-            return LINE
-        path = folder / "line.yaml"
-        path.write_text(self.line(LINE.read_text(encoding="utf-8")), encoding="utf-8")
-        return path
-
-
-def angle(address: int, kind: str, scale: float = TURN / 4096) -> dict[str, Any]:
-    """Return a channel that starts over."""
-    return {"address": address, "type": kind, "scale": scale, "wraps": True}
-
-
-def _angles(unwind: Mapping[str, Any], second: Mapping[str, Any]) -> dict[str, Any]:
-    return {"read": {"channels": {"unwind_angle_rad": unwind, f"{SECOND}_angle_rad": second}}}
-
-
 PLANTS: Mapping[str, UnusualPlant] = {
-    "low words first": UnusualPlant(plc={"word_order": "low_first"}),
-    "a manual that counts from 40001": UnusualPlant(answers={"number": "40001"}),
-    "unsigned angles of two words": UnusualPlant(plc=_angles(angle(11, "u32"), angle(13, "u32"))),
-    "angles of one word": UnusualPlant(
-        plc=_angles(angle(11, "u16"), angle(13, "i16", TURN / 16384))
-    ),
-    "an encoder that counts against the web": UnusualPlant(
-        plc=_angles(angle(11, "i32", -TURN / 4096), angle(13, "i16", -TURN / 8192))
-    ),
-    "low words first, against the web": UnusualPlant(
-        plc={
-            "word_order": "low_first",
-            **_angles(angle(11, "i32", -TURN / 4096), angle(13, "u32")),
-        }
-    ),
-    "a heartbeat of 10 ms": UnusualPlant(plc={"scan_ms": 10.0}),
-    "functions 3 and 16 alone": UnusualPlant(fc23=False, answers={"function": "fc3_fc16"}),
-    "a load cell with a filter of 5 Hz": UnusualPlant(line=unwind_filter_5_Hz),
-    "a drive that is 60 ms late": UnusualPlant(line=drive_60_ms_late),
-}  # fmt: skip
-
-
-def _merged(whole: dict[str, Any], other: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a mapping with parts of it exchanged."""
-
-    def put(into: dict[str, Any], item: tuple[str, Any]) -> dict[str, Any]:
-        name, value = item
-        kept = into.get(name)
-        inner = isinstance(kept, dict) and isinstance(value, Mapping) and "address" not in value
-        return {**into, name: _merged(kept, value) if inner else value}
-
-    return reduce(put, other.items(), whole)
+    name: plant
+    for name, plant in ALL.items()
+    if plant.wire == "modbus" and plant != UnusualPlant()
+}
+"""Those that frames of Modbus reach, and that are unlike the shipped one."""
 
 
 class FrameWire:
@@ -276,7 +189,7 @@ class Technician:
         return {
             **at,
             "unwind_tension_N.display": lambda: f"{measured('tension_ref_N'):.1f} N",
-            "tension_ref_N.display": lambda: f"{measured('tension_ref_N'):.2f} N",
+            "tension_ref_N.display": lambda: f"{measured('tension_ref_N'):.1f} N",
             f"{speed}.display": lambda: f"{measured(speed):.2f} m/s",
             "unwind_radius_m.display": lambda: f"{1e3 * measured('unwind_radius_m'):.1f} mm",
             f"{SECOND}_speed_m_s.display": lambda: f"{60.0 * measured(speed):.0f} m/min",

@@ -114,6 +114,11 @@ def commissioned(plant: UnusualPlant, folder: Path) -> Commissioned:
 def test_an_unusual_plant_gets_to_a_quiet_web(name: str, tmp_path: Path) -> None:
     found = commissioned(PLANTS[name], tmp_path)
     assert found.state is State.ACTIVE, found.said
+    unwind = found.site.actuators["unwind"].blocks
+    corrected = {order for block in unwind if block.roll == "unwind" for order in block.orders}
+    assert corrected >= {1, 2}
     for order, before, after in zip(ORDERS, found.before_N, found.after_N, strict=True):
+        if order not in corrected:  # without an encoder setup proposes no shape
+            continue
         assert before > 0.3
         assert after < max(QUIETER * before, FLOOR_N), f"{order}x: {before:.3f} -> {after:.4f} N"

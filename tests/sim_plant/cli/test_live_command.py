@@ -14,6 +14,8 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli import demo, live
 from sim_plant.cli.demo import ROOT, live_command, plan_of
+from sim_plant.demo.unusual_plants import LINE, PLANTS
+from sim_plant.servers.map_file import load_plc_map
 
 needs_make = pytest.mark.skipif(shutil.which("make") is None, reason="make is needed")
 RUNS = [
@@ -88,3 +90,34 @@ def test_what_is_no_line_of_ours_is_refused(asked: list[str]) -> None:
     for name in ("demo", "live"):
         with pytest.raises(PlantError, match=r"--wire canopen|--speed-fpm 5"):
             plan_of(parsed([name, *asked]))
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        (["--plant", "CANopen"], "write --fresh too"),
+        (["--fresh", "--plant", "high words"], "known are shipped, low words first, "),
+        (["--fresh", "--plant", "CANopen", "--wire", "can"], "reached by --wire canopen"),
+        (["--fresh", "--plant", "shipped", "--limit-m-s", "0.3"], "leave --limit-m-s out"),
+    ],
+)
+def test_a_plant_to_commission_that_cannot_be_is_refused(asked: list[str], said: str) -> None:
+    with pytest.raises(PlantError, match=said):
+        live.run(parsed(["live", *asked]))
+
+
+def test_a_plant_to_commission_brings_its_wire_its_map_and_its_line(tmp_path: Path) -> None:
+    assert live.plant_of(parsed(["live"])) is None
+    bus = live.plant_of(parsed(["live", "--fresh", "--wire", "can"]))
+    assert bus is not None
+    assert (bus.wire, bus.serve_arguments(tmp_path), bus.line_file(tmp_path)) == ("can", (), LINE)
+    assert bus == PLANTS["CAN by DBC"]
+    late = PLANTS["drive 60 ms late"]
+    assert "delay_s: 0.06" in late.line_file(tmp_path).read_text()
+    with pytest.raises(PlantError, match=r"film\.yaml: this plant is another one, edited"):
+        late.line_file(tmp_path, ROOT / "config/lines/film.yaml")
+    map_option, file, no_fc23 = replace(
+        PLANTS["functions 3 and 16"], plc=PLANTS["low words first"].plc
+    ).serve_arguments(tmp_path)
+    assert (map_option, no_fc23) == ("--plc", "--no-fc23")
+    assert load_plc_map(Path(file)).low_first

@@ -65,6 +65,24 @@ def test_low_first_exchanges_the_words_of_32_bit_values_only(tmp_path):
     assert plc_map.swap_read(words) == GOLDEN
 
 
+BITS = (
+    "status:        { address: 1 }",
+    "status: { address: 1, bits: { LINE_RUN: { bit: 9 }, WEB_INTACT: { bit: 12, inverted: true }, "
+    "ESTOP_OK: { address: 19, bit: 7 } } }",
+)
+
+
+def test_a_plc_with_an_order_of_its_own_shows_its_bits_there_and_no_others(tmp_path):
+    plc_map = load_plc_map(edited(tmp_path, BITS))
+    shown = plc_map.encode_read(WORDS, VALUES, APPLIED)
+    assert [shown[0], *shown[2:18]] == [GOLDEN[0], *GOLDEN[2:]]
+    assert (shown[1], shown[18:]) == (1 << 9, [0, 1 << 7])
+    broken = plc_map.encode_read(WORDS | {"status": 0}, VALUES, APPLIED)
+    assert (broken[1], broken[18:]) == (1 << 12, [0, 0])
+    with pytest.raises(PlantError, match=r"bits.*unknown \['WEB'\]"):
+        load_plc_map(edited(tmp_path, BITS, ("WEB_INTACT: { bit", "WEB: { bit")))
+
+
 def test_address_base_one_is_one_less_on_the_wire(tmp_path):
     first = ("plc_heartbeat: { address: 0 }", "plc_heartbeat: { address: 19 }")
     path = edited(tmp_path, first, ("address_base: 0", "address_base: 1"))

@@ -13,6 +13,7 @@ from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.quantities import quantities
 from aff_runtime.app.setup.questions import Question
 from aff_runtime.app.setup.steps import Steps
+from sim_plant.demo.unusual_plants import with_channels
 from tests.aff_runtime.cli.virtual_line import VirtualLine
 from tests.lockstep.plants import (
     LeftOpenError,
@@ -25,7 +26,7 @@ from tests.lockstep.plants import (
 CELLS = {"unwind_tension_N": 2, "pullroll_tension_N": 9, "r3_tension_N": 19}
 SHOWN_N = 90.0
 WALK_S, HELD_S = 3.0, 2.0
-PLC = {"read": {"channels": {"r3_tension_N": {"address": 19, "type": "i32", "scale": 0.001}}}}
+PLC = (with_channels({"r3_tension_N": "{ address: 19, type: i32, scale: 0.001 }"}),)
 
 
 class OneTension(VirtualLine):

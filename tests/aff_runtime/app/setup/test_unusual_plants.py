@@ -16,6 +16,7 @@ from aff_runtime.base.signals import Command, Outcome
 from aff_runtime.cli.main import main
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
+from sim_plant.demo.unusual_plants import with_channels
 from sim_plant.refine.records.run_site import run_site
 from sim_plant.servers.plc_map import PlcMap
 from tests.aff_runtime.cli.virtual_line import REWIND_M, SECOND_N, SPEED_M_S, VirtualLine
@@ -29,7 +30,7 @@ from tests.lockstep.plants import (
     UnusualPlant,
 )
 
-BY_WORDS = [name for name, plant in PLANTS.items() if plant.line is None]
+BY_WORDS = [name for name, plant in PLANTS.items() if not plant.line]
 NAMES = {SECOND_CHANNEL: f"{SECOND}_tension_N"}
 
 
@@ -50,6 +51,13 @@ def assert_says_what_the_map_says(
     assert site.gateway.word_order == ("low_first" if plc.low_first else "high_first")
     for name in ("plc_heartbeat", "status", "roll_id", "aff_echo"):
         assert at(getattr(read, name).register_number) == plc.read[name], name
+    bits = read.status.bits.given if read.status.bits else {}
+    said = {(name, one.register_number, one.bit, one.inverted) for name, one in bits.items()}
+    shown = {
+        (str(one.flag.name), None if one.address == plc.read["status"] else one.address, one.bit,
+         one.inverted) for one in plc.status_bits
+    }  # fmt: skip
+    assert said == shown
     for name in ("aff_heartbeat", "state", "echo", "alarm", "limit", "config_revision"):
         assert at(getattr(site.gateway.write, name).register_number) == plc.write[name], name
     for row in plc.corrections:
@@ -75,7 +83,8 @@ def test_setup_finds_the_words_of_an_unusual_plant_and_its_file_is_checked(
     assert_says_what_the_map_says(site, made.map)
     assert main(["check", str(tmp_path / "site.yaml"), "--state-dir", str(tmp_path)]) == 0
     capsys.readouterr()
-    assert technician.unasked == ["unwind_angle_rad.pick", f"{SECOND}_angle_rad.pick"]
+    angles = [item.name for item in made.map.channels if item.wraps]
+    assert technician.unasked == [f"{name}.pick" for name in angles]
     assert made.plant.registers.writes == 0
     scan_ms = 1e3 * made.map.scan_s or 5.0
     assert site.cycle_s == pytest.approx(1e-3 * scan_ms)
@@ -91,10 +100,10 @@ def test_a_plc_that_shows_nothing_of_a_turn_leaves_the_angle_out(tmp_path: Path)
     assert rolls[SECOND].speed == f"{SECOND}_speed_m_s"
 
 
-REFERENCE = {"line_speed_ref_m_s": {"address": 18, "type": "i16", "scale": 0.001}}
+REFERENCE = {"line_speed_ref_m_s": "{ address: 18, type: i16, scale: 0.001 }"}
 FURTHER = {
-    "r3_tension_N": {"address": 19, "type": "i32", "scale": 0.001},
-    "rewind_speed_rad_s": {"address": 21, "type": "i16", "scale": -0.01},
+    "r3_tension_N": "{ address: 19, type: i32, scale: 0.001 }",
+    "rewind_speed_rad_s": "{ address: 21, type: i16, scale: -0.01 }",
 }
 RPM = 60.0 / 6.283185307179586
 
@@ -112,7 +121,7 @@ def more_words(**answers: str) -> UnusualPlant:
         "rewind_speed_rad_s.display": f"{-SPEED_M_S / REWIND_M * RPM:.1f} rpm",
     }
     return UnusualPlant(
-        plc={"read": {"channels": {**REFERENCE, **FURTHER}}}, answers={**shown, **answers}
+        plc=(with_channels({**REFERENCE, **FURTHER}),), answers={**shown, **answers}
     )
 
 
