@@ -11,7 +11,6 @@ from sim_plant.servers.answers import PlantStatus
 from sim_plant.servers.control_client import ask
 
 LBF_N, IN_M, FPM_M_S = 4.4482216152605, 0.0254, 0.00508
-WALK_S, PRESSED_S = 2.0, 3.0
 LOOKS, LOOK_S = 10, 0.1
 MOST_TRIES = 4
 MOVED = "unwind_tension_N"
@@ -42,6 +41,9 @@ class AtTheMachine:
     questions : how many were asked. ``by_enter``, ``by_moving``, ``by_manual`` : channels by how
         their word was chosen.
     """
+
+    walk_s, pressed_s = 2.0, 3.0
+    """From Enter to the press on the load cell, and how long it lasts."""
 
     def __init__(self, socket: Path, manual: Mapping[str, int]) -> None:
         self._socket = socket
@@ -91,7 +93,7 @@ class AtTheMachine:
 
     def move(self, channel: str) -> None:
         """Press on the roller of the load cell, which the plant has as a fault of its reading."""
-        ask(self._socket, f"fault absurd={channel}@{WALK_S:g}:{PRESSED_S:g}")
+        ask(self._socket, f"fault absurd={channel}@{self.walk_s:g}:{self.pressed_s:g}")
 
     def mean(self, channel: str) -> float:
         """Return what a display shows of a channel, which smooths it; a radius at this moment."""

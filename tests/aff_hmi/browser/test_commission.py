@@ -1,6 +1,7 @@
 """From an empty folder to ACTIVE and a signed card at the screen alone, on a simulated line.
 
-No command is given but the one that stands for the box: plant, service, commissioner and screen.
+No command is given but `sim-plant live --fresh`, which stands for the box: plant, service,
+commissioner and screen.
 What only a person sees (displays, the PLC's manual) a table has.
 """
 
@@ -17,16 +18,24 @@ from aff_runtime.app.card.entries import Signed
 from aff_runtime.app.card.verify import verify
 from aff_runtime.app.card.work import CardFile
 from aff_runtime.app.hand import audit
+from benchmarks.wizard.fresh_line import FreshLine
+from benchmarks.wizard.playing import (
+    activated,
+    measured,
+    probed,
+    proven,
+    ready_to_probe,
+    rest_measured,
+    signed,
+)
+from benchmarks.wizard.technician import by_name
 from tests.aff_hmi.browser.axe import grave_findings
-from tests.aff_hmi.browser.commissioned import ANSWERS, FreshLine, Technician
+from tests.aff_hmi.browser.commissioned import ANSWERS, Technician
 from tests.aff_hmi.browser.test_looks import looked_at
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(1500)]
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(2100)]
 WIDTHS = {360: 740, 768: 1024, 1280: 800, 1920: 1080}
 LOOKS = list(product(WIDTHS, ("en", "de")))
-WHY = "seen at the simulated line"
-PROMISED_DB = 3.0
-UNDERSTOOD = re.compile(r"warnings_understood=(\d+)")
 WORD = re.compile(r"word \d+ ")
 
 
@@ -60,42 +69,21 @@ def test_a_line_is_commissioned_at_the_screen_alone(
     assert not site.exists()
     words_are_found(who, line, pictures)
     assert site.exists()
-    page.wait_for_selector('[data-stage="contact"][data-done="yes"]')
-
-    who.take_the_hand()
-    page.wait_for_selector("#bounds li")  # what a probe sends at most stands there before it
+    ready_to_probe(who)
     probed(who)
-    page.wait_for_selector("#found .response")
     pictured(who, pictures, "commission", "commission-found", "#found .response")
     activated(who)
 
-    who.go("card")
-    page.click("#begin")
-    page.wait_for_selector("#card:not([hidden])")
-    page.goto(f"{line.url}card?lang=en#9")
-    page.wait_for_selector('details[data-step="9"][open]')
-    limits = {"unwind": "0.15 m/s", "swrap_follower": "0.04 m/s"}
-    who.step(3, limits, stand="open")
-    asked = UNDERSTOOD.search(str(page.text_content('details[data-step="3"]')))
-    assert asked is not None  # how many there are, to be read one by one
-    who.step(3, {**limits, "warnings_understood": asked[1]}, stand="pass")
-    who.step(4, {"reaction": "ramp", "time": "120 ms"}, stand="pass")
-    proven(who)
-    who.step(10, {}, stand="pass|open|fail")  # a fast order that the probe knows badly is held
-    who.step(0, {}, stand="pass|fail")  # a machine that others use too may wake up late
-    signed = [0, 3, 4, 12]
-    for number in signed:
-        who.sign(number, WHY)
-    page.click("#verify")
-    page.wait_for_function(
-        "() => document.getElementById('job-last').textContent.includes('whole')"
-    )
+    stands = measured(who)
+    proof = proven(who)
+    stands |= {12: proof.stand, **rest_measured(who)}
+    assert signed(who, stands) == [0, 3, 4, 12], (stands, proof)
     pictured(who, pictures, "card", "card", "#card:not([hidden])")
     page.pdf(path=str(pictures / "card.pdf"))
 
     assert not verify(line.folder / "card", records=True).wrong
-    said = [one.said for one in CardFile.of(line.folder / "card").entries]
-    assert sorted(one.step for one in said if isinstance(one, Signed)) == signed
+    said = [one.content for one in CardFile.of(line.folder / "card").entries]
+    assert sorted(one.step for one in said if isinstance(one, Signed)) == [0, 3, 4, 12]
     assert {one.name for one in said if isinstance(one, Signed)} == {"demo"}
     kept = list(line.folder.rglob("commissioning/*/audit.jsonl"))
     assert [audit.verify(path).wrong for path in kept] == [""]
@@ -106,7 +94,8 @@ def test_a_line_is_commissioned_at_the_screen_alone(
 def words_are_found(who: Technician, line: FreshLine, pictures: Path) -> None:
     """Answer the interview: with pictures, a silent PLC, and a technician who leaves."""
     page = who.page
-    given = {**ANSWERS, "port": line.plc_port, "unwind_radius_m.display": line.radius_shown}
+    shown = {**ANSWERS, "port": line.plc_port, "unwind_radius_m.display": line.radius_shown}
+    given = by_name(shown)
     who.go("commission")
     who.open()
     page.click("#find-words")
@@ -153,37 +142,3 @@ def load_cell_is_told_by_moving_it(who: Technician, line: FreshLine, pictures: P
     assert "changed by" in first
     assert str(page.text_content("#default")).endswith(": 1")
     who.answer("")
-
-
-def probed(who: Technician) -> None:
-    """Probe until something is measured: a machine that others use too may trip it."""
-    for _ in range(3):
-        who.hold("#probe")
-        who.page.wait_for_selector('html[data-probed="now"]')
-        who.page.wait_for_selector('html:not([data-probed="now"])')
-        if who.page.get_attribute("html", "data-probed") == "yes":
-            return
-    who.page.wait_for_selector("html[data-probed='yes']")
-
-
-def activated(who: Technician) -> None:
-    """Arm until it is on: a machine that others use too may trip it."""
-    for _ in range(3):
-        who.hold("#arm")
-        who.page.wait_for_timeout(1500)
-        if who.page.get_attribute("html", "data-state") == "ACTIVE":
-            return
-    who.page.wait_for_selector("html[data-state='ACTIVE']")
-
-
-def proven(who: Technician) -> None:
-    """Off, on, off, on by hand, each as long as the page says; then step 12."""
-    page = who.page
-    times = page.evaluate("async () => (await (await fetch('/data/line')).json()).line.proof")
-    for _ in range(2):
-        page.keyboard.press("F9")
-        page.wait_for_selector("html[data-state='BYPASS']")
-        page.wait_for_timeout(1e3 * times["off_s"] + 2e3)
-        activated(who)
-        page.wait_for_timeout(1e3 * times["on_s"] + 4e3)
-    who.step(12, {"promised": f"{PROMISED_DB:g} dB"}, stand="pass|fail")

@@ -15,7 +15,7 @@ import pytest
 from aff_runtime.cli.main import main
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
-from tests.aff_runtime.app.setup.machine_answers import MACHINE_ANSWERS
+from benchmarks.wizard.answers import MACHINE_ANSWERS
 from tests.aff_runtime.cli.virtual_line import VirtualLine
 from tests.processes import until
 from tests.sim_plant.servers.served import Served, served
