@@ -15,9 +15,9 @@ from typing import Any
 import yaml
 
 from benchmarks.blind.cases import Case, drawn, make
-from benchmarks.cases.__main__ import KEYS, row_file
+from benchmarks.cases.__main__ import KEYS, row_file, told
 from benchmarks.cases.report import tables
-from benchmarks.cases.score import Label, label_of, named_sets, outcome, over_floor
+from benchmarks.cases.score import Label, named_sets, outcome, over_floor
 from benchmarks.cases.work import Pair, refine
 from benchmarks.rows import read_row, write_row
 
@@ -85,15 +85,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         draw([case], out)
         if given.draw_only:
             continue
-        told = json.loads(label_file(out, case).read_text("utf-8"))
-        label = label_of(told)
+        entry = json.loads(label_file(out, case).read_text("utf-8"))
+        label = told(out, entry)
         pair = Pair(folder=out, name=case.name, part="blind", out=out / "work" / case.name)
         row = read_row(row_file(out, pair), KEYS)
         if row is None:
             row = refine(pair)
             write_row(row_file(out, pair), row)
             with (out / RESULTS).open("a", encoding="utf-8") as file:
-                file.write(line_of(label, told["effects"], row))
+                file.write(line_of(label, entry["effects"], row))
         entries.append(("blind", label, row))
     if entries:
         print(HEAD.format(cases=given.cases, seed=given.seed) + tables(entries))

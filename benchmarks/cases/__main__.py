@@ -13,6 +13,7 @@ from typing import Any
 
 import yaml
 
+from benchmarks.cases.numbers import BY_LINE, declared_in
 from benchmarks.cases.report import page
 from benchmarks.cases.score import Label, label_of, outcome
 from benchmarks.cases.work import LIMIT_S, Pair, refine
@@ -60,7 +61,15 @@ def _say(text: str) -> None:
 def labels_of(folder: Path) -> list[Label]:
     """Return the labels of one part."""
     text = (folder / "labels.yaml").read_text(encoding="utf-8")
-    return [label_of(case) for case in yaml.safe_load(text)["cases"]]
+    return [told(folder, case) for case in yaml.safe_load(text)["cases"]]
+
+
+def told(folder: Path, case: Mapping[str, Any]) -> Label:
+    """Return a label of a folder, with what the line's file says where that changes a number."""
+    if BY_LINE.isdisjoint(effect["effect_class"] for effect in case["effects"]):
+        return label_of(case)
+    text = (folder / f"{case['case']}_a.yaml").read_text(encoding="utf-8")
+    return label_of(case, declared_in(yaml.safe_load(text)))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

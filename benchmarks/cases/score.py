@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from scipy import stats
 
+from benchmarks.cases.numbers import Declared, errors
+from benchmarks.cases.outside import is_honest
+
 Key = tuple[str, str]
 WITHOUT_PLACE = "all"  # a label that stands for every place of its kind
 SAME_PLACE: Mapping[str, str] = {"swrap": "swrap_lead"}
-ANGLE = "_angle_rad"  # angles drift on a line with another roll speed; they are not scored
+UNKNOWN_LINE = Declared()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -25,6 +28,8 @@ class Label:
     healthy, outside : no effect at all; one that no library holds.
     visible : whether the records show it.
     words : each effect with its place, as it was hidden.
+    hidden : the entries of ``labels.yaml``, numbers and all.
+    line : what the line's file says of numbers that an effect changes.
     """
 
     name: str
@@ -33,6 +38,8 @@ class Label:
     outside: bool
     visible: bool
     words: tuple[str, ...] = ()
+    hidden: tuple[Mapping[str, Any], ...] = field(default=(), repr=False)
+    line: Declared = UNKNOWN_LINE
 
     @property
     def kind(self) -> str:
@@ -42,7 +49,7 @@ class Label:
         return "single" if len(self.effects) == 1 else "pair"
 
 
-def label_of(case: Mapping[str, Any]) -> Label:
+def label_of(case: Mapping[str, Any], line: Declared = UNKNOWN_LINE) -> Label:
     """Return the label of one entry of ``labels.yaml``.
 
     ``accept`` lists other places or other effects that count as right.
@@ -61,6 +68,8 @@ def label_of(case: Mapping[str, Any]) -> Label:
         outside=bool(case["outside"]),
         visible=bool(case["visible"]),
         words=tuple(f"{e['effect_class']} at {e['location']}" for e in case["effects"]),
+        hidden=tuple(case["effects"]),
+        line=line,
     )
 
 
@@ -110,6 +119,18 @@ def is_right(label: Label, came_to: str) -> bool:
     """Return whether an outcome is the right one for this kind of case."""
     wanted = {"healthy": ("nothing",), "outside": ("unknown",)}
     return came_to in wanted.get(label.kind, ("exact", "set"))
+
+
+def is_right_outside(label: Label, verdict: Mapping[str, Any]) -> bool:
+    """Return whether a verdict tells class and coordinate of what no library holds."""
+    return is_honest(label.hidden[0]["parameters"], verdict)
+
+
+def number_errors(label: Label, verdict: Mapping[str, Any]) -> dict[str, float]:
+    """Return by how much, in %, the numbers of a right single effect are off, by name."""
+    if label.kind != "single" or not is_right(label, outcome(label, verdict)):
+        return {}
+    return errors(label.hidden[0], verdict, label.line)
 
 
 def over_floor(verdict: Mapping[str, Any]) -> tuple[float, float] | None:

@@ -8,9 +8,14 @@ from benchmarks.cases.report import page
 from benchmarks.cases.score import Label, label_of, outcome, over_floor, share_of
 
 
-def label(*effects, healthy=False, outside=False, visible=True) -> Label:
+def label(*effects, healthy=False, outside=False, visible=True, numbers=None) -> Label:
     entries = [
-        {"effect_class": name, "location": place, "accept": list(accept)}
+        {
+            "effect_class": name,
+            "location": place,
+            "accept": list(accept),
+            "parameters": numbers or {},
+        }
         for name, place, *accept in effects
     ]
     return label_of(
@@ -26,7 +31,9 @@ def label(*effects, healthy=False, outside=False, visible=True) -> Label:
 
 def verdict(*effects, beside=(), unknown=()):
     return {
-        "effects": [{"effect": name, "location": place} for name, place in effects],
+        "effects": [
+            {"effect": name, "location": place, "parameters": {}} for name, place in effects
+        ],
         "ambiguous": [{"effect": what, "with": list(others)} for what, others in beside],
         "unknown": [{"class": kind, "coordinate": {}} for kind in unknown],
     }
@@ -80,6 +87,34 @@ def test_the_worst_tension_is_judged_and_no_angle_or_speed():
 def test_a_share_comes_with_its_bounds():
     # Wilson 1927 for 12 of 30: 24.6 to 57.7 %
     assert str(share_of([True] * 12 + [False] * 18)) == "12 of 30 (40 %, 25 to 58)"
+
+
+def test_what_is_outside_is_counted_twice_once_by_its_coordinate():
+    fan = {"what": "air-bar pulsation", "strain": 1e-4, "frequency_Hz": 1.5}
+    outside = label(("unknown", "unwind_zone"), outside=True, numbers=fan)
+    near, far = ({"class": "time", "coordinate": {"frequency_Hz": f}} for f in (1.5, 3.0))
+    entries = [
+        ("check", outside, {"verdict": {"unknown": [said]}, "time_s": 1.0, "error": ""})
+        for said in (near, far)
+    ]
+    text = page(entries)
+    assert "unknown and no effect named: 2 of 2" in text
+    assert "class and coordinate right: 1 of 2" in text
+    assert "outside: air-bar pulsation at unwind_zone" in text
+    assert text.count("**unknown**") == 1
+
+
+def test_numbers_of_right_singles_are_on_the_page_and_those_of_pairs_are_not():
+    said = verdict(DRAG)
+    said["effects"][0]["parameters"] = {"constant_N_m": 0.051}
+    numbers = {"added_torque_N_m": 0.05}
+    entries = [
+        ("check", label(*hidden, numbers=numbers), {"verdict": said, "time_s": 1.0, "error": ""})
+        for hidden in ([DRAG], [DRAG, SLIP])
+    ]
+    text = page(entries)
+    assert text.count("2.0 (added_torque_N_m)") == 1
+    assert "(median / 90 %, %; 1 numbers): 2.000 / 2.000" in text
 
 
 def test_the_page_totals_each_part_apart_and_marks_what_is_not_right():
