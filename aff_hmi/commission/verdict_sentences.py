@@ -227,6 +227,14 @@ VERDICT = (
         "the records want {rest} from where it is declared, so the cause lies there or imitates it"
     ),
     N_("Look for what turns or swings at that coordinate; the amended line does not contain it."),
+    N_(
+        "At standstill hang weights on the measuring roller of {channel} one by one and take "
+        "them off again: a reading that comes back otherwise sticks."
+    ),
+    N_(
+        "Look for what a clock starts or stops at that period: a task of the PLC, a message on "
+        "the bus, a valve, a fan; the amended line does not contain it."
+    ),
     N_("Do not take the declaration for right: {rest} above noise on the record judged."),
     N_("Fit that record and judge on the other."),
     N_("Nothing to do: the declaration stands."),
@@ -249,6 +257,21 @@ VERDICT = (
     N_("{what}, or else {why}"),
     N_("something that repeats in time, {number} Hz at every speed"),
     N_("something that repeats in time, {number} Hz"),
+    N_(
+        "something that comes again every {number} s at every speed, strongest in {channel}, in "
+        "{zone}"
+    ),
+    N_("something that comes again every {number} s"),
+    N_(
+        "{channel} (and {rest} alike) depends on which way the tension went last, {number} N "
+        "apart, while the speeds tell it otherwise: so reads a cell at which something sticks or "
+        "has play, and a loop that holds it hunts"
+    ),
+    N_(
+        "{channel} depends on which way the tension went last, {number} N apart, while the speeds "
+        "tell it otherwise: so reads a cell at which something sticks or has play, and a loop "
+        "that holds it hunts"
+    ),
     N_("something that repeats {number} times per turn of {roll}"),
     N_(
         "something that repeats every {number} mm of web ({inverse} 1/m); a roller of {radius} "

@@ -9,6 +9,8 @@ from sim_plant.refine.criteria.criterion import DEVELOPMENT, NOT_RECORDED, crite
 from sim_plant.refine.criteria.degeneracy import DegeneracyCriteria
 from sim_plant.refine.criteria.events import EventCriteria
 from sim_plant.refine.criteria.profiles import ProfileCriteria
+from sim_plant.refine.criteria.recurring import RecurringCriteria
+from sim_plant.refine.criteria.sticking import StickingCriteria
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -365,5 +367,7 @@ class SearchCriteria:
     unexplained: UnexplainedCriteria = field(default_factory=UnexplainedCriteria)
     free_terms: FreeTermCriteria = field(default_factory=FreeTermCriteria)
     events: EventCriteria = field(default_factory=EventCriteria)
+    recurring: RecurringCriteria = field(default_factory=RecurringCriteria)
+    sticking: StickingCriteria = field(default_factory=StickingCriteria)
     wandering: WanderingCriteria = field(default_factory=WanderingCriteria)
     exchange: ExchangeCriteria = field(default_factory=ExchangeCriteria)

@@ -111,6 +111,17 @@ def _of_unknown(unknown: Sequence[UnknownFinding], facts: Facts) -> list[str]:
             "cause."
         )
         return [gauge, *_of_unknown([u for u in unknown if u not in turning], facts)]
+    cells = [str(u.coordinate["channel"]) for u in unknown if "gap_N" in u.coordinate]
+    if cells:
+        return [
+            f"At standstill hang weights on the measuring roller of {cells[0]} one by one and "
+            "take them off again: a reading that comes back otherwise sticks."
+        ]
+    if any("period_s" in u.coordinate and not u.also for u in unknown):
+        return [
+            "Look for what a clock starts or stops at that period: a task of the PLC, a message "
+            "on the bus, a valve, a fan; the amended line does not contain it."
+        ]
     if unknown[0].unknown_class in PERIODIC:
         one_speed = [ANOTHER_SPEED] if any(u.also for u in unknown) else []
         return [

@@ -120,13 +120,16 @@ def _sure_of_unknown(unknown: Sequence[UnknownFinding]) -> list[str]:
         "event": (
             "From that moment on the weighted squared error is {:.0f} more than noise makes it."
         ),
+        "gap": "A gap takes {:.0f} of the squared difference of reading and speeds, in noise.",
         "state": (
             "The shifts of all declared numbers, squared in standard deviations, add up to {:.0f}."
         ),
     }
     rest = "The weighted squared error that is left is {:.0f} more than noise makes it."
     others = [
-        left.get(item.unknown_class, rest).format(item.chi2_reduction)
+        left.get("gap" if "gap_N" in item.coordinate else item.unknown_class, rest).format(
+            item.chi2_reduction
+        )
         for item in unknown
         if item.unknown_class not in PERIODIC
     ]

@@ -308,15 +308,7 @@ def coordinate_text(
             f"in {where['channel']}; ask what was done on the line then"
         )
     if kind == "state":
-        name, far = str(where["declared"]), float(where["standard_deviations"])
-        off = f"{far:+.3g} standard deviations"
-        if name in tolerances:  # two standard deviations
-            off = f"{shift_text(name, 0.5 * far * tolerances[name])} (tolerance "
-            off += f"{shift_text(name, tolerances[name]).lstrip('+')})"
-        return (
-            f"the records want {declared_words(name)} {off} from where it is declared, so the "
-            "cause lies there or imitates it"
-        )
+        return _state_text(where, tolerances)
     if "channels" in where:
         band = f"{where['from_Hz']:.3g} to {where['to_Hz']:.3g} Hz"
         return (
@@ -324,6 +316,25 @@ def coordinate_text(
             "together as the declared noise does; look at the drive and the web between them"
         )
     return "noise above the line's own, at no frequency in particular"
+
+
+def _state_text(where: Mapping[str, float | str], tolerances: Mapping[str, float]) -> str:
+    if "gap_N" in where:
+        others = f" (and {where['also_in']} alike)" if "also_in" in where else ""
+        return (
+            f"{where['channel']}{others} depends on which way the tension went last, "
+            f"{float(where['gap_N']):.2g} N apart, while the speeds tell it otherwise: so reads a "
+            "cell at which something sticks or has play, and a loop that holds it hunts"
+        )
+    name, far = str(where["declared"]), float(where["standard_deviations"])
+    off = f"{far:+.3g} standard deviations"
+    if name in tolerances:  # two standard deviations
+        off = f"{shift_text(name, 0.5 * far * tolerances[name])} (tolerance "
+        off += f"{shift_text(name, tolerances[name]).lstrip('+')})"
+    return (
+        f"the records want {declared_words(name)} {off} from where it is declared, so the "
+        "cause lies there or imitates it"
+    )
 
 
 def declared_words(number: str) -> str:
@@ -346,6 +357,10 @@ def shift_text(number: str, change: float) -> str:
 def _periodic_text(
     kind: str, where: Mapping[str, float | str], *, every_speed: bool = True
 ) -> str:
+    if kind == "time" and "period_s" in where:
+        text = f"something that comes again every {float(where['period_s']):.4g} s"
+        place = f" at every speed, strongest in {where['channel']}, in {where['zone']}"
+        return text + (place if every_speed else "")
     if kind == "time":
         text = f"something that repeats in time, {where['frequency_Hz']:.4g} Hz"
         return f"{text} at every speed" if every_speed else text

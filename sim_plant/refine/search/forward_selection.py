@@ -25,6 +25,7 @@ from sim_plant.refine.search.free_terms import (
 )
 from sim_plant.refine.search.number_ranges import with_number_ranges
 from sim_plant.refine.search.one_more import best_of, explains_own_lines, looked_from
+from sim_plant.refine.search.one_thing import told_as, whole_of
 from sim_plant.refine.search.outside_prior import fit_conflicts, total_shifts
 from sim_plant.refine.search.profile_detail import joint_refit
 from sim_plant.refine.search.remainder import classified
@@ -57,7 +58,8 @@ def forward_selection(
 
     A spectral line that no effect explains becomes a free term, and the whole search is made
     again beside it: an effect is claimed only for what that term cannot explain, and none
-    at the coordinate of the term itself. ``without`` are effects that ``library`` leaves out.
+    at the coordinate of the term itself. What is unknown is told as one thing in the end where it
+    is (`whole_of`). ``without`` are effects that ``library`` leaves out.
     """
     first = selection = select(objective, library, progress, without)
     free_terms: tuple[Unknown, ...] = ()
@@ -84,7 +86,12 @@ def forward_selection(
         selection = replace(
             further, unknown=(*free_terms, *more), spectra_declared=first.spectra_declared
         )
-    return selection
+    whole = whole_of(objective, first, selection)
+    if whole is None:
+        return selection
+    progress(f"all of it is one thing: {whole.text}")
+    told = replace(told_as(selection, whole, first), adjustments={})
+    return _taken_back(objective, told, progress)
 
 
 def select(
@@ -178,6 +185,12 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
         if not selection.accepted:
             return selection
         return replace(selection, adjustments=total_shifts(objective, selection.fit))
+    fewer = _taken_back(objective, selection, progress)
+    return selection if fewer is selection else classified(objective, fewer)
+
+
+def _taken_back(objective: Objective, selection: Selection, progress: Progress) -> Selection:
+    """Return the selection without effects that may imitate structure that is no line."""
     fit = selection.fit
     kept = standing(selection.accepted, objective.excess(fit.cost, fit.residual))
     if len(kept) == len(fit.hypotheses):
@@ -191,13 +204,12 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
         rounds=4,
         quick=False,
     )
-    periodic = replace(
+    return replace(
         selection,
         fit=rest,
         accepted=tuple(selection.accepted[k] for k in kept),
         spectra_left=remaining_spectra(objective, rest, selection.record_axes),
     )
-    return classified(objective, periodic)
 
 
 def next_extensions(

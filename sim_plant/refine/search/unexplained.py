@@ -163,7 +163,11 @@ def classes_at(
     most, _ = rows[0]
     share = CRITERIA.without_line.axis_share * most
     least = most - max(CRITERIA.search.acceptance.margin, share)
-    return [(s.axis, _where(s, cycles / s.extent)) for value, s in rows if value >= least]
+    return [
+        (s.axis, where_on(s.axis, s.roll, cycles / s.extent))
+        for value, s in rows
+        if value >= least
+    ]
 
 
 def _over_records(
@@ -235,9 +239,10 @@ def kept_by_noise(whitening: Whitening) -> list[Array]:
     return found
 
 
-def _where(spectrum: SpectralLines, at: float) -> dict[str, float | str]:
-    if spectrum.axis == "time":
+def where_on(axis: str, roll: str, at: float) -> dict[str, float | str]:
+    """Return the coordinate of a spectral line: ``at`` in cycles per unit of its axis."""
+    if axis == "time":
         return {"frequency_Hz": at}
-    if spectrum.axis == "travel":
+    if axis == "travel":
         return {"wavenumber_1_m": at, "equivalent_radius_m": 1.0 / (2.0 * np.pi * at)}
-    return {"roll": spectrum.roll, "order": at}
+    return {"roll": roll, "order": at}

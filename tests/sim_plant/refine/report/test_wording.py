@@ -5,6 +5,7 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.report.verdict import Moment
 from sim_plant.refine.report.wording import (
+    coordinate_text,
     label,
     number_rows,
     scaled,
@@ -195,3 +196,15 @@ def test_one_cell_has_one_size():
     one = {name: HUM[name] for name in ("cos_N", "sin_N", "frequency_Hz", "amplitude_N")}
     told = size_of(finding("mains_hum", "R9", one, cells=CELLS))
     assert told == "frequency 99.7 Hz, amplitude 1.03 N"
+
+
+def test_a_rhythm_and_a_reading_that_sticks_are_told_with_their_place():
+    rhythm = {"period_s": 1.36, "zone": "unwind_zone", "channel": "unwind_speed_rad_s"}
+    assert coordinate_text("time", rhythm) == (
+        "something that comes again every 1.36 s at every speed, strongest in "
+        "unwind_speed_rad_s, in unwind_zone"
+    )
+    sticks = {"channel": "r3_tension_N", "gap_N": 0.87, "also_in": "rewind_tension_N"}
+    said = coordinate_text("state", sticks)
+    assert said.startswith("r3_tension_N (and rewind_tension_N alike) depends on which way")
+    assert "0.87 N apart" in said
