@@ -179,6 +179,13 @@ class FitCriteria:
         "a step that moves a declared number by more is not tried",
         "that far no slope holds, and such a line is slow to simulate or none at all",
     )
+    free_number: float = criterion(
+        1000.0,
+        "of its tolerance",
+        "by which a declared number may move that is surely beyond it",
+        "numbers of that kind were 17 to 126 standard deviations off: that then costs less than "
+        "0.02",
+    )
     least_gain: float = criterion(1.0, "chi2", "a step that gains less ends the fit", NOT_RECORDED)
     least_gain_share: float = criterion(
         1e-4, "of the cost", "a step that gains less ends the fit", NOT_RECORDED

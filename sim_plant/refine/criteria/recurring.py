@@ -18,16 +18,17 @@ class RecurringCriteria:
         "what lasts for a third of its period, or less, has six",
     )
     harmonics_shown: int = criterion(
-        4,
+        3,
         "harmonics",
-        "of those that have to be strong",
-        "of half the rhythm three are, of a third of it two",
+        "of those, the first among them, that have to be strong",
+        "what is there for half of its period has the first, third and fifth alone",
     )
     strength: float = criterion(
-        3.0,
+        4.0,
         "power over that beside it",
         "from which a harmonic is strong",
-        "seeded noise of three lines: the mean of six reaches 1.9",
+        "528 spectra of seeded noise: up to 2.4; loops that hunt: up to 3.1; words that stand "
+        "still: 5.4 to 14, and along other axes up to 3.6",
     )
     beside_bins: int = criterion(
         97,

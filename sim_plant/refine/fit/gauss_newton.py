@@ -351,8 +351,7 @@ def _moved_shifts(
 
 def _astray(objective: Objective, shifts: dict[str, float], trial: dict[str, float]) -> bool:
     """Return whether a step moves a declared number by more than ``astray_sd``."""
-    rows = zip(objective.nuisances, objective.prior_sd, strict=True)
     return any(
-        abs(trial.get(n.name, 0.0) - shifts.get(n.name, 0.0)) > FIT.astray_sd * sd
-        for n, sd in rows
+        abs(trial.get(n.name, 0.0) - shifts.get(n.name, 0.0)) > FIT.astray_sd * 0.5 * n.tolerance
+        for n in objective.nuisances
     )

@@ -8,7 +8,7 @@ pool, never here.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -230,9 +230,21 @@ def conditioned_on(objective: Objective, basis: Sequence[Array]) -> Objective:
     return _projected(replace(objective, whitening=whitening))
 
 
+def with_free_numbers(objective: Objective, names: Collection[str]) -> Objective:
+    """Return the objective in which the tolerances of these declared numbers do not count.
+
+    What is then found must explain what no value of theirs does.
+    """
+    nuisances = tuple(
+        replace(n, is_free=n.is_free or n.name in names) for n in objective.nuisances
+    )
+    return _projected(replace(objective, nuisances=nuisances))
+
+
 def prior_sd(nuisances: Sequence[Nuisance]) -> Array:
     """Return the standard deviation of every nuisance: a tolerance is two of them."""
-    return np.array([0.5 * n.tolerance for n in nuisances])
+    free = CRITERIA.fit.free_number
+    return np.array([0.5 * n.tolerance * (free if n.is_free else 1.0) for n in nuisances])
 
 
 def judged_rows(measured: Sequence[Array], whitening: Whitening) -> int:

@@ -18,10 +18,12 @@ class Nuisance:
     ----------
     name : dotted path in the declaration.
     tolerance : two standard deviations, in units of its correction (mostly relative).
+    is_free : it is surely not within its tolerance, which then does not count.
     """
 
     name: str
     tolerance: float
+    is_free: bool = False
 
 
 def declared_nuisances(line: Declaration) -> list[Nuisance]:

@@ -11,9 +11,11 @@ from dataclasses import replace
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit, nominal_fit
-from sim_plant.refine.fit.objective import Objective, conditioned_on
+from sim_plant.refine.fit.objective import Objective, conditioned_on, with_free_numbers
 from sim_plant.refine.fit.roll_synchronisation import synchronised, synchronising_shifts
 from sim_plant.refine.model.hypotheses import Hypothesis
+from sim_plant.refine.model.parameter_effects import equivalents
+from sim_plant.refine.search.added_effect import rolling_only
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.completeness import remaining_spectra, sure_excess
 from sim_plant.refine.search.events import event_candidates, placed_anew
@@ -22,13 +24,14 @@ from sim_plant.refine.search.free_terms import (
     PERIODIC_CLASSES,
     explained_by_free_term,
     free_term_basis,
+    goes_free,
 )
 from sim_plant.refine.search.number_ranges import with_number_ranges
 from sim_plant.refine.search.one_more import best_of, explains_own_lines, looked_from
 from sim_plant.refine.search.one_thing import told_as, whole_of
-from sim_plant.refine.search.outside_prior import fit_conflicts, total_shifts
+from sim_plant.refine.search.outside_prior import fit_conflicts, joint_conflict, total_shifts
 from sim_plant.refine.search.profile_detail import joint_refit
-from sim_plant.refine.search.remainder import classified
+from sim_plant.refine.search.remainder import classified, shown_before
 from sim_plant.refine.search.screening import by_periodic_chi2
 from sim_plant.refine.search.selection import (
     Extension,
@@ -56,42 +59,88 @@ def forward_selection(
 ) -> Selection:
     """Return effects that explain the records, and what remains unexplained.
 
-    A spectral line that no effect explains becomes a free term, and the whole search is made
-    again beside it: an effect is claimed only for what that term cannot explain, and none
-    at the coordinate of the term itself. What is unknown is told as one thing in the end where it
-    is (`whole_of`). ``without`` are effects that ``library`` leaves out.
+    A spectral line that no effect explains becomes a free term, a declared number beyond its
+    tolerance goes free, and the whole search is made again beside them: an effect is claimed only
+    for what those cannot explain, and none at the coordinate of a term or that says the same as
+    the number. What is unknown is told as one thing where it is (`whole_of`). ``without`` are
+    effects that ``library`` leaves out.
     """
     first = selection = select(objective, library, progress, without)
-    free_terms: tuple[Unknown, ...] = ()
+    whole = whole_of(objective, first)
+    known: tuple[Unknown, ...] = ()
     for _ in range(ACCEPTANCE.most_free_terms):
-        fresh = [
-            u
-            for u in selection.unknown
-            if u.unknown_class in PERIODIC_CLASSES and u not in free_terms
-        ]
-        if not fresh:
+        fresh = [u for u in selection.unknown if goes_free(u) and u not in known]
+        if not fresh or (whole is not None and any(u.declared for u in fresh)):
             break
-        free_terms = (*free_terms, *fresh)
+        known = (*known, *fresh)
         named = ", ".join(u.text for u in fresh)
         progress(f"no effect explains {named}: searching beside a free term")
-        record_axes = selection.record_axes
-        conditioned = conditioned_on(
-            objective, [free_term_basis(free_terms, t) for t in record_axes]
-        )
-        rest = [h for h in library if not explained_by_free_term(h, free_terms, record_axes[0])]
-        taken_up = sum(term.chi2_reduction for term in free_terms)
-        further = select(conditioned, rest, progress, without, chi2_of_free_terms=taken_up)
-        more = [u for u in further.unknown if not any(u.same_roll_as(t) for t in free_terms)]
+        further = _beside(objective, library, known, first, progress, without)
+        more = [u for u in further.unknown if not any(u.same_roll_as(t) for t in known)]
         # before: with the lines that are now free terms, for the report
         selection = replace(
-            further, unknown=(*free_terms, *more), spectra_declared=first.spectra_declared
+            further, unknown=(*known, *more), spectra_declared=first.spectra_declared
         )
-    whole = whole_of(objective, first, selection)
     if whole is None:
-        return selection
+        return _without_needless_numbers(objective, selection, progress)
     progress(f"all of it is one thing: {whole.text}")
     told = replace(told_as(selection, whole, first), adjustments={})
     return _taken_back(objective, told, progress)
+
+
+def _beside(
+    objective: Objective,
+    library: Sequence[Hypothesis],
+    known: Sequence[Unknown],
+    first: Selection,
+    progress: Progress,
+    without: Collection[str],
+) -> Selection:
+    """Return what is found where spectral lines and declared numbers of ``known`` are free.
+
+    How much of what was left a number takes up is not known before: it counts as all of it.
+    """
+    numbers = {u.declared for u in known if u.declared}
+    lines = [u for u in known if not u.declared]
+    taken_up = sum(term.chi2_reduction for term in lines)
+    target = objective
+    if numbers:
+        target = with_free_numbers(objective, numbers)
+        taken_up += first.fit.cost - objective.expected_cost
+    if lines:
+        basis = [free_term_basis(lines, axes) for axes in first.record_axes]
+        target = conditioned_on(target, basis)
+    line = objective.pool.twins[0].declaration
+    same = {(e.effect.name, e.location) for e in equivalents(line) if e.number in numbers}
+    rest = [
+        h
+        for h in library
+        if (h.effect.name, h.location) not in same
+        and not explained_by_free_term(h, lines, first.record_axes[0])
+    ]
+    found = select(target, rest, progress, without, chi2_of_free_terms=taken_up)
+    return replace(found, adjustments={}) if numbers else found
+
+
+def _without_needless_numbers(
+    objective: Objective, selection: Selection, progress: Progress
+) -> Selection:
+    """Return the selection without free numbers that its effects make needless.
+
+    They are where all that is unknown are such numbers, and the effects, fitted with every
+    tolerance, leave nothing.
+    """
+    fit = selection.fit
+    if not selection.accepted or not selection.unknown:
+        return selection
+    if not all(u.declared for u in selection.unknown):
+        return selection
+    near, again = joint_refit(objective, replace(fit, shifts=rolling_only(fit.shifts)))
+    seen = classified(near, replace(selection, fit=again, unknown=()))
+    if seen.unknown or joint_conflict(near, again) is not None:
+        return selection
+    progress("beside the effects no declared number has to leave its tolerance")
+    return replace(seen, adjustments=total_shifts(near, again))
 
 
 def select(
@@ -190,9 +239,13 @@ def _with_remainder(objective: Objective, selection: Selection, progress: Progre
 
 
 def _taken_back(objective: Objective, selection: Selection, progress: Progress) -> Selection:
-    """Return the selection without effects that may imitate structure that is no line."""
+    """Return the selection without effects that may imitate structure that is no line.
+
+    Those stay that a record shows before an event begins.
+    """
     fit = selection.fit
     kept = standing(selection.accepted, objective.excess(fit.cost, fit.residual))
+    kept = sorted({*kept, *shown_before(objective, selection)})
     if len(kept) == len(fit.hypotheses):
         return selection
     progress("structure is left that is no line: effects that are none are taken back")
@@ -209,6 +262,7 @@ def _taken_back(objective: Objective, selection: Selection, progress: Progress) 
         fit=rest,
         accepted=tuple(selection.accepted[k] for k in kept),
         spectra_left=remaining_spectra(objective, rest, selection.record_axes),
+        ranges=tuple(selection.ranges[k] for k in kept) if selection.ranges else (),
     )
 
 

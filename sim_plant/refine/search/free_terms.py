@@ -53,6 +53,15 @@ def free_term_basis(lines: Sequence[Unknown], axes: RecordAxes) -> Array:
     return kept
 
 
+def goes_free(unknown: Unknown) -> bool:
+    """Return whether a search can go on beside something unknown.
+
+    Of a spectral line all sizes are a free term, and of a declared number all values. What is
+    irregular has no such form; before an event a record is as quiet as noise.
+    """
+    return unknown.unknown_class in PERIODIC_CLASSES or bool(unknown.declared)
+
+
 def explained_by_free_term(h: Hypothesis, lines: Sequence[Unknown], axes: RecordAxes) -> bool:
     """Return whether a hypothesis shows at the coordinate of a free term, or at its harmonics.
 

@@ -21,15 +21,15 @@ PERIOD = "period_s"
 """Key of a rhythm in time, for which no single spectral line stands."""
 
 
-def whole_of(objective: Objective, first: Selection, selection: Selection) -> Unknown | None:
+def whole_of(objective: Objective, found: Selection) -> Unknown | None:
     """Return the one thing that the unknowns of a selection are parts of, or None.
 
-    ``first`` is what was found before free terms took up a part of it.
+    Of one that was made before free terms took up a part of it.
     """
-    if not selection.unknown:
+    if not found.unknown:
         return None
-    cells = sticking_cells(objective, selection.fit)
-    return sticking_reading(cells) if cells else rhythm_of(objective, first)
+    cells = sticking_cells(objective, found.fit)
+    return sticking_reading(cells) if cells else rhythm_of(objective, found)
 
 
 def told_as(selection: Selection, whole: Unknown, first: Selection) -> Selection:

@@ -6,7 +6,7 @@ spectral line of its own, or a comb of them. How large it is repeats all the sam
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.ndimage import median_filter
@@ -42,9 +42,10 @@ def recurrences(axes: RecordAxes, white: Array) -> list[Recurrence]:
     Only of axes that have one, and that the record does not tell from the best.
     """
     size = sizes_of(white)
+    steady = replace(axes, speed_m_s=np.full_like(axes.speed_m_s, np.max(np.abs(axes.speed_m_s))))
     fastest_Hz = 0.5 / (filter_taps(axes.sample_time_s) * axes.sample_time_s)
     found = []
-    for spectrum in spectra(axes, size):
+    for spectrum in spectra(steady, size):  # one size at every speed
         unit_s = (axes.time_s[-1] - axes.time_s[0]) / spectrum.extent
         comb = comb_of(spectrum, fastest_Hz * unit_s)
         if comb is not None:
@@ -83,8 +84,9 @@ def comb_of(spectrum: SpectralLines, highest: float) -> tuple[float, float] | No
 
     The lowest that is strong: its multiples have combs too. Each harmonic is weighed against the
     spectrum beside it, for what is left changes slowly with speed and tension.
-    Equation: S(n f) / median of S around n f, n = 1 .. ``harmonics``; ``harmonics_shown`` of them
-    have to be above ``strength``, and their mean is largest at the fundamental  [own].
+    Equation: S(n f) / median of S around n f, n = 1 .. ``harmonics``; ``harmonics_shown`` of them,
+    the first among them, have to be above ``strength``, for at half of f the first is none; their
+    mean is largest at the fundamental  [own].
     """
     bin_width = float(spectrum.frequency[1] - spectrum.frequency[0])
     first = round(float(spectrum.frequency[0]) / bin_width)
@@ -95,8 +97,9 @@ def comb_of(spectrum: SpectralLines, highest: float) -> tuple[float, float] | No
     highest = min(highest, (ratio.size - 1) * bin_width / n[-1])
     tried = np.arange(lowest, highest, bin_width / (2 * n[-1]))
     at = np.rint(tried[:, np.newaxis] * n / bin_width).astype(np.int64)
-    powers = np.sort(ratio[at], axis=1) if tried.size else np.zeros((0, n.size))
-    strong = powers[:, -RECURRING.harmonics_shown] > RECURRING.strength
+    powers = ratio[at] if tried.size else np.zeros((0, n.size))
+    shown = np.sort(powers, axis=1)[:, -RECURRING.harmonics_shown]
+    strong = np.minimum(shown, powers[:, 0]) > RECURRING.strength
     if not strong.any():
         return None
     begun = tried[int(np.argmax(strong))]

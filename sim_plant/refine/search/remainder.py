@@ -4,6 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
+from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.search.selection import Selection, imitates
 from sim_plant.refine.search.set_apart import set_apart, wander_of
@@ -31,3 +36,33 @@ def classified(objective: Objective, selection: Selection) -> Selection:
         if imitates(selection.accepted, excess, nominal_excess):
             unknown = [Unknown(unknown_class="broadband", chi2_reduction=excess, coordinate={})]
     return replace(selection, unknown=tuple(unknown))
+
+
+def shown_before(objective: Objective, selection: Selection) -> list[int]:
+    """Return indices of effects that a record shows before an unknown event begins in it.
+
+    With them it is as quiet as noise there, which is what makes the event one: what comes later
+    says nothing against them. Without the effect, all else as it is, that part has more by what a
+    later effect needs.
+    """
+    events = [u.coordinate for u in selection.unknown if u.unknown_class == "event"]
+    if not events:
+        return []
+    record = int(events[0].get("record", 1)) - 1
+    step_s = objective.pool.twins[record].declaration.sample_time_s
+    first = objective.whitening.noise[record].first
+    end = max(0, round(float(events[0]["from_s"]) / step_s) - first)
+    fit = selection.fit
+
+    def before(residual: Array) -> float:
+        return float(np.sum(objective.split(residual)[record][:, :end] ** 2))
+
+    found, least = [], CRITERIA.search.acceptance.later_score
+    for k in range(len(fit.hypotheses)):
+        fewer = fit.without_effect_at(k)
+        without = gauss_newton_fit(
+            objective, fewer.hypotheses, fewer.values, fit.shifts, rounds=0, quick=False
+        )
+        if before(without.residual) - before(fit.residual) > least:
+            found.append(k)
+    return found

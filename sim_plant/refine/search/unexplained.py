@@ -51,6 +51,11 @@ class Unknown:
         )
 
     @property
+    def declared(self) -> str:
+        """The declared number that would have to move; empty where it is something else."""
+        return str(self.coordinate.get("declared", ""))
+
+    @property
     def text(self) -> str:
         """Class and coordinate, for people."""
         where = ", ".join(
