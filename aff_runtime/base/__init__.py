@@ -22,6 +22,7 @@ __all__ = [
     "release",
     "run_files",
     "run_glance",
+    "run_responses",
     "run_segment",
     "run_table",
     "run_window",

@@ -12,11 +12,14 @@ import re
 import stat
 from pathlib import Path
 
+from aff_runtime.base.run_responses import RESPONSE_FILE
+
 MARK = "run.yaml"
 _RUN_NAME = re.compile(r"\d{8}T\d{6}Z_")
 _SEGMENT = re.compile(r"signals-.*\.csv\.gz")
-_SITE = re.compile(r"site-[0-9a-f]+\.yaml|(site(-[0-9a-f]+)?\.yaml|summary\.json)\.part")
-_LATER = re.compile(rf"{_SEGMENT.pattern}|{_SITE.pattern}")
+_SITE = r"site-[0-9a-f]+\.yaml|(site(-[0-9a-f]+)?\.yaml|summary\.json)\.part"
+_SMALL = re.compile(rf"{_SITE}|{RESPONSE_FILE.pattern}(\.part)?")
+_LATER = re.compile(rf"{_SEGMENT.pattern}|{_SMALL.pattern}")
 _OTHERS = ("site.yaml", "events.csv", "summary.json", MARK)  # the mark last: a rest is still a run
 _FOLDER = os.O_RDONLY | os.O_DIRECTORY | os.O_NOFOLLOW | os.O_CLOEXEC
 
@@ -86,8 +89,8 @@ def _thin_out(at: int, excess: int, keep: str) -> tuple[int, int]:
             freed += size
             count += 1
     if freed < excess and not keep:
-        sites = [name for name in os.listdir(at) if _SITE.fullmatch(name)]
-        freed += sum(_delete(at, name) or 0 for name in (*sites, *_OTHERS))
+        small = [name for name in os.listdir(at) if _SMALL.fullmatch(name)]
+        freed += sum(_delete(at, name) or 0 for name in (*small, *_OTHERS))
     return freed, count
 
 

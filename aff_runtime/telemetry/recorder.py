@@ -99,7 +99,9 @@ def _keep_notes(lines: Sequence[bytes], folder: RunFolder) -> None:
     for note in map(note_of, lines):
         if note is not None:
             folder.keep_site(note.site_hash, note.site_text)  # before the event that names it
-            folder.add_note(note.name, note.text)
+            folder.keep_response(note.actuator, note.response)
+            if note.name:
+                folder.add_note(note.name, note.text)
 
 
 def _first_words(notes: Lines) -> tuple[RunContext, list[bytes]]:

@@ -52,15 +52,18 @@ class RunContext:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Note:
-    """A sentence of the supervisor for ``events.csv``.
+    """A sentence of the supervisor for ``events.csv``; without a name it is none.
 
     ``site_text``, ``site_hash`` : of the site file that runs from then on; empty where none does.
+    ``response``, ``actuator`` : text of a response that was measured, and of what; empty without.
     """
 
     name: str = "NOTE"
     text: str = ""
     site_text: str = ""
     site_hash: str = ""
+    response: str = ""
+    actuator: str = ""
 
     def encode(self) -> bytes:
         """Return the note as one line."""
@@ -130,6 +133,8 @@ def note_of(line: bytes) -> Note | None:
         text=str(said.get("text", "")),
         site_text=str(said.get("site_text", "")),
         site_hash=str(said.get("site_hash", "")),
+        response=str(said.get("response", "")),
+        actuator=str(said.get("actuator", "")),
     )
 
 

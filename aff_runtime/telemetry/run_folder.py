@@ -1,4 +1,4 @@
-"""One run folder: ``run.yaml``, site files, segments, ``events.csv``, ``summary.json``."""
+"""One run folder: ``run.yaml``, site files, segments, events, responses, ``summary.json``."""
 
 from __future__ import annotations
 
@@ -13,6 +13,12 @@ from pathlib import Path
 
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.printable import printable
+from aff_runtime.base.run_responses import (
+    LARGEST_RESPONSE,
+    MOST_RESPONSES,
+    RESPONSE_FILE,
+    response_file,
+)
 from aff_runtime.base.signals import State
 from aff_runtime.base.site_in_force import file_of
 from aff_runtime.telemetry.disk_bound import delete_oldest, free_bytes, used_bytes
@@ -60,6 +66,7 @@ class RunFolder:
         self._last_s = 0.0 if taken is None else taken.time_s
         self._missing: dict[str, str] = {}
         self._sites = {file_of(context.site_hash)} if taken is None else set[str]()
+        self._responses = set[str]() if taken is None else _responses_in(taken.folder)
         self._is_made = taken is not None
         self.files_lost = 0
         self.segments_deleted = 0
@@ -126,6 +133,16 @@ class RunFolder:
         if not (self.path / name).exists():
             self._missing[name] = text
             self._make_up_for()
+
+    def keep_response(self, actuator: str, text: str) -> None:
+        """Keep a response that was measured, unless the folder has it; no text is none."""
+        name = response_file(actuator, text)
+        is_full = len(self._responses) >= MOST_RESPONSES or len(text) > LARGEST_RESPONSE
+        if not text or is_full or name in self._responses:
+            return
+        self._responses.add(name)
+        self._missing[name] = text
+        self._make_up_for()
 
     def finish(self, *, ring_overruns: int) -> None:
         """Close the segment and write ``summary.json``."""
@@ -203,6 +220,14 @@ def _new_path(directory: Path, header: RingHeader, context: RunContext) -> Path:
     stamp = re.sub(r"[-:]", "", header.start_utc)[:15] + "Z"
     safe_name = re.sub(r"[^A-Za-z0-9_-]+", "-", context.name)
     return _free_name(directory, f"{stamp}_{safe_name}")
+
+
+def _responses_in(folder: Path) -> set[str]:
+    """Return the files of responses that a folder has."""
+    try:
+        return {name for name in os.listdir(folder) if RESPONSE_FILE.fullmatch(name)}
+    except OSError:
+        return set()
 
 
 def _append_whole(path: Path, added: bytes, *, head: bytes) -> None:

@@ -11,6 +11,7 @@ from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.files import replace_text
+from aff_runtime.base.run_responses import with_units
 
 
 class ProbeSession:
@@ -68,7 +69,12 @@ class ProbeSession:
             self._tell(self._answer)
 
     def _keep(self, result: ProbeResult) -> KeptResponse:
-        """Replace one response file, whole or not at all; return the result with its path."""
+        """Replace one response file, whole or not at all; return the result with its path.
+
+        The record gets it first: it was measured, whether the file can be written or not.
+        """
+        unit = self._processes.parameters.site.actuators[result.actuator].response_unit
+        self._processes.keep_response(result.actuator, with_units(result.text, unit))
         path = self._processes.parameters.response_files[result.actuator]
         text = result.text + "\n"
         self._processes.probed.add(path, text)

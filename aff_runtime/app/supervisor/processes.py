@@ -99,6 +99,7 @@ class Processes:
         self.shapes = ShapeShelf(self.note)
         self.probed = ResponseLedger(lambda text: self.note("RESPONSES", text))
         self._shape_texts: dict[str, str] = {}
+        self._measured: dict[str, str] = {}  # newest response of the present record, by actuator
         self._started_by = str(own_process())
 
     def start(self) -> None:
@@ -207,6 +208,8 @@ class Processes:
         self._recorder = None
         self._start_recorder(ring, report.folder, recorder.how_it_ended())
         self.note_applied()  # the one that died may not have heard it: no event named the file
+        for actuator, text in self._measured.items():
+            self.keep_response(actuator, text)
 
     def _come_back(self) -> None:
         """Plan the next start of the control process, or give up."""
@@ -224,6 +227,7 @@ class Processes:
         self.ring = self.control.open_ring() if self.control is not None else None
         if self.ring is not None:
             self._recorder_lost = False
+            self._measured.clear()
             self._start_recorder(self.ring)
 
     def _start_recorder(self, ring: RingReader, takes_over: str = "", died: str = "") -> None:
@@ -267,6 +271,12 @@ class Processes:
             self._recorder.note(
                 "CONFIG_APPLIED", text, site_text=runs.site_text, site_hash=runs.site_hash
             )
+
+    def keep_response(self, actuator: str, text: str) -> None:
+        """Have the record keep a response that was measured, and the next one if this one dies."""
+        self._measured[actuator] = text
+        if self._recorder is not None:
+            self._recorder.keep_response(actuator, text)
 
     def _logged(self, name: str, text: str) -> str:
         """Put a line into the log; return it as it stands there."""

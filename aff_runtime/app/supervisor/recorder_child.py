@@ -61,6 +61,10 @@ class RecorderChild:
         """Have a line put into ``events.csv``, and a site file that runs from then on kept."""
         self._write(Note(name=name, text=text, site_text=site_text, site_hash=site_hash).encode())
 
+    def keep_response(self, actuator: str, text: str) -> None:
+        """Have a response kept that was measured; no event tells of it."""
+        self._write(Note(name="", actuator=actuator, response=text).encode())
+
     def report(self) -> RecorderReport:
         """Return the newest report (folder, rows, losses), with ``alive``."""
         self._write(b"")

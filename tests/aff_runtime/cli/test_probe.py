@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 from aff_runtime.app.link.answers import Answer, KeptResponse, ProbeDone
 from aff_runtime.app.link.messages import Probed
@@ -28,15 +29,20 @@ def test_a_result_passes_the_socket_and_is_shown_as_measured(tmp_path: Path) -> 
         actuator="unwind", sign=1, remarks=("short",), delay_s=0.05, text=response.to_json()
     )
     answers: list[Answer] = []
+    recorded: list[tuple[str, Any]] = []
     processes = SimpleNamespace(
         parameters=record_of(response_files={"unwind": tmp_path / "unwind.json"}),
         probed=SimpleNamespace(add=lambda *_: None),
         note=lambda *_: None,
+        keep_response=lambda actuator, text: recorded.append((actuator, json.loads(text))),
     )
     edits = SimpleNamespace(look_again=lambda: None, is_busy=False)
     session = ProbeSession(processes, edits, answers.append)  # type: ignore[arg-type]
     session.finish(Probed(results=(result,)))
     assert session.has_answered()
+    ((actuator, kept),) = recorded
+    assert (actuator, kept["units"]["gain"]) == ("unwind", "N/(m/s)")
+    assert Response.from_json(json.dumps(kept)).points == response.points
 
     (tmp_path / "run").mkdir(mode=0o700)
     service = RequestSocket(tmp_path / "run" / "control.sock")

@@ -36,7 +36,8 @@ def test_the_oldest_segments_of_the_oldest_run_go_first(tmp_path: Path) -> None:
 def test_a_run_without_segments_goes_as_a_whole_and_the_kept_segment_stays(tmp_path: Path) -> None:
     old = run(tmp_path, "20260101T000000Z_line", 1)
     (old / "run.yaml").write_bytes(bytes(50))
-    for name in ("site-0123456789ab.yaml", "site-0123456789ac.yaml.part"):
+    responses = ("response-unwind-0123456789ab.json", "response-unwind-0123456789ac.json.part")
+    for name in ("site-0123456789ab.yaml", "site-0123456789ac.yaml.part", *responses):
         (old / name).write_bytes(bytes(50))
     new = run(tmp_path, "20260102T000000Z_line", 3)
     delete_oldest(tmp_path, max_bytes=1000, keep=new / "signals-0003.csv.gz")

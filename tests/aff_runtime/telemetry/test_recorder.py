@@ -83,15 +83,17 @@ def test_a_note_has_the_time_of_the_newest_row_from_the_first_one_on(tmp_path: P
     for k in range(100):
         ring.write((43.0 + k * 0.005, 8600.0 + k, 4.0, 88.9, 20.0))
     process = start(ring, tmp_path / "runs")
-    said = b'{"name": "Line 1"}\n{"name": "OPERATOR", "text": "arm"}\n'
+    said = b'{"name": "Line 1"}\n{"name": "", "actuator": "unwind", "response": "{}"}\n'
+    said += b'{"name": "OPERATOR", "text": "arm"}\n'
     assert process.stdin is not None
     process.stdin.write(said)
     process.stdin.flush()
     until("it is kept", lambda: b"arm" in b"".join(p.read_bytes() for p in events(tmp_path)))
     ring.close()
     process.communicate(timeout=20)
-    (kept,) = read_run(events(tmp_path)[0].parent).events
+    (kept,) = read_run(folder := events(tmp_path)[0].parent).events
     assert (kept["text"], kept["time_s"]) == ("arm", "43.4950")
+    assert [one.read_text() for one in folder.glob("response-unwind-*.json")] == ["{}"]
 
 
 def events(folder: Path) -> list[Path]:

@@ -10,9 +10,16 @@ from pathlib import Path
 
 import pytest
 
+from aff_runtime.base.run_responses import (
+    LARGEST_RESPONSE,
+    MOST_RESPONSES,
+    RESPONSE_FILE,
+    response_file,
+)
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import EVENT_HEADER, MOST_SITES, RunFolder
+from aff_runtime.telemetry.takeover import Takeover
 from tests.aff_runtime.telemetry.heads import head_of
 
 
@@ -128,3 +135,38 @@ def test_a_run_keeps_so_many_later_site_files_and_no_more(tmp_path: Path) -> Non
     for number in range(MOST_SITES + 5):
         folder.keep_site(f"{number:012x}", f"a: {number}\n")
     assert len(kept(folder)) == MOST_SITES + 1
+
+
+RESPONSE = '{"format": "aff-response-1", "points": []}'
+
+
+def responses(path: Path) -> dict[str, str]:
+    return {one.name: one.read_text() for one in path.glob("response-*")}
+
+
+def test_a_measured_response_is_kept_once_also_by_a_recorder_that_takes_over(
+    tmp_path: Path,
+) -> None:
+    folder = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line"))
+    name = response_file("unwind", RESPONSE)
+    for actuator, text in (("unwind", RESPONSE), ("unwind", RESPONSE), ("unwind", "")):
+        folder.keep_response(actuator, text)
+    assert responses(folder.path) == {name: RESPONSE}
+    (folder.path / name).write_text("as the first recorder wrote it")
+    taken = Takeover(
+        folder=folder.path, segment=1, tick=1.0, time_s=1.0, tick_at=0, events=frozenset()
+    )
+    after = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line"), taken)
+    after.keep_response("unwind", RESPONSE)
+    assert responses(folder.path) == {name: "as the first recorder wrote it"}
+
+
+def test_responses_of_a_run_are_bounded_and_stay_in_its_folder(tmp_path: Path) -> None:
+    folder = RunFolder(tmp_path, head_of(RunMeta()), RunContext(name="line"))
+    folder.keep_response("../../x", RESPONSE)
+    folder.keep_response("large", "x" * (LARGEST_RESPONSE + 1))
+    for k in range(MOST_RESPONSES):
+        folder.keep_response("rewind", f"{k}")
+    assert len(responses(folder.path)) == MOST_RESPONSES
+    assert not any("large" in name for name in responses(folder.path))
+    assert all(RESPONSE_FILE.fullmatch(name) for name in responses(folder.path))
