@@ -48,6 +48,8 @@ QUANTITIES = {
     "ripple": N_("ripple"),
     "response ratio": N_("response ratio"),
     "friction": N_("friction"),
+    "gain": N_("gain"),
+    "phase": N_("phase"),
 }
 UNITS = {"um": "µm"}
 
@@ -150,8 +152,11 @@ def _proposal(view: ProposalView, say: Say) -> ProposalView:
 
 
 def _trend(row: TrendRow, say: Say) -> TrendRow:
-    word = QUANTITIES.get(row.quantity)
-    quantity = say(word) if word is not None else row.quantity
+    name, _, place = row.quantity.partition(" at ")  # of a response: at a frequency
+    word = QUANTITIES.get(name)
+    quantity = row.quantity
+    if word is not None:
+        quantity = ", ".join(filter(None, (say(word), place)))
     return replace(row, quantity=quantity, unit=UNITS.get(row.unit, row.unit))
 
 

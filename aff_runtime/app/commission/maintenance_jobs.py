@@ -136,7 +136,7 @@ def _life(one: Life) -> LifeRow:
 
 def _trend(one: Finding) -> TrendRow:
     readings = one.readings
-    unit, factor = sentences.SHOWN[readings.quantity.unit]
+    unit, factor = sentences.unit_shown(readings.quantity.unit)
     last_s, days = _unix_s(readings.times[-1]), readings.days
     line = one.per_day
     return TrendRow(
@@ -204,7 +204,7 @@ def _ranking(one: Ranking) -> RankingRow:
 
 
 def _suppliers(one: SupplierRanking) -> SupplierRankingRow:
-    unit, factor = sentences.SHOWN[one.by.unit]
+    unit, factor = sentences.unit_shown(one.by.unit)
     return SupplierRankingRow(
         roll=one.roll,
         by=one.by.word,
@@ -253,7 +253,7 @@ def _wound(one: WoundRoll) -> WoundRow:
 def _worst(one: OrderSize | None, unit: str) -> WorstRow | None:
     if one is None:
         return None
-    shown, factor = sentences.SHOWN[unit]
+    shown, factor = sentences.unit_shown(unit)
     return WorstRow(order=one.order, size=factor * one.size, error=factor * one.error, unit=shown)
 
 

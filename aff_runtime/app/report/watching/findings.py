@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 import numpy as np
@@ -31,7 +31,9 @@ class Quantity:
     name, error : of the columns. ``unit`` : SI.
     correcting : only hours with a correction count, or only those without; None: all.
     word : what it is called in a sentence. ``of_roller`` : the roller's own, not the drive's.
-    alike : column in which hours that count are alike within ``LIKE_SPEED``.
+    alike : column in which hours that count are alike within ``LIKE_SPEED``. ``alike_too`` :
+        another one, in which they have to be alike as well; empty: none.
+    frequency_Hz : at which it is read; NaN where it is none of a frequency.
     """
 
     name: str
@@ -41,6 +43,8 @@ class Quantity:
     correcting: bool | None = None
     of_roller: bool = True
     alike: str = "speed_m_s"
+    alike_too: str = ""
+    frequency_Hz: float = math.nan
 
 
 QUANTITIES = (
@@ -144,7 +148,8 @@ def findings(
         for roll, _ in limits:
             store.check_roller(roll)
     found = [_finding(one) for one in _all_readings(store, limits, now)]
-    return found + [_finding(one) for one in _drives(store, now)]
+    found += [_finding(one) for one in _drives(store, now)]
+    return found + [_finding(one) for one in _responses(store, now)]
 
 
 def _finding(readings: Readings) -> Finding:
@@ -213,11 +218,56 @@ def _drives(store: Store, now: datetime | None) -> Iterator[Readings]:
             yield found
 
 
+def _responses(store: Store, now: datetime | None) -> Iterator[Readings]:
+    """Yield gain and phase of each actuator at each fixed frequency, as measured by probes."""
+    rows = store.responses
+    names = ("actuator", "signal", "gain_unit", "frequency_Hz", "roll")
+    for key in sorted(set(zip(*(rows[name].tolist() for name in names), strict=True))):
+        mine = np.all([rows[n] == k for n, k in zip(names, key, strict=True)], axis=0)
+        actuator, signal, gain_unit, at_Hz, roll = key
+        life = store.present_life(roll, now)
+        mine &= rows["life"] == life
+        part = {name: values[mine] for name, values in rows.items()}
+        if not part["phase_rad"].size:
+            continue
+        # a phase is known within a turn: near the last one, so that it does not leap
+        last = part["phase_rad"][-1]
+        off = part["phase_rad"] - last
+        part["phase_rad"] = last + off - math.tau * np.round(off / math.tau)
+        for quantity in _of_a_response(at_Hz, gain_unit):
+            found = _readings(part, quantity, (signal, actuator, 0, life), math.nan)
+            if found is not None:
+                yield found
+
+
+def _of_a_response(at_Hz: float, gain_unit: str) -> tuple[Quantity, Quantity]:
+    """Return gain and phase at a frequency: at like speed and radius, by which they differ."""
+    gain = Quantity(
+        name="gain",
+        error="gain_error",
+        unit=gain_unit,
+        word=f"gain at {at_Hz:g} Hz",
+        of_roller=False,
+        alike_too="radius_m",
+        frequency_Hz=at_Hz,
+    )
+    word = f"phase at {at_Hz:g} Hz"
+    phase = replace(gain, name="phase_rad", error="phase_error_rad", unit="rad", word=word)
+    return gain, phase
+
+
 def _readings(
     part: Columns, quantity: Quantity, at: tuple[str, str, int, int], limit: float | None
 ) -> Readings | None:
     """Return one quantity of one order at like speed, None where it never was read."""
-    needed = (quantity.name, quantity.error, quantity.alike, "speed_m_s", "travelled_km")
+    needed: tuple[str, ...] = (
+        quantity.name,
+        quantity.error,
+        quantity.alike,
+        "speed_m_s",
+        "travelled_km",
+    )
+    needed += (quantity.alike_too,) if quantity.alike_too else ()
     known = np.all([np.isfinite(part[name]) for name in needed], axis=0)
     if quantity.correcting is not None:
         known &= part["correcting"] == quantity.correcting
@@ -225,6 +275,8 @@ def _readings(
     if not speed.size:
         return None
     like = _like(part[quantity.alike][known])
+    if quantity.alike_too:
+        like[like] = _like(part[quantity.alike_too][known][like])
     chosen = {name: values[known][like] for name, values in part.items()}
     groups = _by_run_and_day(chosen)
     weight = 1.0 / at_least_small(chosen[quantity.error], chosen[quantity.name]) ** 2

@@ -15,8 +15,13 @@ from aff_runtime.app.report.comparison.turns import Array
 from aff_runtime.app.report.comparison.window import DEFAULT_SPEED_CHANNEL, Window
 from aff_runtime.app.report.watching.drive_rows import drive_rows
 from aff_runtime.app.report.watching.order_rows import order_rows
+from aff_runtime.app.report.watching.response_rows import (
+    MeasuredResponse,
+    measured_responses,
+    response_rows,
+)
 from aff_runtime.app.report.watching.stretches import SHORTEST_S, is_correcting, steady
-from aff_runtime.app.report.watching.tables import DriveRow, HourRow, OrderRow
+from aff_runtime.app.report.watching.tables import DriveRow, HourRow, OrderRow, ResponseRow
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.order_columns import RESPONSE_RATIO, SIZES, is_part
 from aff_runtime.base.printable import printable, text_or
@@ -55,11 +60,12 @@ def _is_needed(column: str) -> bool:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class HourRead:
-    """One hour of a run: its row, those of its orders and drives, what is said of its files."""
+    """One hour of a run: its row, those of what was measured in it, what is said of its files."""
 
     hour: HourRow
     orders: tuple[OrderRow, ...]
     drives: tuple[DriveRow, ...] = ()
+    responses: tuple[ResponseRow, ...] = ()
     lost: tuple[str, ...] = ()
 
 
@@ -95,6 +101,7 @@ class RunHours:
     hours : that have rows.
     times_s, lengths_m : (points,) times of the run's clock, and the web that ran until each.
     lost : sentences about what the run no longer has, or never had.
+    responses : that probes measured during the run.
     segments, sites : when each begins, and what site files ran, by the one look at them all.
     """
 
@@ -110,6 +117,7 @@ class RunHours:
     lengths_m: Array
     segments: RunSegments
     sites: tuple[SiteInForce, ...]
+    responses: tuple[MeasuredResponse, ...] = ()
     lost: tuple[str, ...] = ()
 
     def utc(self, time_s: float) -> np.datetime64:
@@ -135,7 +143,16 @@ class RunHours:
                 best = stretch
             if (best is not None and _seconds(best) >= ENOUGH_S) or one.covered_s <= READ_S:
                 break
-        return replace(self._read(one, best), lost=tuple(lost))
+        responses = tuple(response_rows(self._nearest(one), self.run_id, one.hour, self.site))
+        return replace(self._read(one, best), lost=tuple(lost), responses=responses)
+
+    def _nearest(self, one: RecordedHour) -> Iterator[MeasuredResponse]:
+        """Yield the responses to which this hour is the nearest that is still recorded."""
+        middles = np.array([0.5 * (hour.from_s + hour.to_s) for hour in self.hours])
+        for measured in self.responses:
+            time_s = self.start_s + (measured.at - self.start_utc).total_seconds()
+            if self.hours[int(np.argmin(np.abs(middles - time_s)))] == one:
+                yield measured
 
     def _stretch(self, from_s: float, to_s: float, lost: dict[str, None]) -> Window | None:
         window = RunWindow(folder=self.folder, from_s=from_s, to_s=to_s)
@@ -189,6 +206,7 @@ def run_hours(folder: Path) -> RunHours:
     sites = run_sites(folder)
     times, speeds, lost = _speeds(folder, segments, sites, begins, _speed_name(site))
     segment_s = _segment_s(about)
+    responses, no_responses = measured_responses(folder)
     if other := other_line(about, text_or(site.section("line").get("name"))):
         raise AffError(f"{shown}: {other}")
     return RunHours(
@@ -206,7 +224,13 @@ def run_hours(folder: Path) -> RunHours:
         lengths_m=_lengths(times, speeds),
         segments=segments,
         sites=sites,
-        lost=(*lost, *few(list(_odd(rows, begins))), *_unmapped(site, begins[0])),
+        responses=responses,
+        lost=(
+            *lost,
+            *few(list(no_responses)),
+            *few(list(_odd(rows, begins))),
+            *_unmapped(site, begins[0]),
+        ),
     )
 
 

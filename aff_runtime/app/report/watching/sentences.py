@@ -17,10 +17,16 @@ from aff_runtime.app.report.watching.wound_rolls import Ranking
 from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.numbers import finite_or_none
 
-SHOWN = {"m": ("um", 1e6), "N": ("N", 1.0), "N m": ("N m", 1.0), "": ("", 1.0)}
+SHOWN = {"m": ("um", 1e6), "rad": ("deg", math.degrees(1.0))}
+"""Unit and factor in which sizes are shown; others are shown as they are."""
 PER_KM = 1000.0  # a slope is shown per so many km
 A_LONG_TIME_WEEKS = 520.0
 MOST_ROLLS = 20
+
+
+def unit_shown(unit: str) -> tuple[str, float]:
+    """Return the unit in which sizes of an SI unit are shown, and the factor to it."""
+    return SHOWN.get(unit, (unit, 1.0))
 
 
 def notes(findings: Sequence[Finding]) -> Iterator[str]:
@@ -61,7 +67,7 @@ def rolls(rankings: Sequence[Ranking]) -> Iterator[str]:
         yield f"rolls at {one.roll}, the farthest from round first, by their {quantity.word}:"
         for rank, roll in enumerate(one.rolls[:MOST_ROLLS], start=1):
             worst = roll.worst.get(quantity.name)
-            unit, factor = SHOWN[quantity.unit]
+            unit, factor = unit_shown(quantity.unit)
             size = "not known"
             if worst is not None:
                 interval = f"(+- {factor * TWO_SIDED_95 * worst.error:.2g})"
@@ -89,7 +95,7 @@ def suppliers(rankings: Sequence[SupplierRanking]) -> Iterator[str]:
             f"suppliers of rolls at {one.roll}, the farthest from round first, median of their "
             f"{one.by.word} (95 % interval){without}:"
         )
-        unit, factor = SHOWN[one.by.unit]
+        unit, factor = unit_shown(one.by.unit)
         for rank, who in enumerate(one.suppliers[:MOST_ROLLS], start=1):
             sizes = [_median(m, unit, factor) for m in who.medians]
             if who.worst is not None:
@@ -141,6 +147,7 @@ class Said:
     order: int
     life: int
     quantity: str
+    frequency_Hz: float | None
     readings: int
     hours_at_another_speed: int
     speed_m_s: float
@@ -220,6 +227,7 @@ def _said(one: Finding) -> Said:
         order=readings.order,
         life=readings.life,
         quantity=readings.quantity.name,
+        frequency_Hz=finite_or_none(readings.quantity.frequency_Hz),
         readings=int(readings.size.size),
         hours_at_another_speed=readings.left_out,
         speed_m_s=readings.at_m_s,
@@ -253,9 +261,24 @@ def _grows(one: Finding) -> str:
         f"{_name(readings)} {verb}: {_slope(readings, line)}, beyond {SIGMA:g} sigma in "
         f"{np.ptp(readings.days):.0f} days; {_size_now(readings, line)}"
     )
+    if math.isfinite(readings.quantity.frequency_Hz) and one.per_day is not None:
+        text += f"; {_answers(readings, one.per_day)}"
     if one.weeks is not None:
         text += f"; reaches {_shown(readings, readings.limit)} in {_weeks(one.weeks)}"
     return text
+
+
+def _answers(readings: Readings, line: Slope) -> str:
+    """Return in plain words how a response changed from the first reading to the last."""
+    first, last = (line.at(float(readings.days[at])) for at in (0, -1))
+    since = np.datetime_as_string(readings.times[0], "D")
+    where = f"at {readings.quantity.frequency_Hz:g} Hz than on {since}"
+    off, more, less = last - first, "earlier", "later"
+    shown = f"{math.degrees(abs(off)):.2g} deg"
+    if readings.quantity.unit != "rad":
+        more, less = "more", "less"
+        shown = f"{100.0 * abs(off) / abs(first):.2g} %" if first else ""
+    return f"the line answers {readings.roll} {shown} {more if off > 0.0 else less} {where}"
 
 
 def _jumped(one: Finding) -> str:
@@ -281,7 +304,7 @@ def _name(readings: Readings) -> str:
 
 
 def _slope(readings: Readings, line: Slope) -> str:
-    unit, factor = SHOWN[readings.quantity.unit]
+    unit, factor = unit_shown(readings.quantity.unit)
     value, low, high = (f"{PER_KM * factor * v:.3g}" for v in (line.value, line.low, line.high))
     return f"{value} {unit} per 1000 km ({low} to {high})".replace("  ", " ")
 
@@ -298,7 +321,7 @@ def _size_now(readings: Readings, line: Slope) -> str:
 
 
 def _shown(readings: Readings, size: float) -> str:
-    unit, factor = SHOWN[readings.quantity.unit]
+    unit, factor = unit_shown(readings.quantity.unit)
     return f"{factor * size:.3g} {unit}".strip()
 
 

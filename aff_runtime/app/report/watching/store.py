@@ -1,4 +1,4 @@
-"""One line's store: a folder with four Parquet files, bounded, in which nothing counts twice."""
+"""One line's store: a folder with five Parquet files, bounded, in which nothing counts twice."""
 
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ from aff_runtime.app.report.watching.tables import (
     EXCHANGE_FIELDS,
     HOUR_FIELDS,
     ORDER_FIELDS,
+    RESPONSE_FIELDS,
     ExchangeRow,
 )
 from aff_runtime.base.errors import ConfigError
@@ -39,8 +40,14 @@ MOST_HOURS, MOST_ORDERS = 10_000, 300_000
 MOST_EXCHANGES = 10_000
 LONGER_S = 1.0
 """An hour of which a run now has so much more is read anew: it was still being recorded."""
-FILES = ("hours.parquet", "orders.parquet", "exchanges.parquet", "drives.parquet")
-OF_HOURS = (("orders", ORDER_FIELDS), ("drives", DRIVE_FIELDS))
+FILES = (
+    "hours.parquet",
+    "orders.parquet",
+    "exchanges.parquet",
+    "drives.parquet",
+    "responses.parquet",
+)
+OF_HOURS = (("orders", ORDER_FIELDS), ("drives", DRIVE_FIELDS), ("responses", RESPONSE_FIELDS))
 """Tables whose rows belong to an hour, beside that of the hours."""
 LOCK_FLAGS = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
 NEVER = np.datetime64("1970-01-01", "us")
@@ -68,7 +75,7 @@ class Store:
     Attributes
     ----------
     line : its name; empty until the first run.
-    hours, orders, drives, exchanges : columns of the tables.
+    hours, orders, drives, responses, exchanges : columns of the tables.
     thinned_utc : newest of the hours that were thinned out: what is older is not taken again.
     """
 
@@ -76,6 +83,7 @@ class Store:
     hours: Columns = field(default_factory=lambda: empty(HOUR_FIELDS))
     orders: Columns = field(default_factory=lambda: empty(ORDER_FIELDS))
     drives: Columns = field(default_factory=lambda: empty(DRIVE_FIELDS))
+    responses: Columns = field(default_factory=lambda: empty(RESPONSE_FIELDS))
     exchanges: Columns = field(default_factory=lambda: empty(EXCHANGE_FIELDS))
     thinned_utc: np.datetime64 = NEVER
 
@@ -196,6 +204,7 @@ class Store:
             old: Columns = getattr(self, name)
             stays = ~((old["run_id"] == run_id) & np.isin(old["hour"], again))
             setattr(self, name, _joined(_chosen(old, stays), table(fields, rows), fields))
+        self.responses = _chosen(self.responses, _newest_of_each(self.responses))
         self._sort()
         while self.hours["hour"].size > MOST_HOURS or any(
             getattr(self, name)["hour"].size > MOST_ORDERS for name, _ in OF_HOURS
@@ -282,7 +291,7 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
     tables = [
         read_parquet(path, fields)[0] if path.exists() else empty(fields)
         for path, fields in zip(
-            paths[1:], (ORDER_FIELDS, EXCHANGE_FIELDS, DRIVE_FIELDS), strict=True
+            paths[1:], (ORDER_FIELDS, EXCHANGE_FIELDS, DRIVE_FIELDS, RESPONSE_FIELDS), strict=True
         )
     ]
     store = Store(
@@ -291,6 +300,7 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
         orders=tables[0],
         exchanges=tables[1],
         drives=tables[2],
+        responses=tables[3],
         thinned_utc=np.datetime64(about.get("thinned_utc", str(NEVER)), "us"),
     )
     store.drop_orphans()
@@ -317,6 +327,7 @@ def save_store(folder: Path, store: Store) -> None:
     about["tables"] = " ".join(name for name, _ in OF_HOURS)
     named = (
         (FILES[2], EXCHANGE_FIELDS, store.exchanges),
+        (FILES[4], RESPONSE_FIELDS, store.responses),
         (FILES[3], DRIVE_FIELDS, store.drives),
         (FILES[1], ORDER_FIELDS, store.orders),
         (FILES[0], HOUR_FIELDS, store.hours),
@@ -350,6 +361,13 @@ def lock_store(folder: Path) -> Iterator[None]:
 
 def _chosen(columns: Columns, which: NDArray[np.bool_] | NDArray[np.intp]) -> Columns:
     return {name: values[which] for name, values in columns.items()}
+
+
+def _newest_of_each(rows: Columns) -> NDArray[np.intp]:
+    """Return the last row of each response: its hour may be gone, and another one the nearest."""
+    names = ("run_id", "time_utc", "actuator", "frequency_Hz")
+    keys = zip(*(rows[name].tolist() for name in names), strict=True)
+    return np.array(sorted({key: at for at, key in enumerate(keys)}.values()), dtype=np.intp)
 
 
 def _joined(first: Columns, second: Columns, fields: Sequence[Field]) -> Columns:

@@ -124,6 +124,38 @@ class DriveRow:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ResponseRow:
+    """One response that a probe measured, at one fixed frequency.
+
+    Attributes
+    ----------
+    hour : recorded hour of the run that is the nearest. ``time_utc`` : when it was measured.
+    signal : that answers. ``roll`` : the first that the actuator works on.
+    gain, gain_error : of the signal per unit of the correction, in ``gain_unit``; a standard
+        error, as that of the phase. ``phase_rad`` : all delays included, within one turn.
+    speed_m_s, radius_m : at which it was measured.
+    """
+
+    run_id: str
+    hour: int
+    time_utc: np.datetime64
+    signal: str
+    actuator: str
+    roll: str
+    is_roll: bool
+    travelled_km: float = _number("km")
+    life: int = 1
+    frequency_Hz: float = _number("Hz")
+    gain: float = _number("as gain_unit says")
+    gain_error: float = _number("as gain_unit says")
+    gain_unit: str = ""
+    phase_rad: float = _number("rad")
+    phase_error_rad: float = _number("rad")
+    speed_m_s: float = _number("m/s")
+    radius_m: float = _number("m")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ExchangeRow:
     """A roller that was exchanged, as a technician said; it begins a new life."""
 
@@ -132,6 +164,6 @@ class ExchangeRow:
     why: str
 
 
-HOUR_FIELDS, ORDER_FIELDS, DRIVE_FIELDS, EXCHANGE_FIELDS = (
-    fields_of(row) for row in (HourRow, OrderRow, DriveRow, ExchangeRow)
+HOUR_FIELDS, ORDER_FIELDS, DRIVE_FIELDS, RESPONSE_FIELDS, EXCHANGE_FIELDS = (
+    fields_of(row) for row in (HourRow, OrderRow, DriveRow, ResponseRow, ExchangeRow)
 )
