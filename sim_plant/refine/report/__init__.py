@@ -5,6 +5,7 @@ __all__ = [
     "amend",
     "announce",
     "beside_rival",
+    "confidence",
     "findings",
     "folder",
     "next_step",

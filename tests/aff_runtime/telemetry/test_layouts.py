@@ -146,7 +146,10 @@ def test_the_recorder_is_told_the_context_and_then_notes() -> None:
     assert CONTEXT.encode() == CONTEXT_LINE
     assert context_of(CONTEXT_LINE.strip()) == CONTEXT
     note = Note(name="EDIT", text="6 -> 9")
-    said = b'{"name": "EDIT", "text": "6 -> 9", "site_text": "", "site_hash": ""}\n'
+    said = (
+        b'{"name": "EDIT", "text": "6 -> 9", "site_text": "", "site_hash": "", '
+        b'"response": "", "actuator": ""}\n'
+    )
     assert note.encode() == said
     assert note_of(note.encode()) == note
     assert note_of(b'{"name": "EDIT", "text": "6 -> 9"}') == note

@@ -19,13 +19,21 @@ def off(effect, hidden, found):
     [
         ("eccentric_roller", {"eccentricity_m": 2e-4}, {"eccentricity_m": 2.04e-4}, 2.0),
         ("radius_error", {"relative": -0.005}, {"ratio": 0.99495}, 1.0),
-        ("shaft_compliance_backlash", {"stiffness_N_m_rad": 80.0, "gap_rad": 0.0},
-         {"compliance_rad_N_m": 1 / 84.0, "backlash_rad": 0.0}, 5.0),
-        ("load_cell_filter", {"corner_Hz": 4.0},
-         {"lag_s": (1 / 4.0 - 1 / 20.0) / (2 * math.pi)}, 0.0),
+        (
+            "shaft_compliance_backlash",
+            {"stiffness_N_m_rad": 80.0, "gap_rad": 0.0},
+            {"compliance_rad_N_m": 1 / 84.0, "backlash_rad": 0.0},
+            5.0,
+        ),
+        (
+            "load_cell_filter",
+            {"corner_Hz": 4.0},
+            {"lag_s": (1 / 4.0 - 1 / 20.0) / (2 * math.pi)},
+            0.0,
+        ),
         ("wound_in_strain", {"factor": 1.5}, {"strain": 0.0053}, 2.0),
     ],
-)  # fmt: skip
+)
 def test_a_number_is_compared_by_the_meaning_that_the_label_gives_it(
     effect, hidden, found, expected
 ):
