@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 
+from sim_plant.base.effects import Quadrature
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.spread import SPREAD, model_errors
+from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.selection import Selection
 
 
@@ -47,6 +49,21 @@ def amplitude_standard_deviation(fit: Fit, cos: int, sin: int) -> float:
     return math.hypot(math.sqrt(max(noise, 0.0)), own)
 
 
+def phasors(fit: Fit, h: Hypothesis, at: int) -> list[tuple[Quadrature, float]]:
+    """Return the phasors of an effect of which both parts were fitted, and their lengths' errors.
+
+    Parameters
+    ----------
+    at : position of the effect's first number in the row of all fitted numbers.
+    """
+    position = {name: at + k for k, name in enumerate(h.names)}
+    return [
+        (pair, amplitude_standard_deviation(fit, position[pair.cos], position[pair.sin]))
+        for pair in h.effect.quadratures
+        if pair.cos in position and pair.sin in position
+    ]
+
+
 def sizes_shown(selection: Selection) -> list[bool]:
     """Return per effect whether the records show that it has a size at all.
 
@@ -65,13 +82,10 @@ def sizes_shown(selection: Selection) -> list[bool]:
         between = {name: known.get(name, interval(value, s)) for name, value, _, s in rows}
         idle = {name: none for name, _, none, _ in rows[: h.strengths]}
         sizes = [not low <= idle[n] <= high for n, (low, high) in between.items() if n in idle]
-        position = {name: at + k for k, name in enumerate(h.names)}
         flat = dict(zip(h.names, values, strict=True))
-        for pair in h.effect.quadratures:
-            if pair.cos in position and pair.sin in position:
-                spread = amplitude_standard_deviation(fit, position[pair.cos], position[pair.sin])
-                low, _ = interval(math.hypot(flat[pair.cos], flat[pair.sin]), spread)
-                sizes.append(low > 0.0)
+        for pair, spread in phasors(fit, h, at):
+            low, _ = interval(math.hypot(flat[pair.cos], flat[pair.sin]), spread)
+            sizes.append(low > 0.0)
         shown.append(any(sizes) or not idle)
         at += len(values)
     return shown

@@ -15,11 +15,7 @@ from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.twin import Twin
-from sim_plant.refine.report.confidence import (
-    amplitude_standard_deviation,
-    interval,
-    standard_deviations,
-)
+from sim_plant.refine.report.confidence import interval, phasors, standard_deviations
 from sim_plant.refine.report.experiments import experiments
 from sim_plant.refine.report.verdict import (
     Ambiguity,
@@ -131,14 +127,7 @@ def effect_findings(
     ranges = selection.ranges or ({},) * len(fit.hypotheses)
     rows = zip(selection.accepted, fit.hypotheses, fit.values, ranges, strict=True)
     for accepted, h, values, known in rows:
-        position = {name: at + k for k, name in enumerate(h.names)}
-        amplitude_sd = {
-            pair.amplitude: amplitude_standard_deviation(
-                fit, position[pair.cos], position[pair.sin]
-            )
-            for pair in h.effect.quadratures
-            if pair.cos in position and pair.sin in position
-        }
+        amplitude_sd = {pair.amplitude: spread for pair, spread in phasors(fit, h, at)}
         own_sd = sd[at : at + len(values)]
         found = _finding(accepted, h, values, own_sd, amplitude_sd, known)
         findings.append(replace(found, cells=cells, begins=_onset(h, found.parameters, fitted)))
