@@ -28,8 +28,6 @@ LEAST_COUNTS = 8
 """After which a count may start over, as the site file lets it."""
 ORIGIN_SLACK_RAD = 1e-3
 """A range this close to whole turns is whole turns."""
-ROUNDED = 2.0**-23
-"""Share by which a count of single precision may be above the one that was read."""
 LONGEST_GAP_CYCLES = 4.5
 """Between two readings; a longer one is a hole."""
 LARGEST_MISS_RAD = math.pi
@@ -87,12 +85,12 @@ def is_whole_turns(modulus_rad: float) -> bool:
 def counted_angle(time_s: Array, count_rad: Array, modulus_rad: float) -> CountedAngle:
     """Return the angle by a counter (rows,) that starts over after ``modulus_rad``.
 
-    A count that is no number, or beyond the range either way, is bridged like a missed tick; a
-    single one that fits neither the one before nor the one after is left out. The roll must turn
-    by less than half the range, and by less than half a turn, from one cycle to the next.
+    The service records it unfolded, others as it was read. A count that is no number is bridged
+    like a missed tick; a single one that fits neither the one before nor the one after is left
+    out. The roll must turn by less than half the range, and by less than half a turn, from one
+    cycle to the next.
     """
-    in_range = np.abs(count_rad) <= modulus_rad * (1.0 + ROUNDED)
-    known = np.flatnonzero(np.isfinite(count_rad) & in_range)
+    known = np.flatnonzero(np.isfinite(count_rad))
     if known.size < 2:
         nothing = np.zeros(time_s.shape)
         return CountedAngle(

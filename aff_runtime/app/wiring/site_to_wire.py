@@ -65,6 +65,7 @@ def _channel(site: Site, name: str, channel: Channel) -> Register:
         scale=channel.scale,
         word_order=WordOrder(site.gateway.word_order or "high_first"),
         wraps=channel.wraps,
+        wraps_after=channel.wraps_after or 0,
     )
 
 

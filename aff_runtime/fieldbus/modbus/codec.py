@@ -26,13 +26,16 @@ _RANGE: Final[dict[WordType, tuple[float, float]]] = {
 }
 _F32: Final = struct.Struct(">f")
 _U32: Final = struct.Struct(">I")
+_ReadRow = tuple[int, int, int, int, float, int]
+"""Kind, high and low word (-1 for none), sign bit, SI units per count, range in counts."""
 
 
 class WordCodec:
     """Decodes the read block and encodes the write block of one register map.
 
     Wrapping counters are unwrapped by steps of less than half their range, which needs the last
-    reading: ``reset`` forgets it, and the next reading starts again at the raw signed count.
+    reading: ``reset`` forgets it, and the next reading starts again at the raw count. A count
+    beyond the range after which it starts over is no reading: NaN.
 
     Parameters
     ----------
@@ -56,8 +59,7 @@ class WordCodec:
             None if register is None else _read_row(register, start)
             for register in register_map.applied
         )
-        self._counts = [0] * self.channel_count
-        self._counts_known = False
+        self._counts: list[int | None] = [None] * self.channel_count
         self._values = [math.nan] * self.channel_count
 
         start = register_map.write_start
@@ -72,7 +74,7 @@ class WordCodec:
 
     def reset(self) -> None:
         """Forget the last counts of wrapping counters."""
-        self._counts_known = False
+        self._counts = [None] * self.channel_count
 
     def decode(self, words: list[int]) -> tuple[int, int, int, tuple[float, ...]]:
         """Return heartbeat, status, roll id and the SI value per channel.
@@ -83,21 +85,22 @@ class WordCodec:
         """
         values = self._values
         counts = self._counts
-        known = self._counts_known
-        for slot, (kind, high, low, sign_bit, scale) in enumerate(self._read_rows):
+        for slot, (kind, high, low, sign_bit, scale, size) in enumerate(self._read_rows):
             raw = words[low] if high < 0 else (words[high] << 16) | words[low]
             if kind == _FLOAT:
                 values[slot] = _F32.unpack(_U32.pack(raw))[0] * scale
-            else:
-                if kind == _COUNTER and known:
-                    # the step since the last reading, taken the short way round
-                    step = (raw - counts[slot]) & (2 * sign_bit - 1)
-                    raw = counts[slot] + (step ^ sign_bit) - sign_bit
-                else:
-                    raw = (raw ^ sign_bit) - sign_bit
+                continue
+            raw = (raw ^ sign_bit) - sign_bit
+            if kind == _COUNTER:
+                if abs(raw) > size:
+                    values[slot] = math.nan
+                    continue
+                last = counts[slot]
+                if last is not None:  # the step since then, taken the short way round
+                    half = size // 2
+                    raw = last + (raw - last + half) % size - half
                 counts[slot] = raw
-                values[slot] = raw * scale
-        self._counts_known = True
+            values[slot] = raw * scale
         return (
             words[self._heartbeat_at],
             self._status(words) if self._status_rows else words[self._status_at],
@@ -163,11 +166,11 @@ class WordCodec:
         return round(min(counts, 65535.0)) if counts > 0.0 else 0
 
 
-def _plain(row: tuple[int, int, int, int, float] | None, words: list[int]) -> float:
+def _plain(row: _ReadRow | None, words: list[int]) -> float:
     """Return the SI value of one reading that never starts over."""
     if row is None:
         return math.nan
-    kind, high, low, sign_bit, scale = row
+    kind, high, low, sign_bit, scale, _ = row
     raw = words[low] if high < 0 else (words[high] << 16) | words[low]
     if kind == _FLOAT:
         number: float = _F32.unpack(_U32.pack(raw))[0]
@@ -188,17 +191,18 @@ def _halves(address: int, register: Register) -> tuple[int, int]:
     return address + 1, address
 
 
-def _read_row(register: Register, start: int) -> tuple[int, int, int, int, float]:
+def _read_row(register: Register, start: int) -> _ReadRow:
     high, low = _halves(register.address - start, register)
     bits = 16 * register.type.word_count
     if register.type is WordType.F32:
         kind, sign_bit = _FLOAT, 0
-    elif register.wraps:
-        kind, sign_bit = _COUNTER, 1 << (bits - 1)
     else:
+        kind = _COUNTER if register.wraps else _INTEGER
         signed = register.type in (WordType.I16, WordType.I32)
-        kind, sign_bit = _INTEGER, (1 << (bits - 1)) if signed else 0
-    return kind, high, low, sign_bit, register.scale
+        whole = register.wraps and not register.wraps_after  # its sign is one way round of two
+        sign_bit = (1 << (bits - 1)) if signed or whole else 0
+    size = register.wraps_after or 1 << bits
+    return kind, high, low, sign_bit, register.scale, size
 
 
 def _write_row(

@@ -76,6 +76,7 @@ class Register:
     scale : SI units per count; may be negative, never 0.
     word_order : order of the two halves, used by 32-bit types only.
     wraps : True when the counter runs through its range, so that steps unwrap it.
+    wraps_after : counts after which it starts over; 0 where that is all that its words hold.
     """
 
     name: str
@@ -84,6 +85,7 @@ class Register:
     scale: float = 1.0
     word_order: WordOrder = WordOrder.HIGH_FIRST
     wraps: bool = False
+    wraps_after: int = 0
 
     def __post_init__(self) -> None:
         if not 0 <= self.address <= 0x10000 - self.type.word_count:
@@ -92,6 +94,8 @@ class Register:
             raise ConfigError(f"{self.name}: scale {self.scale} must be finite and not 0")
         if self.wraps and self.type is WordType.F32:
             raise ConfigError(f"{self.name}: an f32 has no counter range to wrap; use i32 or u32")
+        if not 0 <= self.wraps_after <= 1 << (16 * self.type.word_count):
+            raise ConfigError(f"{self.name}: its words hold no {self.wraps_after} counts")
 
     @property
     def addresses(self) -> range:

@@ -89,11 +89,13 @@ def test_a_clock_that_goes_back_and_rows_of_noise_end():
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_word_beyond_the_range_of_its_count_is_no_reading(sign):
-    angle = 5.0 * TIME_S
-    count = sign * np.mod(angle, math.tau)
-    count[1000] = sign * 5000 / 4096 * math.tau
-    found = counted_angle(TIME_S, count, math.tau)
+@pytest.mark.parametrize("begins_turns", [0.0, 120.0])
+def test_a_count_that_was_unfolded_when_it_was_recorded_goes_on_beyond_its_range(
+    sign, begins_turns
+):
+    angle = 30.0 * TIME_S
+    found = counted_angle(TIME_S, sign * (begins_turns * math.tau + angle), 16.0 * math.tau)
+    assert found.good.all()
     assert np.max(np.abs(found.angle_rad - angle)) < 1e-6
 
 

@@ -206,6 +206,34 @@ def test_wrapping_counters_follow_any_walk(
         assert codec.decode(read_block(words))[3] == (position * 0.5,)
 
 
+@given(
+    st.sampled_from((WordType.U16, WordType.I16, WordType.U32, WordType.I32)),
+    st.integers(8, 65536),
+    st.data(),
+)
+def test_counters_that_start_over_within_their_words_follow_any_walk(
+    kind: WordType, size: int, data: st.DataObject
+) -> None:
+    signed = kind in (WordType.I16, WordType.I32)
+    least = -(size // 2) if signed else 0
+    position = data.draw(st.integers(least, least + size - 1))
+    codec = one_channel(
+        Register(name="x", address=2, type=kind, scale=0.5, wraps=True, wraps_after=size)
+    )
+    for step in [0, *data.draw(st.lists(st.integers(-(size // 2), (size - 1) // 2), max_size=8))]:
+        position += step
+        shown = (position - least) % size + least
+        words = to_words(kind, WordOrder.HIGH_FIRST, shown)
+        assert codec.decode(read_block(words))[3] == (position * 0.5,)
+
+
+def test_a_count_beyond_its_range_is_no_reading_and_loses_no_turn() -> None:
+    codec = one_channel(Register(name="x", address=2, wraps=True, wraps_after=4096))
+    read = [codec.decode(read_block([count]))[3][0] for count in (5000, 4000, 5000, 100)]
+    assert read == [pytest.approx(math.nan, nan_ok=True), 4000, read[2], 4196]
+    assert math.isnan(read[2])
+
+
 def test_reset_forgets_the_turns_already_counted() -> None:
     codec = one_channel(
         Register(name="x", address=2, type=WordType.I32, scale=ANGLE_SCALE, wraps=True)

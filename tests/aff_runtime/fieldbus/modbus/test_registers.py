@@ -101,6 +101,7 @@ def test_a_read_block_longer_than_a_frame_is_refused() -> None:
         {"address": 0, "scale": 0.0},
         {"address": 0, "scale": float("nan")},
         {"address": 0, "type": WordType.F32, "wraps": True},
+        {"address": 0, "wraps": True, "wraps_after": 65537},
     ],
 )
 def test_impossible_registers_are_refused(bad: dict[str, object]) -> None:
