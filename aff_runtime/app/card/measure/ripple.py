@@ -13,9 +13,11 @@ from aff_runtime.app.card.measure.phases import Phase, phases
 from aff_runtime.app.card.measure.proof import (
     SETTLES,
     SLOWEST_M_S,
+    by_key,
     corrected,
     enabled,
     reduction_figure,
+    rise_shares,
     surely_fell,
 )
 from aff_runtime.app.report.comparison.comparing import compare
@@ -48,8 +50,9 @@ def measure(evidence: Evidence) -> StepResult:
         )
     both = compare(off.of(window), on.later(waits_s).of(window))
     wanted = corrected(evidence.site)
-    rows = {(row.signal, row.roll, row.order): row for row in both.rows}
-    orders = [reduction_figure(key, [row.change]) for key, row in rows.items() if key in wanted]
+    rows = by_key(both, wanted)
+    shares = rise_shares(rows)
+    orders = [reduction_figure(key, [row.change], shares[key]) for key, row in rows.items()]
     settling = Figure(name="left to settle from arming on", value=waits_s, unit="s")
     return StepResult(
         figures=(settling, *orders, *_ratios(on, window)),

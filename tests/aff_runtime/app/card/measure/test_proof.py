@@ -8,7 +8,8 @@ import pytest
 from aff_runtime.app.card.figures import Verdict
 from aff_runtime.app.card.measure import proof
 from aff_runtime.app.card.measure.phases import Phase, last_two, offs_and_ons, phases
-from aff_runtime.app.report.comparison.turns import Change, Estimate
+from aff_runtime.app.report.comparison.comparing import OrderRow
+from aff_runtime.app.report.comparison.turns import Change, Estimate, change
 from aff_runtime.config.loader import load_site
 from sim_plant.base.order_tracking import order_amplitudes
 from tests.aff_runtime.app.card.measure.recorded import SITE, evidence, figure, window
@@ -161,13 +162,46 @@ def test_an_order_that_rises_out_of_the_noise_whenever_on_is_a_rise():
 
     found = proof.reduction([rises(15.0), rises(3.0)])
     assert (found.value_dB, found.high_dB, found.bound) == (-20.0, -3.0, "at_most")
-    assert proof.reduction_figure(("T", "unwind", 1), [rises(15.0)]).good is False
+    assert proof.reduction_figure(("T", "unwind", 1), [rises(15.0)], 0.1).good is False
     assert proof.reduction([rises(15.0), rises(-1.0)]).bound == "none"
 
 
 def size(amplitude, half=0.0, floor=0.01):
     low, high = amplitude - half, amplitude + half
     return Estimate(amplitude=amplitude, low=low, high=high, floor=floor, turns=50)
+
+
+def row(order, before, after, signal="T"):
+    return OrderRow(
+        signal=signal,
+        roll="unwind",
+        order=order,
+        frequency_Hz=(1.0, 1.0),
+        before=before,
+        after=after,
+        change=change(before, after),
+        labels=(),
+    )
+
+
+@pytest.mark.parametrize(("rise_N", "good"), [(0.09, True), (0.11, False)])
+def test_an_order_that_rises_by_less_than_a_fiftieth_of_all_orders_when_off_fails_nothing(
+    rise_N, good
+):
+    """5 N in all when off: 0.1 N is a fiftieth; the interval alone says of both that they rose."""
+    rows = {
+        ("T", "unwind", 1): row(1, size(3.0), size(0.3)),
+        ("T", "unwind", 2): row(2, size(4.0), size(0.4)),
+        ("T", "unwind", 16): row(16, size(0.03, 0.002), size(0.03 + rise_N, 0.002)),
+        ("U", "unwind", 1): row(1, size(0.1), size(0.01), signal="U"),
+    }
+    key = ("T", "unwind", 16)
+    share = proof.rise_shares(rows)[key]
+    assert share == pytest.approx(rise_N / 5.0, rel=1e-3)
+    found = proof.reduction_figure(key, [rows[key].change], share)
+    assert found.high < 0.0
+    assert found.good is good
+    assert "2 % of all" in found.limit
 
 
 def test_orders_together_are_the_root_of_the_sum_of_their_squares():
