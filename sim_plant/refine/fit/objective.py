@@ -296,7 +296,8 @@ def _projector(
     sd, rows = prior_sd(nuisances), judged_rows(measured, whitening)
     free = (*linearisation.shape_changes, *linearisation.wander_changes)
     changes = [*linearisation.nuisance_changes, *_zeros(pool, measured), *free]
-    columns = _matrix(whitening, changes, len(nuisances))
+    nothing = np.empty((rows + len(nuisances), 0))
+    columns = _matrix(whitening, changes, len(nuisances)) if changes else nothing
     for at in range(len(nuisances)):
         columns[rows + at, at] = 1.0 / sd[at]
     if linearisation.start_changes:

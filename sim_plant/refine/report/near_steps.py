@@ -28,11 +28,13 @@ def near_steps(verdict: Verdict, fitted: Sequence[Recording]) -> tuple[str, ...]
 
 
 def _steps_near(record: Recording, column: str, at: Moment) -> bool:
-    """Return whether a reference changes by a step from one row to the next, close to a moment."""
-    values = record.columns.get(column)
-    if values is None:
+    """Return whether a reference steps from one row that has it to the next, near a moment."""
+    given = record.columns.get(column)
+    known = np.flatnonzero(np.isfinite(given)) if given is not None else np.empty(0, dtype=int)
+    if given is None or not known.size:
         return False
+    values = given[known]
     least = CRITERIA.model.tension_step_share * float(np.mean(np.abs(values)))
-    jumps = np.flatnonzero(np.abs(np.diff(values)) > least) + 1
+    jumps = known[1:][np.abs(np.diff(values)) > least]
     near = np.abs(jumps * record.sample_time_s - at.time_s) <= CRITERIA.report.near_step_s
     return bool(near.any())

@@ -1,5 +1,6 @@
 """The page as a file: its tables, its figures and their captions, by what was found."""
 
+import math
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -165,9 +166,12 @@ def test_without_an_effect_a_page_has_one_curve_and_nothing_amended(tmp_path):
     assert '<tr class="sum"><td>unwind_angle_rad</td>' in page
 
 
-@pytest.mark.parametrize(("time_s", "told"), [(15.2, True), (14.8, True), (16.0, False)])
-def test_what_begins_with_a_step_of_a_reference_is_told_as_that(tmp_path, time_s, told):
+@pytest.mark.parametrize("lacks", [[], [0, 100, -1], slice(None)])
+@pytest.mark.parametrize(("time_s", "near"), [(15.2, True), (14.8, True), (16.0, False)])
+def test_what_begins_with_a_step_of_a_reference_is_told_as_that(tmp_path, time_s, near, lacks):
     tension_N = np.where(np.arange(ROWS) * STEP_S < 15.0, 80.0, 90.0)
+    tension_N[lacks] = math.nan
+    told = near and lacks != slice(None)
     one = record("a.csv", 1.0, 1.0)
     one = replace(one, columns=one.columns | {"tension_ref_N": tension_N})
     begun = replace(
