@@ -85,10 +85,10 @@ def fit_drive(phasors: Phasors, *, cycle_s: float, roll: str, radius_m: float) -
         torque, or no path fits.
     """
     heard = _heard(phasors)
+    if heard.below(BANDS_Hz[0]).omega_rad_s.size < FEWEST_TONES:
+        raise RefusedError(_too_few(phasors))
     _refuse_other_way(heard)
     fits = _fit_bands(heard, cycle_s)
-    if not fits:
-        raise RefusedError(_too_few(phasors))
     best = fits[0]
     _refuse_torque(best)
     if best.misfit > WORST_MISFIT:

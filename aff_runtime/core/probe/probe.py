@@ -17,7 +17,7 @@ from aff_runtime.base.probe_columns import EXCITING, PROGRESS, STAGE
 from aff_runtime.base.signals import ActuatorStep, Permission, Snapshot
 from aff_runtime.core.controller import RollPhases
 from aff_runtime.core.params import ProbeParams, SiteParams
-from aff_runtime.core.phase import Quality
+from aff_runtime.core.phase import Quality, Source
 from aff_runtime.core.probe.bounds import Bounds
 from aff_runtime.core.probe.choosing import Choosing
 from aff_runtime.core.probe.drive_record import DriveRecord
@@ -99,6 +99,7 @@ class Probe:
         self._record = [_column(self._samples) for _ in self._probed]
         self._ratio = [_column(self._samples) for _ in self._probed]
         self._theta = [_column(self._samples) for _ in site.rolls]
+        self._counted = [True] * len(site.rolls)  # by an encoder, all along
         self._heartbeat = _column(self._samples)
         self._drives = [
             DriveRecord(site, actuator, self._phases.by_name, self._samples)
@@ -257,8 +258,9 @@ class Probe:
         if k >= self._samples:
             self.stage = Stage.DONE
             return tuple(steps)
-        for column, phase in zip(self._theta, self._phases.by_name.values(), strict=True):
-            column[k] = phase.theta_rad
+        for i, phase in enumerate(self._phases.by_name.values()):
+            self._theta[i][k] = phase.theta_rad
+            self._counted[i] &= phase.source is Source.ENCODER
         self._heartbeat[k] = snapshot.plc_heartbeat
         for j, wave in enumerate(self._waves):
             i = self._positions[j]
@@ -316,7 +318,8 @@ class Probe:
         columns += 4 * self._p.nuisance_orders * len(angles) + 3
         if keep.sum() < 2 * columns or not tones[j]:
             raise RefusedError(f"{name}: no tones, or too many for this duration")
-        time_s[keep] = scan_time_s(time_s[keep], np.asarray(self._heartbeat)[keep])
+        counted = [a[keep] for a, is_so in zip(angles, self._counted, strict=True) if is_so]
+        time_s[keep] = scan_time_s(time_s[keep], np.asarray(self._heartbeat)[keep], counted)
         fit = fit_tones(
             time_s=time_s[keep],
             signal=signal[keep],

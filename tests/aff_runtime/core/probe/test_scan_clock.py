@@ -53,6 +53,22 @@ def test_a_scan_that_takes_as_long_as_its_work_is_no_clock():
     assert scan_time_s(time_s, heartbeat) is time_s
 
 
+@pytest.mark.parametrize("stands_s", [0.0, 0.04])
+def test_of_two_clocks_that_part_the_one_counts_on_which_the_rolls_turn_steadily(stands_s):
+    """A PLC that stands now and then goes on from there; on its own clock its roll is steady."""
+    rng = np.random.default_rng(2)
+    time_s = np.arange(READS) * CYCLE_S
+    stood_s = stands_s * np.cumsum(rng.random(READS) < 0.01)
+    scans = np.maximum.accumulate(np.floor((time_s - stood_s) / CYCLE_S + 0.5))
+    work = np.searchsorted(np.cumsum(rng.uniform(2e-3, 8e-3, READS)), time_s).astype(float)
+    for count, turned_s, is_clock in ((scans, scans * CYCLE_S, True), (work, time_s, False)):
+        new = np.diff(count, prepend=-1.0) > 0.0
+        angle_rad = 5.0 * turned_s + rng.normal(0.0, 1e-3, READS)
+        read_s = time_s[new]
+        found_s = scan_time_s(read_s, count[new], [angle_rad[new]])
+        assert (found_s is not read_s) is is_clock
+
+
 @pytest.mark.parametrize(
     "heartbeat",
     [
