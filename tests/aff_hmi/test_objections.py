@@ -27,9 +27,9 @@ def unsure(**more: float) -> Response:
     )
 
 
-def too_fast(*, stands_in: bool) -> tuple[str, ...]:
-    """Return what the plain law says of 10.35 Hz at a cycle of 5 ms."""
-    blocks = BlockParams(roll="unwind", orders=(13,), settle_s=4.0, amp_limit=0.01)
+def too_fast(*orders: int, stands_in: bool) -> tuple[str, ...]:
+    """Return what the plain law says of orders from 10.35 Hz on, at a cycle of 5 ms."""
+    blocks = BlockParams(roll="unwind", orders=orders, settle_s=4.0, amp_limit=0.01)
     line = Line(LagDelay(-400.0), {}, omega=5.0)
     response = measured(line.plant.at, GRID_HZ)
     law = Controller(site(replace(with_blocks(blocks), stands_in=stands_in)), {"unwind": response})
@@ -45,8 +45,8 @@ def too_fast(*, stands_in: bool) -> tuple[str, ...]:
         arming_objections(unsure(), [("unwind_4x", 31.4)]),
         arming_objections(unsure(relative_error=3.0), [("unwind_1x", 2.0)]),
         arming_objections(unsure(coherence=0.1), [("unwind_1x", 2.0)]),
-        too_fast(stands_in=False),
-        too_fast(stands_in=True),
+        too_fast(13, stands_in=False),
+        too_fast(13, 14, 16, stands_in=True),
     ],
 )
 def test_what_the_law_says_is_known_word_by_word(found: tuple[str, ...]) -> None:

@@ -279,9 +279,11 @@ class Bank:
         has another limit, and the probe is what is lacking.
         """
         wanted = [(slot.name, slot.omega_rad_s / math.tau) for slot in self.slots]
-        sentences = list(arming_objections(self._response, wanted))
+        sentences: list[str] = []
         if self._response is not None or not self._p.stands_in:
-            sentences += self._too_fast(wanted)
+            sentences += self._too_fast()
+            wanted = [one for one in wanted if not self._is_too_fast(one[1])]  # said already
+        sentences += arming_objections(self._response, wanted)
         for slot in self.slots:
             if abs(slot.omega_rad_s) * self._interval_s > slot.block.widest_rad:
                 sentences.append(
@@ -294,23 +296,32 @@ class Bank:
                 sentences.append(f"{roll}: its angle is lost")
         return tuple(sentences)
 
-    def _too_fast(self, wanted: list[tuple[str, float]]) -> Iterator[str]:
-        """Yield which orders are above what goes out at this cycle, and what to do."""
+    def _is_too_fast(self, frequency_Hz: float) -> bool:
+        return abs(frequency_Hz) > self._omega_max / math.tau
+
+    def _too_fast(self) -> Iterator[str]:
+        """Yield per roll which orders are above what goes out at this cycle, and what to do."""
         limit_Hz, cycle_ms = self._omega_max / math.tau, 1e3 * self._cycle_s
         or_else = "shorten cycle_ms, run slower or take out that order"
-        for name, signed_Hz in wanted:
-            f = abs(signed_Hz)
-            if not f > limit_Hz:
+        for roll in dict.fromkeys(slot.roll for slot in self.slots):
+            fast = sorted(
+                (abs(slot.omega_rad_s) / math.tau, slot.name)
+                for slot in self.slots
+                if slot.roll == roll and self._is_too_fast(slot.omega_rad_s / math.tau)
+            )
+            if not fast:
                 continue
+            names = " .. ".join(dict.fromkeys(name for _, name in (fast[0], fast[-1])))
+            which_Hz = " .. ".join(dict.fromkeys(f"{f:.2f}" for f, _ in (fast[0], fast[-1])))
             if self._p.stands_in:
                 yield (
-                    f"{name}: {f:.2f} Hz is above the {limit_Hz:.4g} Hz of the plain law, which "
-                    f"stands in, at a cycle of {cycle_ms:g} ms; identify the drive by a probe or "
-                    f"declare it, else {or_else}"
+                    f"{names}: {which_Hz} Hz is above the {limit_Hz:.4g} Hz of the plain law, "
+                    f"which stands in, at a cycle of {cycle_ms:g} ms; identify the drive by a "
+                    f"probe or declare it, else {or_else}"
                 )
             else:
                 yield (
-                    f"{name}: {f:.2f} Hz is above the {limit_Hz:.4g} Hz of the plain law at a "
+                    f"{names}: {which_Hz} Hz is above the {limit_Hz:.4g} Hz of the plain law at a "
                     f"cycle of {cycle_ms:g} ms; {or_else}"
                 )
 

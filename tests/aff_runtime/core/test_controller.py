@@ -206,6 +206,15 @@ def test_an_order_that_only_the_stand_in_refuses_is_no_objection_before_a_first_
     assert "the plain law, which stands in, at a cycle of 5 ms; identify the drive" in said
 
 
+def test_orders_of_a_roll_that_are_too_fast_are_one_objection_whatever_else_is_said_of_them():
+    blocks = BlockParams(roll="unwind", orders=(1, 13, 14, 16), settle_s=4.0, amp_limit=0.01)
+    line = Line(plant(), {}, omega=5.0)
+    law = Controller(site(with_blocks(blocks)), {"unwind": measured(plant().at, [0.5, 1.0])})
+    line.run(law, 5.0)
+    (said,) = law.arming_objections()["unwind"]
+    assert said.startswith("unwind_13x .. unwind_16x: 10.35 .. 12.73 Hz is above the 10 Hz of")
+
+
 def test_block_outside_the_probed_band_is_held():
     line = Line(plant(), RIPPLE)
     params = site()
