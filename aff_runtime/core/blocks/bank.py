@@ -300,7 +300,7 @@ class Bank:
         return abs(frequency_Hz) > self._omega_max / math.tau
 
     def _too_fast(self) -> Iterator[str]:
-        """Yield per roll which orders, from which Hz on, are above what goes out, and what to do."""
+        """Yield per roll the orders above what goes out, the slowest's Hz, and what to do."""
         limit_Hz, cycle_ms = self._omega_max / math.tau, 1e3 * self._cycle_s
         or_else = "shorten cycle_ms, run slower or take out that order"
         for roll in dict.fromkeys(slot.roll for slot in self.slots):
@@ -312,15 +312,16 @@ class Bank:
             if not fast:
                 continue
             names = " .. ".join(dict.fromkeys(name for _, name in (fast[0], fast[-1])))
+            f = fast[0][0]
             if self._p.stands_in:
                 yield (
-                    f"{names}: {fast[0][0]:.2f} Hz is above the {limit_Hz:.4g} Hz of the plain law, "
+                    f"{names}: {f:.2f} Hz is above the {limit_Hz:.4g} Hz of the plain law, "
                     f"which stands in, at a cycle of {cycle_ms:g} ms; identify the drive by a "
                     f"probe or declare it, else {or_else}"
                 )
             else:
                 yield (
-                    f"{names}: {fast[0][0]:.2f} Hz is above the {limit_Hz:.4g} Hz of the plain law at a "
+                    f"{names}: {f:.2f} Hz is above the {limit_Hz:.4g} Hz of the plain law at a "
                     f"cycle of {cycle_ms:g} ms; {or_else}"
                 )
 
