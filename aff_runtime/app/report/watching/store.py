@@ -33,6 +33,7 @@ from aff_runtime.app.report.watching.tables import (
 )
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.files import CLOSED, is_closed
+from aff_runtime.base.run_window import MARK
 
 VERSION = "1"
 MOST_HOURS, MOST_ORDERS = 10_000, 300_000
@@ -345,6 +346,11 @@ def lock_store(folder: Path) -> Iterator[None]:
     ConfigError
         Another command has it, or the folder cannot be used.
     """
+    if (folder / MARK).exists():
+        raise ConfigError(
+            f"{folder}: is a run folder, and no store; the store comes first: "
+            "`aff-runtime watch add STORE RUN_DIR`"
+        )
     try:
         folder.mkdir(parents=True, exist_ok=True)
         lock = os.open(folder / ".lock", LOCK_FLAGS, 0o644)

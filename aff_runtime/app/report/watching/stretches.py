@@ -7,7 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from aff_runtime.app.report.comparison.turns import Array, Flags
-from aff_runtime.app.report.comparison.window import Window, any_correction, window_of
+from aff_runtime.app.report.comparison.window import (
+    NUMBERS_SHARE,
+    Window,
+    any_correction,
+    window_of,
+)
 from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.run_table import RunTable
 from aff_runtime.base.run_window import RunWindow
@@ -29,8 +34,9 @@ WHOLLY = 0.98
 def steady(table: RunTable, speed_name: str) -> Window | None:
     """Return the longest stretch at one speed, corrected all along or not at all; None without.
 
-    Of a longer one its first ``LONGEST_S``. Left out are splices, the probe's excitation and what
-    ran into a limit. Its site file is the one in force at its end.
+    Of a longer one its first ``LONGEST_S``. Left out are splices, the probe's excitation, what
+    ran into a limit, and a stretch of which ``NUMBERS_SHARE`` or less shows readings. Its site
+    file is the one in force at its end.
     """
     speed = table.columns.get(speed_name)
     if speed is None or speed.size < 2:
@@ -50,7 +56,8 @@ def steady(table: RunTable, speed_name: str) -> Window | None:
     end = starts[last] if last < starts.size else time_s.size
     past_last_s = float(time_s[end - 1]) + 1e-6  # less than a tick
     to_s = min(past_last_s, from_s + LONGEST_S)
-    return window_of(_cut(table, from_s, to_s))
+    found = window_of(_cut(table, from_s, to_s))
+    return found if float(np.mean(found.rows)) > NUMBERS_SHARE else None
 
 
 def is_correcting(window: Window) -> bool:

@@ -250,6 +250,14 @@ def test_a_second_command_on_the_same_store_is_refused(tmp_path):
         pass
 
 
+def test_a_run_folder_is_no_place_for_a_store(tmp_path):
+    (tmp_path / "run.yaml").write_text("columns: [time_s]\n")
+    said = r"is a run folder, and no store; .*watch add STORE RUN_DIR"
+    with pytest.raises(ConfigError, match=said), lock_store(tmp_path):
+        pass
+    assert [path.name for path in tmp_path.iterdir()] == ["run.yaml"]
+
+
 def test_above_the_bound_every_second_old_hour_goes_and_its_web_stays(runs, monkeypatch):
     whole = of(*runs)
     monkeypatch.setattr(stores, "MOST_HOURS", 6)

@@ -8,7 +8,7 @@ import pytest
 from aff_runtime.app.report.watching.stretches import LONGEST_S, is_correcting, steady
 from aff_runtime.base.run_table import RunTable
 from aff_runtime.base.run_window import RunWindow
-from aff_runtime.base.signals import StateBits, Status
+from aff_runtime.base.signals import Outcome, StateBits, Status
 from aff_runtime.base.yaml_section import Section
 
 CYCLE_S = 0.05
@@ -83,3 +83,9 @@ def test_a_hole_ends_a_stretch():
 
 def test_a_line_that_stands_still_has_no_stretch():
     assert steady(table(**{SPEED: 0.0 * TIME_S}), SPEED) is None
+
+
+def test_a_stretch_whose_rows_show_no_readings_is_none():
+    outcome = between(10.0, 200.0, np.nan, otherwise=float(Outcome.OK))
+    assert steady(table(outcome=outcome), SPEED) is None
+    assert steady(table(outcome=np.full(TIME_S.size, float(Outcome.OK))), SPEED) is not None
