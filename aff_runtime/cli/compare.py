@@ -48,7 +48,9 @@ def compare(options: argparse.Namespace) -> int:
         data = json.dumps(page.as_json(found), indent=1, allow_nan=False)
         replace_text(options.out / DATA, data + "\n")
     except OSError as error:
-        raise ConfigError(f"--out {options.out}: {error.strerror}") from None
+        raise ConfigError(
+            f"--out {options.out}: cannot be written ({error.strerror}); give a folder of yours"
+        ) from None
     for line in page.lines(found):
         say(line)
     say(options.out / PAGE)

@@ -24,6 +24,8 @@ HEAD = (
     *("order", "Hz", "before N", "95 %", "after N", "95 %", "change dB", "95 %"),
     *("noise N", "turns", ""),
 )
+NO_CHANGE = {"none": "both in the noise", "unknown": "change not known"}
+"""What is said of a change without a figure, by its ``bound``."""
 # of a chart, pixels: width of a bar, height of the axis, room at its left and above it
 BAR, AXIS, LEFT, TOP = 14, 120, 30, 10
 
@@ -89,8 +91,8 @@ def lines(comparison: Comparison) -> Iterator[str]:
 
 def change_text(change: Change) -> str:
     """Return a change with its interval, or the bound that it is."""
-    if change.bound == "none":
-        return "both in the noise"
+    if change.bound in NO_CHANGE:
+        return NO_CHANGE[change.bound]
     if change.bound:
         return f"{'<=' if change.bound == 'at_most' else '>='} {change.value_dB:+.1f} dB"
     if math.isnan(change.low_dB):
@@ -136,8 +138,8 @@ def _row(row: OrderRow) -> str:
 
 
 def _change_cells(change: Change) -> tuple[str, str]:
-    if change.bound == "none":
-        return "in the noise", ""
+    if change.bound in NO_CHANGE:
+        return NO_CHANGE[change.bound], ""
     sign = {"at_most": "\u2264 ", "at_least": "\u2265 "}.get(change.bound, "")
     return f"{sign}{change.value_dB:+.1f}", _span(change.low_dB, change.high_dB)
 

@@ -229,7 +229,8 @@ class Change:
     low_dB, high_dB : 95 % interval. Of ``at_least`` the lower end alone is known: that of the
         amplitude after over the floor before; above 0 the order rose for sure.
     bound : ``at_most``: the amplitude after is in the noise, the change is that or less;
-        ``at_least``: that before is; ``none``: both are; else empty.
+        ``at_least``: that before is; ``none``: both are; ``unknown``: of one or both too few
+        turns were seen to tell; else empty.
     """
 
     value_dB: float
@@ -246,11 +247,11 @@ def _log10(size: float) -> float:
 def change(before: Estimate, after: Estimate) -> Change:
     """Return the change between two windows."""
     there, here = before.stands_out, after.stands_out
-    if not there and not here:
-        return Change(value_dB=math.nan, low_dB=math.nan, high_dB=math.nan, bound="none")
+    is_unknown = math.isnan(before.floor) or math.isnan(after.floor)  # too few turns for one
+    if is_unknown or not (there or here):
+        bound = "unknown" if is_unknown else "none"
+        return Change(value_dB=math.nan, low_dB=math.nan, high_dB=math.nan, bound=bound)
     first, last = (e.amplitude if e.stands_out else e.floor for e in (before, after))
-    if math.isnan(first) or math.isnan(last):  # too few turns for a floor
-        return Change(value_dB=math.nan, low_dB=math.nan, high_dB=math.nan, bound="none")
     value = 20.0 * (_log10(last) - _log10(first))
     if not there or not here:
         bound = "at_most" if there else "at_least"

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from aff_runtime.app.report.comparison.page import change_text
 from aff_runtime.app.report.comparison.turns import (
     Estimate,
     change,
@@ -124,6 +125,14 @@ def test_what_is_in_the_noise_gives_a_bound_and_no_figure(before, after, bound, 
         assert math.isnan(result.value_dB)
     else:
         assert result.value_dB == pytest.approx(value_dB)
+
+
+@pytest.mark.parametrize("other", [1.0, 0.001, math.nan])
+def test_of_too_few_turns_for_a_noise_no_change_is_known(other):
+    few = size(1.0, floor=math.nan)
+    for result in (change(few, size(other)), change(size(other), few)):
+        assert (result.bound, math.isnan(result.value_dB)) == ("unknown", True)
+        assert change_text(result) == "change not known"
 
 
 def test_a_rise_out_of_the_noise_is_at_least_that_of_its_lower_end_over_the_floor():
