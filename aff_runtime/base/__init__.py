@@ -20,6 +20,7 @@ __all__ = [
     "python_child",
     "refinement",
     "release",
+    "roll_changes",
     "run_files",
     "run_glance",
     "run_responses",

@@ -294,6 +294,8 @@ def _about(folder: Path) -> Section:
         about = yaml_values(text_of(folder / MARK, _LARGEST_YAML))
         if not isinstance(about, Mapping):
             raise AffError(no_run(folder))
+        if "columns" not in about:
+            raise ValueError(f"its {MARK} says no columns: cut off? copy it anew")
         names = about["columns"]
         if not isinstance(names, list) or not names or names[0] != "time_s":
             raise ValueError("its columns do not begin with time_s")
@@ -303,7 +305,7 @@ def _about(folder: Path) -> Section:
             raise ValueError("a column's name does not print, or is too long")
         if len(set(names)) != len(names):
             raise ValueError("a column stands twice in it")
-    except (KeyError, TypeError, ValueError) as error:
+    except (TypeError, ValueError) as error:
         raise AffError(_not_a_run(folder, str(error))) from None
     return Section(dict(about))
 
@@ -375,6 +377,8 @@ def _odd_times(path: Path, time_s: NDArray[np.float64]) -> Iterator[str]:
 
 def _events(path: Path) -> tuple[list[dict[str, str]], list[str]]:
     """Return the events of a run, and what is to be said about their file."""
+    if not path.exists():
+        return [], [f"no {path.name}: what was armed, edited or alarmed then is not known"]
     found: list[dict[str, str]] = []
     reader = csv.DictReader(io.StringIO(text_of(path, _LARGEST_TEXT)))
     try:

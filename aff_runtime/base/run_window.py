@@ -12,6 +12,7 @@ from aff_runtime.base.printable import printable
 
 MARK = "run.yaml"
 HOW_WRITTEN = "times of a run are written RUN_DIR@FROM..TO, such as RUN_DIR@2:00..12:00"
+MOST_OF_A_CLOCK = 60
 _TIME = re.compile(r"(?:(?:(?P<h>\d{1,9}):)?(?P<m>\d{1,9}):)?(?P<s>\d{1,9}(?:\.\d*)?)")
 
 
@@ -91,4 +92,10 @@ def _seconds(whole: str, text: str, absent: float) -> float:
             f"{printable(whole)}: read {printable(text, 20)!r} for a time; write seconds of "
             "its time_s (120), minutes (2:00) or hours (1:02:00), such as RUN_DIR@2:00..12:00"
         )
-    return 3600.0 * int(match["h"] or 0) + 60.0 * int(match["m"] or 0) + float(match["s"])
+    hours, minutes, seconds = match["h"], match["m"], float(match["s"])
+    if (minutes and seconds >= MOST_OF_A_CLOCK) or (hours and int(minutes) >= MOST_OF_A_CLOCK):
+        raise AffError(
+            f"{printable(whole)}: read {printable(text, 20)!r} for a time; behind a colon a "
+            "number is below 60"
+        )
+    return 3600.0 * int(hours or 0) + 60.0 * int(minutes or 0) + seconds

@@ -69,10 +69,9 @@ def delivered(
     shown = columns.get(f"plc_applied_{output}")
     if shown is not None and bool(np.isfinite(shown[rows]).all()):
         return Delivered(values=shown[rows], how="as the PLC reports it applied", known=True)
-    sent = np.nan_to_num(columns[f"correction_{output}"])
+    sent, tick = columns[f"correction_{output}"], columns["tick"]
     if count > LEAST_COUNT:
         sent = np.rint(sent / count) * count
-    tick = columns["tick"]
     age = columns.get("echo_age", np.full(tick.shape, -1.0))[rows]
     if known := bool(np.all(age >= 0.0)):
         of_tick = tick[rows] - age - 1.0  # a tick sends what the one before it computed
@@ -83,28 +82,37 @@ def delivered(
         said = "the usual" if delay_s is None else "the site file's"
         of_tick = tick[rows] - cycles
         how = f"as sent, {cycles} cycles late ({said} delay)"
+    is_number = np.isfinite(sent)
+    if not is_number.all():
+        how += f"; in {np.sum(~is_number)} rows it is no number: the one before stands in"
+        # a tick without one is as one that is missing
+        sent, tick = sent[is_number], tick[is_number]
     return Delivered(
         values=_at_tick(sent, tick, of_tick),
         how=how,
         known=known,
-        unknown_first=_unknown_first(sent, tick, of_tick, rows),
+        unknown_first=_unknown_first(sent, tick, of_tick, columns["tick"][rows[0]]),
     )
 
 
-def _unknown_first(sent: Array, tick: Array, wanted: Array, rows: Rows) -> int:
+def _unknown_first(sent: Array, tick: Array, wanted: Array, first_tick: float) -> int:
     """Return of how many of the first scans the wanted ticks are none of those that are there.
 
     0 where nothing was sent in as many ticks from the first row on: nothing was before either.
     """
+    if not tick.size:
+        return 0
     at = np.searchsorted(tick, wanted, side="right") - 1
     absent = (at < 0) | (wanted - tick[np.maximum(at, 0)] > FILLED_SAMPLES)
     count = int(np.argmin(absent)) if not absent.all() else absent.size
-    begins = int(rows[0])
+    begins = int(np.searchsorted(tick, first_tick))
     return count if np.any(sent[begins : begins + max(count, 1)]) else 0
 
 
 def _at_tick(sent: Array, tick: Array, wanted: Array) -> Array:
     """Return what was decided in each wanted tick; of one that is missing, the last before it."""
+    if not tick.size:
+        return np.zeros(wanted.shape)
     at = np.searchsorted(tick, wanted, side="right") - 1
     return np.where(at >= 0, sent[np.maximum(at, 0)], 0.0)
 

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.roll_changes import roll_changes
 from aff_runtime.base.signals import Outcome, Status
 from sim_plant.base.arrays import Array
 from sim_plant.refine.records.run_heartbeat import scans_between
@@ -99,7 +100,8 @@ def scans_of(
     good &= ~unread
     rows = np.flatnonzero(good)
     if rows.size < 3:
-        raise PlantError("no row shows new readings of the PLC; give another window")
+        unreadable = _unreadable(columns, channels)
+        raise PlantError(f"no row shows new readings of the PLC{unreadable}; give another window")
     cycle_s = _cycle_s(columns)
     time_s, beat = time_s[rows], columns["plc_heartbeat"][rows]
     elapsed_s = np.diff(time_s)
@@ -107,8 +109,13 @@ def scans_of(
     scan_s, unsure = _scan_s(elapsed_s, by_counter)
     back = np.flatnonzero(elapsed_s <= 0.0)
     breaks = {int(k) + 1: "the clock of the run goes back" for k in back}
+    ticks_s = np.diff(columns["tick"][rows]) * cycle_s
     for k in np.flatnonzero(np.abs(moved * scan_s - elapsed_s) > LATE_S):
-        breaks.setdefault(int(k) + 1, "the PLC's heartbeat jumps: it started anew, or stood still")
+        why = "the PLC's heartbeat jumps: it started anew, or stood still"
+        if elapsed_s[k] - max(ticks_s[k], moved[k] * scan_s) > LATE_S:
+            why = f"the clock of the run jumps {elapsed_s[k]:.3g} s ahead, and neither ticks nor "
+            why += "the PLC's heartbeat do: it was set, or the machine stood still"
+        breaks.setdefault(int(k) + 1, why)
     for scan in breaks:  # the heartbeat does not tell how many scans lie there: the clock has to
         moved[scan - 1] = max(1.0, round(float(elapsed_s[scan - 1]) / scan_s))
     said = _losses(columns, good)
@@ -137,6 +144,13 @@ def scans_of(
         breaks=tuple(Break(scan=k, why=breaks[k]) for k in sorted(breaks)),
         findings=tuple(said),
     )
+
+
+def _unreadable(columns: Mapping[str, Array], channels: Sequence[str]) -> str:
+    """Return the columns for want of which no row can be used, in brackets; nothing of none."""
+    names = dict.fromkeys((*ALWAYS_NEEDED, "outcome", "fresh", *channels))
+    never = [name for name in names if not np.any(np.abs(columns[name]) < LARGEST)]
+    return f" ({', '.join(never)}: no number in any of them)" if never else ""
 
 
 def _cycle_s(columns: Mapping[str, Array]) -> float:
@@ -204,7 +218,7 @@ def line_breaks(columns: Mapping[str, Array], rows: Rows) -> list[Break]:
     spliced = (status & int(Status.SPLICE_ACTIVE)) != 0
     for k in np.flatnonzero(np.diff(spliced.astype(np.int8))) + 1:
         breaks.append(Break(scan=int(k), why="a splice begins" if spliced[k] else "a splice ends"))
-    for k in np.flatnonzero(np.diff(columns["roll_id"][rows])) + 1:
+    for k in np.flatnonzero(roll_changes(columns["roll_id"][rows])):
         breaks.append(Break(scan=int(k), why="another roll is on"))
     for bit, name in ((Status.LINE_RUN, "LINE_RUN"), (Status.WEB_INTACT, "WEB_INTACT")):
         on = (status & int(bit)) != 0

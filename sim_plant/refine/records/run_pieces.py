@@ -94,8 +94,9 @@ def longest(window: str, pieces: Sequence[Piece], reasons: Sequence[str]) -> Pie
     piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
     if piece is None or piece.length_s < SHORTEST_PIECE_S:
         raise PlantError(
-            f"{window}: no {SHORTEST_PIECE_S:g} s of the running line without a "
-            f"break: {'; '.join(reasons) or 'the window is too short'}; give another window"
+            f"{window}: no {SHORTEST_PIECE_S:g} s of the running line without a break, "
+            f"{'none' if piece is None else f'{piece.length_s:.3g} s at most'}: "
+            f"{'; '.join(reasons) or 'the window is too short'}; give another window"
         )
     return piece
 

@@ -94,6 +94,7 @@ def scanned_run(path: Path) -> ScannedRun:
     said = [
         *_other_cycle(scans.cycle_s, site.cycle_s),
         *table.lost,
+        *_unknown_roll(table.columns["roll_id"][scans.rows]),
         *few(_edits(table)),
         *([guessed] if guessed else []),
         *scans.findings,
@@ -208,6 +209,14 @@ def _other_cycle(tick_s: float, cycle_s: float) -> list[str]:
     ]
 
 
+def _unknown_roll(roll_id: Array) -> list[str]:
+    """Return a sentence where the roll of web is not known in every scan."""
+    absent = int(np.sum(~np.isfinite(roll_id)))
+    if not absent:
+        return []
+    return [f"roll_id is no number in {absent} rows: another roll is not told there"]
+
+
 def _piece_on_grid(
     columns: Mapping[str, Array],
     site: RunSite,
@@ -288,11 +297,31 @@ def _of_service(name: str) -> bool:
 
 def _edits(table: RunTable) -> list[str]:
     """Return a sentence for every change of the site file within the run's window."""
-    return [
+    said = [
         f"at {row.get('time_s', '?')} s the site file was changed ({row.get('text', '')}): "
         "channels and units are those of the window's beginning, which no live edit changes"
         for row in table.site_changes
     ]
+    return said + [
+        f"from {one.from_s:.1f} s on the run has a site file {differs}: no live edit does that, "
+        "it is of another run; what is read is as at the window's beginning"
+        for one in table.sites[1:]
+        if (differs := _of_other_channels(table.site_text, one.text))
+    ]
+
+
+def _of_other_channels(began: str, later: str) -> str:
+    """Return how a later site file differs in what only a start can change; nothing where not."""
+    first = run_site(began, "")
+    try:
+        other = run_site(later, "")
+    except PlantError:
+        return "that cannot be read"
+    if other.name != first.name:
+        return f"of line {other.name}"
+    pairs = {*first.count_sizes.items()} ^ {*other.count_sizes.items()}
+    names = sorted({printable(name, 40) for name, _ in pairs})
+    return f"with other channels ({', '.join(names[:5])})" if names else ""
 
 
 def _digest(columns: Mapping[str, Array]) -> str:

@@ -204,6 +204,13 @@ def test_a_folder_that_is_no_run_is_refused(run, text):
         read(run)
 
 
+def test_a_run_yaml_that_was_cut_off_is_told_from_one_that_is_not_there(run):
+    about = run / "run.yaml"
+    about.write_text(about.read_text().partition("columns:")[0])
+    with pytest.raises(AffError, match=r"its run\.yaml says no columns: cut off\? copy it anew"):
+        read(run)
+
+
 def test_what_was_meant_is_said_of_a_folder_that_is_no_run(run):
     (run.parent / "empty").mkdir()
     for name, said in (
@@ -243,3 +250,10 @@ def test_a_clock_that_goes_back_is_named_with_what_is_left_out(run, back_s, said
     rows = [f"{at:.10g},{row.partition(',')[2]}" for at, row in zip(times, rows, strict=True)]
     segment.write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode()))
     assert read(run).lost == said
+
+
+def test_a_run_without_its_events_says_what_is_not_known_for_that(run):
+    (run / "events.csv").unlink()
+    table = read(run)
+    assert table.events == ()
+    assert table.lost == ("no events.csv: what was armed, edited or alarmed then is not known",)

@@ -33,7 +33,12 @@ def test_times_are_seconds_minutes_or_hours_and_either_may_be_left_out(run, time
 
 @pytest.mark.parametrize(
     ("times", "said"),
-    [("@40..12", "nothing lies between 40 s and 12 s"), ("@1h..2h", "read '1h' for a time")],
+    [
+        ("@40..12", "nothing lies between 40 s and 12 s"),
+        ("@1h..2h", "read '1h' for a time"),
+        ("@1:75..3:00", "read '1:75' for a time; behind a colon a number is below 60"),
+        ("@1:60:00..", "read '1:60:00' for a time; behind"),
+    ],
 )
 def test_times_that_mean_nothing_are_refused_with_what_to_write(run, times, said):
     with pytest.raises(AffError, match=said):

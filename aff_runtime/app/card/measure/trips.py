@@ -15,6 +15,7 @@ from aff_runtime.app.card.figures import NAN, Figure, Sample, StepResult, at_mos
 from aff_runtime.app.card.typed_values import NotTypedError
 from aff_runtime.app.report.comparison.window import Window, any_correction
 from aff_runtime.base.errors import RefusedError
+from aff_runtime.base.roll_changes import roll_changes
 from aff_runtime.base.signals import State
 
 COMES_BACK = {
@@ -123,7 +124,7 @@ def _cause_s(window: Window, at: int, trip: str) -> float:
         fresh = np.flatnonzero(columns["fresh"][: at + 1] > 0.0)
         return float(time_s[fresh[-1]] if fresh.size else time_s[at])
     changes = (np.diff(columns["status"][: at + 1]) != 0.0) | (
-        np.diff(columns["roll_id"][: at + 1]) != 0.0
+        roll_changes(columns["roll_id"][: at + 1])[1:]
     )
     near = 1 + np.flatnonzero(changes & (time_s[1 : at + 1] > time_s[at] - CAUSE_S))
     return float(time_s[near[-1]] if near.size else time_s[at])

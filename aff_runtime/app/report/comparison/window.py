@@ -13,6 +13,7 @@ from aff_runtime.app.report.comparison.turns import Array, Flags
 from aff_runtime.base.counted_angle import LONGEST_GAP_CYCLES, Numbers, counted_angle, modulus_rad
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import EXCITING, STAGE
+from aff_runtime.base.roll_changes import roll_changes
 from aff_runtime.base.run_files import yaml_values
 from aff_runtime.base.run_table import (
     PERIODS,
@@ -29,6 +30,8 @@ from aff_runtime.base.yaml_section import Section
 
 DEFAULT_SPEED_CHANNEL = "line_speed_m_s"
 """Channel of the line speed where the site file names none."""
+ROLL_ID = "roll_id"
+"""Column: the PLC's counter of splices."""
 SPEED_CHANGES_SHARE = 0.02
 """Range of the line speed (1 to 99 %) over its largest, above which a window is labelled."""
 LARGEST_WORD = 2.0**32
@@ -176,8 +179,7 @@ def _goes_on(columns: Mapping[str, Array], shows: Flags, time_s: Array) -> Flags
     steps = np.diff(time_s)
     cycle_s = float(np.median(steps))
     good[1:] = (steps > 0.0) & (steps < LONGEST_GAP_CYCLES * cycle_s)
-    roll = _of(columns, "roll_id", 0.0)[shows]
-    good[1:] &= np.diff(roll) == 0.0
+    good &= ~roll_changes(_of(columns, ROLL_ID, 0.0)[shows])
     good &= (_bits(columns, "status", shows) & int(Status.SPLICE_ACTIVE)) == 0
     return good
 
@@ -212,6 +214,8 @@ def _odd(window: Window) -> list[str]:
             if (share := window.share_of_numbers(name)) <= NUMBERS_SHARE
         ]
     )
+    if window.share_of_numbers(ROLL_ID) < 1.0:
+        said.append("roll_id is no number in some of its rows: another roll is not told there")
     if window.time_s.size < FEWEST_READINGS:
         said.append(f"{window.time_s.size} rows show readings: nothing can be told")
     if np.any(np.diff(columns["time_s"]) <= 0.0):

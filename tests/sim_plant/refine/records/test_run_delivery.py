@@ -157,3 +157,16 @@ def test_a_part_of_a_long_run_has_the_corrections_of_the_whole(tmp_path, age):
     off = read_record(f"{path}@2..30")
     assert off.run is not None
     assert off.run.from_s == pytest.approx(2.0)
+
+
+def test_a_correction_that_is_no_number_is_as_a_tick_that_is_missing_and_said():
+    spoilt = SENT.copy()
+    spoilt[10:13] = np.nan
+    found = of(columns(**{f"correction_{NAME}": spoilt}))
+    expected = SENT.copy()
+    expected[10:13] = SENT[9]
+    assert found.values[2:] == pytest.approx(expected[:-2])
+    assert found.how.endswith("; in 3 rows it is no number: the one before stands in")
+    nothing = of(columns(**{f"correction_{NAME}": np.full(40, np.nan)}))
+    assert not nothing.values.any()
+    assert "in 40 rows it is no number" in nothing.how

@@ -154,13 +154,20 @@ def test_a_clock_that_jumps_forward_is_no_time_in_which_nothing_was_read():
     columns["time_s"][200:] += 5.0
     found = scans_of(columns, ())
     assert [b.scan for b in found.breaks] == [200]
-    assert "heartbeat" in found.breaks[0].why
+    assert found.breaks[0].why.startswith("the clock of the run jumps 5 s ahead, and neither")
 
 
 def test_a_run_without_any_reading_is_refused():
     columns = rows(np.arange(300.0))
     columns["outcome"][:] = Outcome.NOT_CONNECTED
-    with pytest.raises(PlantError, match="no row shows new readings"):
+    with pytest.raises(PlantError, match="no row shows new readings of the PLC; give another"):
+        scans_of(columns, ())
+
+
+def test_a_column_without_a_number_is_named_where_no_row_can_be_used_for_it():
+    columns = rows(np.arange(300.0))
+    columns["periods_count"][:] = np.nan
+    with pytest.raises(PlantError, match=r"\(periods_count: no number in any of them\)"):
         scans_of(columns, ())
 
 
@@ -184,6 +191,16 @@ def test_splice_roll_and_stop_are_told_apart():
         120: "another roll is on",
         300: "LINE_RUN goes",
     }
+
+
+def test_a_roll_number_that_cannot_be_read_is_no_other_roll():
+    columns = rows(np.arange(500.0))
+    columns["roll_id"][300:] = 2.0
+    columns["roll_id"][[100, 299, 300]] = np.nan
+    found = line_breaks(columns, np.arange(500))
+    assert [(b.scan, b.why) for b in found] == [(301, "another roll is on")]
+    columns["roll_id"][:] = np.nan
+    assert line_breaks(columns, np.arange(500)) == []
 
 
 def test_an_angle_that_counts_anew_is_a_break_and_one_that_turns_is_none():

@@ -227,7 +227,8 @@ def test_a_run_of_an_older_recorder_is_refused_by_the_columns_it_lacks(run):
 
 
 def test_a_window_that_is_too_short_says_so(run):
-    with pytest.raises(PlantError, match=r"no 20 s of the running line"):
+    said = r"no 20 s of the running line without a break, (5\.99|6) s at most: the window is too"
+    with pytest.raises(PlantError, match=said):
         read_record(f"{run}@3..9")
 
 
@@ -359,6 +360,32 @@ def test_a_channel_for_the_record_alone_that_is_missing_for_long_is_left_out_and
 def test_a_reading_that_the_correction_waits_for_and_is_missing_for_long_ends_a_piece(run):
     blank(run, "unwind_tension_N", 200, 300)
     assert said_of(read_record(run), "nothing was read for 1")
+
+
+def test_a_roll_whose_number_is_missing_is_said_and_ends_no_piece(made, run):
+    blank(run, "roll_id", 200, 300)
+    record = read_record(run)
+    assert record.duration_s == read_record(made[0]).duration_s
+    assert said_of(record, "roll_id is no number in 10")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ("name: Euclid", "name: Film", "a site file of line Film: no live edit does that"),
+        ("scale: 0.02 mm", "scale: 0.2 mm", "a site file with other channels (unwind_radius_m)"),
+        ("rolls:", "rolls: 7 #", "a site file that cannot be read"),
+    ],
+)
+def test_a_site_file_in_the_middle_that_no_live_edit_makes_is_named(run, old, new, said):
+    text = (run / "site.yaml").read_text()
+    assert old in text
+    later = "a" * 12
+    (run / f"site-{later}.yaml").write_text(text.replace(old, new, 1))
+    with (run / "events.csv").open("a") as file:
+        file.write(f'0.1,,,CONFIG_APPLIED,,"a1: site {"b" * 12}; began"\n')
+        file.write(f'12.0,,,CONFIG_APPLIED,,"b1: site {later}; by hand"\n')
+    assert said_of(read_record(run), f"from 12.0 s on the run has {said}")
 
 
 def blank(run, name, first, end):

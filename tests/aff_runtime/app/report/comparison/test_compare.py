@@ -337,8 +337,19 @@ def test_a_hole_that_leaves_a_row_or_none_is_named_and_nothing_told(made, run):
     found = of(f"{run}@{last_s:g}..75", f"{made[0]}{ON}")
     assert "1 rows show readings: nothing can be told" in found.windows[0].labels
     assert any("holds no whole row" in text for text in found.windows[0].labels)
-    assert {r.change.bound for r in found.rows} == {"none"}
+    assert {r.change.bound for r in found.rows} == {"unknown"}
     assert json.dumps(as_json(found), allow_nan=False)
+
+
+def test_a_roll_number_that_cannot_be_read_is_named_and_takes_no_turn_away(tmp_path):
+    columns, _ = switched(24.0, [(12.0, 24.0)])
+    whole = recorded(tmp_path / "whole", columns)
+    columns["roll_id"][::7] = math.nan
+    spoilt = recorded(tmp_path / "spoilt", columns)
+    found, expected = (of(f"{one}@1..11", f"{one}@13..24") for one in (spoilt, whole))
+    assert row(found) == row(expected)
+    said = "roll_id is no number in some of its rows: another roll is not told there"
+    assert all(said in window.labels for window in found.windows)
 
 
 def test_a_site_file_of_another_run_is_named_by_the_channel_that_is_not_there(made, run):
