@@ -18,7 +18,7 @@ from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.announce import holdout_caveats, shared_angle
-from sim_plant.refine.report.folder import check_apart
+from sim_plant.refine.report.folder import given_twice
 from sim_plant.refine.report.outcome import Plan
 
 
@@ -39,7 +39,8 @@ def lacking(plan: Plan, line: Declaration) -> Lacking:
                 continue
             found.append(record)
             rows.append(_row(record, twin, is_held=is_held))
-    together = _given_twice(fitted, held) or shared(fitted, held)
+    rows, twice = _without_repeats(rows, (*fitted, *held))
+    together = [] if twice else shared(fitted, held)
     together += [
         *shared_angle(fitted),
         *holdout_caveats(held),
@@ -74,9 +75,15 @@ def _ends(values: Array) -> tuple[float, float]:
     return float(np.min(values)), float(np.max(values))
 
 
-def _given_twice(fitted: Sequence[Recording], held: Sequence[Recording]) -> list[str]:
-    try:
-        check_apart(fitted, held)
-    except PlantError as error:
-        return [str(error)]
-    return []
+def _without_repeats(
+    rows: Sequence[RecordLacks], records: Sequence[Recording]
+) -> tuple[list[RecordLacks], bool]:
+    """Return the rows, refused where a record is one before it again, and whether any is.
+
+    ``records`` : of the rows that are not refused, in their order.
+    """
+    found, used = list(rows), [k for k, row in enumerate(rows) if not row.refused]
+    for place, said in given_twice(records):
+        row = rows[used[place]]
+        found[used[place]] = RecordLacks(name=row.name, is_held=row.is_held, refused=said)
+    return found, found != list(rows)

@@ -18,7 +18,7 @@ from sim_plant.refine.lacking import caveats_of
 from sim_plant.refine.model.demand import demand_of
 from sim_plant.refine.model.hypotheses import all_hypotheses
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_caveats import lines_of, rolls_of, shared
+from sim_plant.refine.model.run_caveats import lines_of, rolls_of, shared, site_of_other_line
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
@@ -62,6 +62,9 @@ def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
     records = tuple(one.record for one in (*fitted, *held))
     caveats = caveats_of_all(fitted, held)
     announce(caveats, records, progress)
+    if site is not None:
+        for text in site_of_other_line(site.names.name, records):
+            progress(f"--site {site.path.name}: {text}")
     selection = find(fitted, plan.without, plan.workers, progress)
     if selection.adjustments:
         progress(f"{len(selection.adjustments)} declared numbers estimated anew with the effects")
@@ -117,6 +120,8 @@ def proposal_of(outcome: Outcome, site: SiteFile, progress: Progress) -> Proposa
     if not blocks:
         return None
     proposal = proposed(site, blocks, line, outcome.selection.adjustments)
+    odd = site_of_other_line(site.names.name, outcome.records)
+    proposal = replace(proposal, said=(*odd, *proposal.said))
     for text in proposal.said:
         progress(f"{site.path.name}: {text}")
     return proposal

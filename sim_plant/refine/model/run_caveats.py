@@ -66,6 +66,20 @@ def lines_of(records: Sequence[Recording]) -> list[str]:
     return [f"by their site files the runs are of several lines: {said}; are they of this one?"]
 
 
+def site_of_other_line(name: str, records: Sequence[Recording]) -> list[str]:
+    """Return a sentence where a site file is of a line of another name than all runs are.
+
+    ``name`` : of its line; empty where it does not say.
+    """
+    runs = sorted({r.run.site.name for r in records if r.run is not None and r.run.site.name})
+    if not name or not runs or name in runs:
+        return []
+    return [
+        f"this site file is of line {name}, the runs are of {', '.join(runs)} by theirs: is it "
+        "the one of this line?"
+    ]
+
+
 def rolls_of(records: Sequence[Recording]) -> list[str]:
     """Return a sentence where records of runs are of several rolls of web."""
     known = {r.run.roll_id for r in records if r.run is not None and r.run.roll_id >= 0.0}

@@ -73,11 +73,18 @@ def check_apart(records: Sequence[Recording], held: Sequence[Recording]) -> None
     PlantError
         When two files hold the same readings, packed in another way or not.
     """
-    for first, second in itertools.combinations((*records, *held), 2):
-        if _same(first, second):
-            raise PlantError(
-                f"{second.path}: is the same record as {first.path}; "
-                "fit and judge on different records, or leave this one out"
+    for _, said in given_twice((*records, *held)):
+        raise PlantError(said)
+
+
+def given_twice(records: Sequence[Recording]) -> Iterator[tuple[int, str]]:
+    """Yield the place of every record that is one before it again, and a sentence."""
+    for first, second in itertools.combinations(range(len(records)), 2):
+        if _same(records[first], records[second]):
+            yield (
+                second,
+                f"{records[second].path}: is the same record as {records[first].path}; "
+                "fit and judge on different records, or leave this one out",
             )
 
 

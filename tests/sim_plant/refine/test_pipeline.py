@@ -99,6 +99,7 @@ def test_a_record_given_twice_is_said_before_the_work(files):
     twice = [str(files / "a.csv"), "--holdout", str(files / "a.csv")]
     out = files / "out"
     arguments = [str(files / "line.yaml"), *twice, "--lacking", "--out", str(out)]
-    assert main(["refine", *arguments]) == 0
-    told = json.loads((out / "lacking.json").read_text())["together"]
-    assert "same record" in told[0]
+    assert main(["refine", *arguments]) == 2  # as the work itself would
+    first, second = json.loads((out / "lacking.json").read_text())["records"]
+    assert (first["refused"], second["is_held"]) == ("", True)
+    assert "same record" in second["refused"]

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.model.record_match import twin_of
-from sim_plant.refine.model.run_caveats import lines_of, run_caveats, shared
+from sim_plant.refine.model.run_caveats import lines_of, run_caveats, shared, site_of_other_line
 from sim_plant.refine.model.run_match import run_on_line
 from tests.sim_plant.refine.model.made_run import LINE, ROWS, actuator, run
 
@@ -19,6 +19,12 @@ def test_runs_of_several_lines_are_named():
     )
     assert lines_of([one, one]) == []
     assert "RUN of L, LATER of Film" in lines_of([one, other])[0]
+
+
+def test_a_site_file_of_another_line_than_the_runs_is_asked_about():
+    (said,) = site_of_other_line("Film", [run(), run()])
+    assert said.startswith("this site file is of line Film, the runs are of L by theirs")
+    assert site_of_other_line("L", [run()]) == site_of_other_line("", [run()]) == []
 
 
 def windowed(path, from_s, to_s):
