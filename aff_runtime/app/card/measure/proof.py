@@ -11,7 +11,7 @@ from aff_runtime.app.card.evidence import Evidence
 from aff_runtime.app.card.figures import NAN, Figure, StepResult, at_most
 from aff_runtime.app.card.measure.phases import last_two, offs_and_ons, phases
 from aff_runtime.app.report.comparison.comparing import Comparison, OrderRow, compare
-from aff_runtime.app.report.comparison.turns import Change, Estimate
+from aff_runtime.app.report.comparison.turns import NOT_TOLD, Change, Estimate
 from aff_runtime.app.report.comparison.window import Window
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.models import Actuator, Block, Site
@@ -126,7 +126,7 @@ def reduction(changes: Sequence[Change]) -> Change:
         low = max(-change.low_dB for change in changes)
         return Change(value_dB=most, low_dB=NAN, high_dB=low, bound="at_most")
     values = [-change.value_dB for change in changes if math.isfinite(change.value_dB)]
-    if "none" in bounds or "at_least" in bounds or not values:
+    if bounds & {*NOT_TOLD, "at_least"} or not values:
         return Change(value_dB=NAN, low_dB=NAN, high_dB=NAN, bound="none")
     if bounds != {""}:
         return Change(value_dB=min(values), low_dB=NAN, high_dB=NAN, bound="at_least")
@@ -217,7 +217,11 @@ def _overall(
     both = [by_key(pair, wanted) for pair in pairs]
     for signal in dict.fromkeys(key[0] for key in both[0]):
         rows = [
-            [row for key, row in one.items() if key[0] == signal and row.change.bound != "none"]
+            [
+                row
+                for key, row in one.items()
+                if key[0] == signal and row.change.bound not in NOT_TOLD
+            ]
             for one in both
         ]
         if not all(rows):

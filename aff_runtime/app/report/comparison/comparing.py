@@ -17,6 +17,7 @@ from aff_runtime.app.report.comparison.turns import (
     Array,
     Change,
     Estimate,
+    Flags,
     change,
     estimate_of_parts,
     order_per_turn,
@@ -30,6 +31,7 @@ from aff_runtime.app.report.comparison.window import (
     roll_angle,
 )
 from aff_runtime.base.channel_units import unit_of_channel
+from aff_runtime.base.counted_angle import LONGEST_GAP_CYCLES
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.run_table import PERIODS
 from aff_runtime.base.run_window import RunWindow
@@ -280,9 +282,8 @@ def estimates(
     angle: RollAngle, values: Any, window: Window, orders: Sequence[int]
 ) -> dict[int, tuple[Estimate, float]]:
     """Return estimate and mean frequency per order; orders with too few samples are left out."""
-    good, filled = angle.good & np.isfinite(values), np.nan_to_num(values)
     parts = [
-        order_per_turn(angle.angle_rad[part], filled[part], good[part], orders)
+        order_per_turn(*_read_alone(angle.angle_rad[part], values[part], angle.good[part]), orders)
         for part in angle.parts()
     ]
     samples = np.concatenate([of_part for _, of_part in parts])
@@ -296,6 +297,20 @@ def estimates(
         for k, order in enumerate(orders)
         if not samples.size or per_turn / order >= FEWEST_SAMPLES
     }
+
+
+def _read_alone(angle_rad: Array, values: Array, good: Flags) -> tuple[Array, Array, Flags]:
+    """Return angle, readings and whether they go on, of the rows whose reading is a number.
+
+    One that is none is bridged like a missed tick, and a hole where more are together.
+    """
+    read = np.flatnonzero(np.isfinite(values))
+    if read.size == values.size or not read.size:
+        return angle_rad[read], values[read], good[read]
+    broken = np.cumsum(~good)[read]
+    goes_on = np.diff(broken, prepend=0) == 0
+    goes_on[1:] &= np.diff(read) < LONGEST_GAP_CYCLES
+    return angle_rad[read], values[read], goes_on
 
 
 def _row_labels(

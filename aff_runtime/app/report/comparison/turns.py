@@ -31,6 +31,8 @@ WHOLE_WITHIN = 0.2
 """Share of a turn by which the angles that its samples cover may differ from it."""
 NOISE_LIMIT = math.sqrt(math.log(20.0))
 """Size a of complex noise over its rms sigma, exceeded once in 20: exp(-a^2 / sigma^2) = 0.05."""
+NOT_TOLD = ("none", "unknown")
+"""Of ``Change.bound``: there is no figure of the change."""
 ONE_SIDED_95 = 1.645
 """Standard deviations that a normal deviate exceeds once in 20."""
 

@@ -328,7 +328,7 @@ def roll_angle(window: Window, given: Section) -> RollAngle | None:
         speed = None if along_m_s is None else along_m_s / radius
     if speed is None or not np.isfinite(ends[0]):
         return None
-    speed_rad_s = np.nan_to_num(np.abs(speed))
+    speed_rad_s = without_gaps(window.time_s, np.abs(speed))
     steps_s = np.diff(window.time_s, prepend=window.time_s[0])
     angle = np.cumsum(speed_rad_s * np.clip(steps_s, 0.0, None))
     angle += RISE_RAD * np.arange(angle.size)
@@ -339,6 +339,17 @@ def roll_angle(window: Window, given: Section) -> RollAngle | None:
         radius_m=ends,
         part=np.zeros(angle.shape, dtype=np.int64),
     )
+
+
+def without_gaps(time_s: Array, values: Array) -> Array:
+    """Return a series (rows,) in which what is no number lies on a line between its neighbours.
+
+    0 throughout where nothing is a number.
+    """
+    known = np.isfinite(values) & np.isfinite(time_s)
+    if not known.any():
+        return np.zeros(values.shape)
+    return np.where(known, values, np.interp(time_s, time_s[known], values[known]))
 
 
 def _mean(values: Array) -> float:

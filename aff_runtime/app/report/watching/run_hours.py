@@ -12,7 +12,7 @@ import numpy as np
 
 from aff_runtime.app.report.comparison.comparing import percentiles
 from aff_runtime.app.report.comparison.turns import Array
-from aff_runtime.app.report.comparison.window import DEFAULT_SPEED_CHANNEL, Window
+from aff_runtime.app.report.comparison.window import DEFAULT_SPEED_CHANNEL, Window, without_gaps
 from aff_runtime.app.report.watching.drive_rows import drive_rows
 from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.response_rows import (
@@ -338,7 +338,7 @@ def _speeds(
     points.append((last["time_s"][-1], tail[-1]))
     time_s, speed = np.array(points).T
     rising = time_s > np.maximum.accumulate(np.concatenate([[-math.inf], time_s[:-1]]))
-    return time_s[rising], np.abs(np.nan_to_num(speed[rising])), table.lost
+    return time_s[rising], without_gaps(time_s[rising], np.abs(speed[rising])), table.lost
 
 
 def _lengths(times_s: Array, speeds_m_s: Array) -> Array:

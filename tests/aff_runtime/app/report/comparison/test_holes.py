@@ -10,7 +10,9 @@ import pytest
 
 from aff_runtime.app.report.comparison.comparing import compare, estimates
 from aff_runtime.app.report.comparison.window import roll_angle
+from aff_runtime.app.report.watching.run_hours import run_hours
 from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.yaml_section import Section
 from tests.aff_runtime.app.card.measure.recorded import CYCLE_S, SITE_FILE, recorded, steady
 from tests.aff_runtime.app.card.measure.recorded import window as window_in
 
@@ -257,3 +259,32 @@ def test_a_tension_that_is_mostly_no_number_is_named_with_its_share(tmp_path):
     is_in_both = f"{SIGNAL} is recorded in both, but in one of them too few of its readings are"
     assert [text for text in both.labels if SIGNAL in text] == [f"{is_in_both} numbers"]
     assert all(row.signal != SIGNAL for row in both.rows)
+
+
+def test_a_reading_that_is_no_number_is_as_a_missed_tick_and_many_are_a_hole(tmp_path):
+    found = columns(30.0, None)
+    found[SIGNAL][::50] = math.nan
+    whole = of(tmp_path / "single", found, None)
+    assert_true(whole)
+    assert whole[0].turns >= math.floor(30.0 * 1.91) - 2
+    found[SIGNAL][1000:1010] = math.nan
+    holed = of(tmp_path / "hole", found, None)
+    assert_true(holed)
+    assert 1 <= whole[0].turns - holed[0].turns <= 2
+
+
+def test_a_speed_that_is_no_number_is_no_standstill(tmp_path):
+    found = columns(20.0, None)
+    found["line_speed_m_s"][100::100] = math.nan
+    path = recorded(tmp_path, found, segment_s=5.0)
+    angle = roll_angle(window_in(path), Section({"radius_m": 0.1}))
+    steps = found["time_s"].size - 1
+    assert angle.angle_rad[-1] == pytest.approx(steps * CYCLE_S * 1.0 / 0.1, rel=1e-6)
+
+
+def test_web_is_counted_over_a_speed_that_is_no_number_where_a_segment_begins(tmp_path):
+    found = columns(20.0, None)
+    for begins in (1000, 2000, 3000):
+        found["line_speed_m_s"][begins - 1 : begins + 2] = math.nan
+    run = run_hours(recorded(tmp_path, found, segment_s=5.0))
+    assert sum(map(run.web_m, run.hours)) == pytest.approx(20.0 * 1.0, rel=1e-3)
