@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from aff_runtime.app.report.comparison.implausible import implausible_readings
 from aff_runtime.app.report.comparison.site_differences import site_differences
 from aff_runtime.app.report.comparison.turns import (
     FEWEST_SAMPLES,
@@ -160,7 +161,7 @@ def _facts(window: Window, angles: Mapping[str, RollAngle]) -> Facts:
         times_us={n: percentiles(columns[n]) for n in TIMES if n in columns},
         missed=missed,
         rows_lost=rows_lost,
-        labels=tuple(window.labels),
+        labels=(*window.labels, *implausible_readings(window)),
     )
 
 

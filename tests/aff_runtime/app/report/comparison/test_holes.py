@@ -273,6 +273,17 @@ def test_a_reading_that_is_no_number_is_as_a_missed_tick_and_many_are_a_hole(tmp
     assert 1 <= whole[0].turns - holed[0].turns <= 2
 
 
+def test_readings_beyond_the_plausible_range_are_counted_in_a_label(tmp_path):
+    found = columns(4.0, None)
+    found[SIGNAL][[100, 300]] = 1e6, 0.5
+    path = recorded(tmp_path, found)
+    before, _ = compare(
+        RunWindow(folder=path, to_s=2.0), RunWindow(folder=path, from_s=2.0)
+    ).windows
+    said = f"{SIGNAL}: 2 readings are not plausible by its site file (1 to 400 N): its figures are"
+    assert [text.startswith(said) for text in before.labels if "plausible" in text] == [True]
+
+
 def test_a_speed_that_is_no_number_is_no_standstill(tmp_path):
     found = columns(20.0, None)
     found["line_speed_m_s"][100::100] = math.nan
