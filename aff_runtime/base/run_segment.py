@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aff_runtime.base.errors import AffError
+from aff_runtime.base.files import CLOSED, is_closed
 from aff_runtime.base.run_files import open_plain
 
 LARGEST_VALUES = 60_000_000
@@ -118,8 +119,10 @@ def rows_of(
     AffError
         It holds more than ``LARGEST_VALUES`` numbers.
     """
-    content, torn, altered = _unpacked(path)
     nothing = np.empty((0, len(wanted)))
+    if is_closed(path):
+        return nothing, [f"{path.name}: {CLOSED}"]
+    content, torn, altered = _unpacked(path)
     if altered:
         return nothing, [f"{path.name}: {ALTERED}"]
     head, _, body = content.partition(b"\n")

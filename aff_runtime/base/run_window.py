@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from aff_runtime.base.errors import AffError
+from aff_runtime.base.files import is_closed
 from aff_runtime.base.printable import printable
 
 MARK = "run.yaml"
@@ -42,11 +43,11 @@ class RunWindow:
 
 
 def names_a_run(path: str | Path) -> bool:
-    """Return whether this is a run folder, or a part of one."""
+    """Return whether this is a run folder, or a part of one; True of one that is closed to us."""
     folder, _, times = str(path).rpartition("@")
     if _is_folder(path):
-        return (Path(path) / MARK).exists()
-    return ".." in times and _is_folder(folder) and (Path(folder) / MARK).exists()
+        return _has_mark(Path(path))
+    return ".." in times and _is_folder(folder) and _has_mark(Path(folder))
 
 
 def run_window(text: str | Path) -> RunWindow:
@@ -73,6 +74,11 @@ def run_window(text: str | Path) -> RunWindow:
             "give the earlier time first"
         )
     return window
+
+
+def _has_mark(folder: Path) -> bool:
+    """Return whether a folder is a run's; who may not look is told so by what reads it."""
+    return is_closed(folder / MARK) or (folder / MARK).exists()
 
 
 def _is_folder(path: str | Path) -> bool:

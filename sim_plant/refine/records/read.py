@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.files import CLOSED, is_closed
 from aff_runtime.base.printable import printable
 from aff_runtime.base.run_table import no_run
 from aff_runtime.base.run_window import names_a_run
@@ -94,6 +95,8 @@ def kind_of(path: Path) -> str:
     folder, at, _ = str(path).rpartition("@")
     if os.path.isdir(path) or (at and os.path.isdir(folder)):
         raise PlantError(no_run(path))
+    if is_closed(path) or (at and is_closed(Path(folder))):
+        raise PlantError(f"{shown(path)}: {CLOSED}")
     what = "unknown kind of file" if os.path.exists(path) else "is not there"
     raise PlantError(
         f"{shown(path)}: {what}; give .csv, .csv.gz, .parquet, .mf4 or "

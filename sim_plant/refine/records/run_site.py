@@ -79,7 +79,9 @@ def run_site(text: str, where: str) -> RunSite:
         It is missing, or no site file.
     """
     if not text.strip():
-        raise PlantError(f"{where}: is not there, or empty; put the site file of that run there")
+        raise PlantError(
+            f"{where}: is not there, empty, or closed to you; put the site file of that run there"
+        )
     try:
         data = yaml_values(text)
         line, gateway = data["line"], data["gateway"]

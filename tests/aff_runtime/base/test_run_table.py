@@ -11,6 +11,7 @@ import pytest
 
 from aff_runtime.base import run_segment, run_table
 from aff_runtime.base.errors import AffError
+from aff_runtime.base.files import CLOSED
 from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
 from aff_runtime.base.yaml_section import Section
@@ -257,3 +258,10 @@ def test_a_run_without_its_events_says_what_is_not_known_for_that(run):
     table = read(run)
     assert table.events == ()
     assert table.lost == ("no events.csv: what was armed, edited or alarmed then is not known",)
+
+
+def test_a_segment_that_may_not_be_read_is_told_from_one_without_rows(run, monkeypatch):
+    monkeypatch.setattr(run_segment, "is_closed", lambda path: "0002" in path.name)
+    table = read(run)
+    assert table.columns["tick"].size == 200
+    assert table.lost == (f"signals-0002.csv.gz: {CLOSED}",)

@@ -6,6 +6,7 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.refine.records.read import read_record
+from tests.closed_folder import closed
 
 ROWS = 200
 
@@ -161,3 +162,15 @@ def test_an_angle_counts_from_its_first_row_and_keeps_what_was_taken_off(tmp_pat
     assert record.columns["unwind_angle_rad"] == pytest.approx([0.25 * k for k in range(120)])
     assert record.zeros_rad == {"unwind_angle_rad": 3000.25}
     assert record.columns["unwind_tension_N"] == pytest.approx(89.0)
+
+
+@pytest.mark.parametrize("times", ["", "@1..2"])
+@pytest.mark.parametrize("shut", [".", "run", "run/run.yaml"])
+def test_a_run_that_may_not_be_looked_at_is_told_from_one_that_is_not_there(tmp_path, shut, times):
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "run.yaml").write_text("columns: [time_s]\n")
+    with (
+        closed(tmp_path / shut),
+        pytest.raises(PlantError, match=r"run.*: you may not look there"),
+    ):
+        read_record(f"{tmp_path / 'run'}{times}")

@@ -207,7 +207,7 @@ def test_a_run_whose_site_file_says_nothing_is_refused_in_words(run, text):
 
 def test_a_run_without_its_site_file_is_refused(run):
     (run / "site.yaml").unlink()
-    with pytest.raises(PlantError, match=r"site.yaml: is not there, or empty; put the site file"):
+    with pytest.raises(PlantError, match=r"site.yaml: is not there, empty, or closed to you; put"):
         read_record(run)
 
 
