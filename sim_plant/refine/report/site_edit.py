@@ -158,10 +158,28 @@ def _add(
     limit_m_s = _limit_m_s(data["actuators"][actuator].get("limit_m_s"))
     entries.append(block.entry() | {"amp_limit_m_s": min(block.amp_limit_m_s, limit_m_s)})
     if roll in data["rolls"]:
-        return f"{where}: {roll} added"
+        radius = _own_radius(data["rolls"][roll])
+        if not radius:
+            return f"{where}: {roll} added"
+        ours = 1e3 * _radius_m(block.roll, declaration, adjustments)
+        return f"{where}: {roll} added, {radius}; by the records {ours:.5g} mm"
     radius_m = _radius_m(block.roll, declaration, adjustments)
     data["rolls"][roll] = {"radius_m": round(radius_m, 7)}
     return f"{where}: {roll} added, and rolls.{roll} with a radius of {radius_m * 1e3:.5g} mm"
+
+
+def _own_radius(given: Any) -> str:
+    """Return the radius of the owner's by which a roll turns, in words.
+
+    Nothing of a roll that is followed by its angle or its speed, or whose radius is measured.
+    """
+    if given.get("angle") or given.get("speed") or given.get("radius_m") is None:
+        return ""
+    try:
+        own_m = read_number(given["radius_m"], "m")
+    except UnitError:
+        return ""  # `aff-runtime check` names it
+    return f"with the file's own radius of {1e3 * own_m:.5g} mm"
 
 
 def _limit_m_s(given: Any) -> float:

@@ -85,6 +85,19 @@ def test_the_radius_is_the_one_that_the_records_gave(tmp_path):
     assert "r6: {radius_m: 0.0381381}" in found.text
 
 
+@pytest.mark.parametrize(("radius", "shown"), [("0.1", "100"), ("1.5 in", "38.1")])
+def test_of_a_roll_that_has_a_radius_both_are_said(tmp_path, radius, shown):
+    site = site_file(tmp_path)
+    site.path.write_text(
+        site.text.replace("rolls:\n", f"rolls:\n  r6: {{ radius_m: {radius} }}\n", 1)
+    )
+    found = proposed(SiteFile.read(site.path), [AffBlock(roll="R6", orders=(1,))], LINE)
+    assert found.said == (
+        f"actuators.unwind.blocks: r6 added, with the file's own radius of {shown} mm; by the "
+        "records 38.1 mm",
+    )
+
+
 @pytest.mark.parametrize("unit", ["", *accepted_units("m/s")])
 def test_a_block_is_allowed_no_more_than_its_actuator_however_that_is_spelled(tmp_path, unit):
     """The usual 20 mm/s are more than the actuator's 15 mm/s; the service refuses such a file."""
