@@ -21,6 +21,7 @@ HIDDEN = EffectEntry(
 )
 """What the records have and the line file lacks."""
 FIRST_TENSION_N, SECOND_TENSION_N = 88.96, 95.0
+"""Reference of the tension in the records, before and after a step."""
 PLANS = {"a": (0.9, 1.3, 1), "b": (1.2, 0.8, 2)}
 """Per record: speeds before and after a ramp, m/s, and the seed of its noise."""
 

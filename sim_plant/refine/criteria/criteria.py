@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.estimation import FitCriteria, NoiseCriteria, SpectraCriteria
 from sim_plant.refine.criteria.judging import JudgeCriteria
-from sim_plant.refine.criteria.records import MatchCriteria, ModelCriteria, RecordCriteria
+from sim_plant.refine.criteria.model import ModelCriteria
+from sim_plant.refine.criteria.records import MatchCriteria, RecordCriteria
 from sim_plant.refine.criteria.reporting import ReportCriteria
 from sim_plant.refine.criteria.search import SearchCriteria
 from sim_plant.refine.criteria.without_line import WithoutLineCriteria
@@ -14,12 +15,11 @@ from sim_plant.refine.criteria.without_line import WithoutLineCriteria
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Criteria:
-    """Every threshold that decides something, by section.
+    """Every number that decides what is found, or how precisely, by section.
 
-    Steps, grids and passes are here where another one finds other effects or other ranges
-    (``EventCriteria``, ``RangeCriteria``). Not here but in the file that uses them: those that
-    change only how fast the same answer is reached, limits of size, and numbers that only serve
-    to read a run of the service.
+    Thresholds, tolerances, windows, weights and counts; steps, grids and passes too. Not here but
+    in the file that uses them: limits of size and time, formats, numbers of formulas, and how a
+    page is laid out. ``tests/house/test_numbers_in_criteria.py`` lists those by kind.
     """
 
     records: RecordCriteria = field(default_factory=RecordCriteria)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
+from sim_plant.refine.criteria.start_angles import StartAngleCriteria
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -77,6 +78,31 @@ class NoiseCriteria:
         "innovation sd of a word whose error is a slow sawtooth: one row counts per step passed",
         NOT_RECORDED,
     )
+    same_ratio: float = criterion(
+        1e-3,
+        "1",
+        "a ratio of two steps of words this close to a whole number is one",
+        "scales are written with few digits",
+    )
+    drift_terms: int = criterion(
+        32,
+        "cosines",
+        "the slowest of a record, whose level is looked at, where drift_s or less is judged",
+        NOT_RECORDED,
+    )
+    drift_s: float = criterion(
+        60.0,
+        "s",
+        "judged time from which on more of them are looked at",
+        "that of a record of 80 s",
+    )
+    drift_Hz: float = criterion(
+        0.4,
+        "Hz",
+        "where they end in a long record too",
+        "where 32 of 40 s end; white noise with 0.3 of its sd in 3 s drift kept 2.7 of its power "
+        "at 0.03 to 0.1 Hz in 10 min, 0.96 with more of them",
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,6 +165,12 @@ class SpectraCriteria:
         "a speed that spreads less: no spectral line is free to grow with speed",
         NOT_RECORDED,
     )
+    cells_per_cycle: int = criterion(
+        8,
+        "cells",
+        "of the grid of a spectrum, at least, per cycle of its highest frequency",
+        "theory: binning takes at most 5 % of a chi2 there, 1 - sinc(1/8)^2",
+    )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -196,3 +228,22 @@ class FitCriteria:
         "a simulated roll closer to the measured one is in step",
         NOT_RECORDED,
     )
+    step_shares: tuple[float, ...] = criterion(
+        (1.0, 0.4, 0.15, 0.05),
+        "of a Gauss-Newton step",
+        "are tried in turn until the cost falls",
+        NOT_RECORDED,
+    )
+    ripple_m: float = criterion(
+        2e-5,
+        "m",
+        "order 1 of the ripple by which a free shape's change is taken; order n has 1/n",
+        "orders are free in size: it decides only how far the line is from straight in it",
+    )
+    in_step_rounds: int = criterion(
+        4,
+        "simulations",
+        "that bring rolls into step, each from the radii that the one before asks for",
+        NOT_RECORDED,
+    )
+    start_angles: StartAngleCriteria = field(default_factory=StartAngleCriteria)

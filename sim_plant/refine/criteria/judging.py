@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sim_plant.refine.criteria.criterion import criterion
+from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -73,4 +73,35 @@ class JudgeCriteria:
         "of the power of noise, mean of all channels but angles",
         "an event that takes so much away is there, though it began before what is judged",
         "a steady force counts nothing where zeros are free; noise alone moves the mean by 0.02",
+    )
+    mains_tries: int = criterion(
+        64,
+        "per cycle in a record",
+        "tries of the frequency of the mains in a record held out",
+        "one step is 0.1 rad from one end of the record to the other",
+    )
+    age_simplex: tuple[tuple[float, float], ...] = criterion(
+        ((0.0, 0.0), (0.05, 0.0), (0.08, 0.5)),
+        "rad, cm",
+        "corners of the first simplex of angle and age of a profile, as steps from those fitted",
+        NOT_RECORDED,
+    )
+    age_corners: float = criterion(
+        2e-3, "rad or cm", "corners this close, and age_chi2, end that search", NOT_RECORDED
+    )
+    age_chi2: float = criterion(
+        5.0, "chi2", "costs of corners this close, and age_corners, end that search", NOT_RECORDED
+    )
+    age_runs: int = criterion(60, "simulations", "of that search at most", NOT_RECORDED)
+    finest_grid: tuple[float, ...] = criterion(
+        (-0.02, -0.01, 0.0, 0.01, 0.02),
+        "s or m",
+        "moments tried around the best of search.events.fine_grid in a record held out",
+        NOT_RECORDED,
+    )
+    moment_passes: int = criterion(
+        4,
+        "passes",
+        "over the moments of several events in a record held out, at most",
+        "not recorded; one that helps ends with all moments within the finest step",
     )

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
+from sim_plant.refine.criteria.runs import RunCriteria
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,6 +83,7 @@ class RecordCriteria:
         "a sample further off the median of its 7 neighbours is reported as a spike",
         NOT_RECORDED,
     )
+    run: RunCriteria = field(default_factory=RunCriteria)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -121,69 +122,5 @@ class MatchCriteria:
         0.02,
         "1",
         "a speed that changes by less of its mean is reported as one speed only",
-        NOT_RECORDED,
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ModelCriteria:
-    """How well a declared number is known, what records ask of the line, and what they lack."""
-
-    ramp_look_s: float = criterion(
-        0.2,
-        "s",
-        "span over which a rate is taken; a reference that changes within it is a step",
-        "some tens of samples; ramps of a line last seconds",
-    )
-    ramp_steady_share: float = criterion(
-        0.03, "of a rate", "rates that differ by less are one ramp", NOT_RECORDED
-    )
-    ramp_slowest_share: float = criterion(
-        0.002,
-        "of the highest speed, per second",
-        "what changes more slowly is no ramp",
-        "eight minutes to full speed",
-    )
-    tension_step_share: float = criterion(
-        0.02, "of the tension", "a reference that changes by less has no step", NOT_RECORDED
-    )
-    radius_change_share: float = criterion(
-        0.005,
-        "of the radius",
-        "a roll whose radius changes by less cannot be told from a roller of its size",
-        "its frequency stays to within a turn in 200",
-    )
-    default_tolerance: Mapping[str, float] = criterion(
-        {
-            "web.EA_N": 0.02,
-            "web.kelvin_voigt_eta_s": 0.2,
-            "web.density_kg_m3": 0.01,
-            "web.thickness_m": 0.005,
-            "web.wound_in_tension_N": 0.01,
-            "idlers.inertia_kg_m2": 0.02,
-            "friction": 0.05,
-            "inertia": 0.01,
-            "radius": 5e-5,
-            "effective_radius": 2e-4,  # felt by the web; drive and radius sensor do not follow
-            "draw": 1e-5,
-            "gain": 0.001,
-            "offset": 0.1,
-            "corner": 0.03,
-            "loop": 0.005,
-            "drive": 0.005,
-            "carriage_mass": 0.02,
-            "carriage_load": 0.01,
-            "carriage_drag": 0.2,
-            "travel": 0.001,
-            "heat": 0.05,
-        },
-        "share of the number; offset N, draw the ratio itself, travel m",
-        "tolerance (two standard deviations) of a kind of declared number without one",
-        NOT_RECORDED,
-    )
-    at_bound_share: float = criterion(
-        1e-6,
-        "of the way from absence to the bound",
-        "a number this close to a bound is no estimate",
         NOT_RECORDED,
     )

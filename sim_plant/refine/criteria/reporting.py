@@ -105,3 +105,6 @@ class ReportCriteria:
     block_limit_m_s: float = criterion(
         0.02, "m/s", "amplitude that an AFF block to paste is limited to", NOT_RECORDED
     )
+    start_points: int = criterion(
+        1024, "angles per turn", "at which the moment arm of a start shape is taken", NOT_RECORDED
+    )

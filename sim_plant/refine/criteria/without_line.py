@@ -5,69 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from sim_plant.refine.criteria.criterion import NOT_RECORDED, criterion
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class GeneralCriteria:
-    """When a general effect is claimed, in records without a line declaration."""
-
-    blocks: int = criterion(
-        20,
-        "blocks",
-        "in all records together, each left out in turn",
-        "enough for a standard error; each is longer than the noise remembers",
-    )
-    fewest_blocks: int = criterion(6, "blocks", "of one record", "alternate ones judge each other")
-    least_share: float = criterion(
-        0.003,
-        "of the squared error of blocks left out",
-        "an effect that saves less is not claimed",
-        "decision: 0.15 % of the rms is not worth reporting",
-    )
-    least_t: float = criterion(
-        4.0,
-        "standard errors",
-        "least mean of what an effect saves in the blocks",
-        "Student's t of 20 blocks: 4e-4 by chance; some 50 candidates are tried, and each has to "
-        "save its share as well",
-    )
-    filter_share: float = criterion(
-        0.001,
-        "of the squared error of blocks left out",
-        "a longer filter that saves less is not taken",
-        "decision: a twentieth of a percent of the rms",
-    )
-    most_effects: int = criterion(6, "effects", "are added to a filter at most", "decision")
-    shift_reach: int = criterion(
-        200,
-        "samples",
-        "channels are not shifted by more",
-        "2 s at 10 ms; and never more than the taps",
-    )
-    least_delay_samples: float = criterion(
-        0.05, "samples", "a shorter mean shift between channels is no delay", NOT_RECORDED
-    )
-    least_side_share: float = criterion(
-        0.02,
-        "of the samples",
-        "a state on one side of zero for less has no two signs, and no friction by sign",
-        NOT_RECORDED,
-    )
-    soft_sign_share: float = criterion(
-        0.002,
-        "of the rms of a state",
-        "state below which its sign counts for less than 1",
-        "so close to zero it is the sign of noise",
-    )
-    slow_state_s: float = criterion(
-        0.4, "s", "mean over which a gain's state is taken", "what is faster is the input itself"
-    )
-    standardised: float = criterion(
-        1e-6,
-        "unit of the input",
-        "a column whose mean and standard deviation are this close to 0 and 1 was standardised",
-        NOT_RECORDED,
-    )
+from sim_plant.refine.criteria.general import GeneralCriteria
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

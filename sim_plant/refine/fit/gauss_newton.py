@@ -17,8 +17,6 @@ from sim_plant.refine.model.nuisances import is_effective_radius
 from sim_plant.refine.model.twin import Added, Case
 
 FIT, COMPLETENESS = CRITERIA.fit, CRITERIA.search.completeness
-SHARES = (1.0, 0.4, 0.15, 0.05)
-"""Shares of a Gauss-Newton step that are tried until the cost falls."""
 
 Values = tuple[tuple[float, ...], ...]
 """Numbers of every effect, in order."""
@@ -304,7 +302,7 @@ def _shortened(
             rest = [case_of(hypotheses, v, s, quick) for _, v, s in trials[1:]]
             objective.pool.run(rest)
         try:
-            first = slopes and share == SHARES[0]
+            first = slopes and share == FIT.step_shares[0]
             there = _simulated(objective, hypotheses, values, shifts, quick, slopes=first)
         except PlantError:
             continue
@@ -318,7 +316,7 @@ def _trials(
 ) -> Iterator[tuple[float, Values, dict[str, float]]]:
     """Yield shares of a step with the numbers and shifts there, until none is moved any more."""
     split = objective.projector.nuisances.shape[1]
-    for share in SHARES:
+    for share in FIT.step_shares:
         values = _moved(hypotheses, here.values, share * step[split:])
         shifts = _moved_shifts(objective, here.shifts, share * step[:split])
         if values == here.values and shifts == here.shifts:

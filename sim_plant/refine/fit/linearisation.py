@@ -14,11 +14,7 @@ from sim_plant.refine.model.nuisances import Nuisance
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case
 
-RIPPLE_M = 2e-5
-"""Size of order 1 of the ripple by which a free shape's change is taken, m; order n has 1/n.
-
-The orders are free in size: this one decides only how far the line is from straight in it.
-"""
+FIT = CRITERIA.fit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -135,9 +131,9 @@ def changes_by_shapes(
 ) -> tuple[Changes, ...]:
     """Simulate what one typical ripple of each order of each body does, cos and sin."""
     cases = [
-        replace(point, ripples=((body, n, RIPPLE_M * c / n, RIPPLE_M * s / n),))
+        replace(point, ripples=((body, n, FIT.ripple_m * c / n, FIT.ripple_m * s / n),))
         for body in bodies
-        for n in range(1, CRITERIA.fit.free_orders + 1)
+        for n in range(1, FIT.free_orders + 1)
         for c, s in ((1.0, 0.0), (0.0, 1.0))
     ]
     return tuple(

@@ -20,8 +20,7 @@ from sim_plant.refine.model.nuisances import declared_nuisances, effective_radiu
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case, Twin
 
-ROUNDS = 4
-"""Simulations, each from the radii that the one before asks for."""
+FIT = CRITERIA.fit
 
 
 def synchronising_shifts(
@@ -50,7 +49,7 @@ def _moved_into_step(
 ) -> dict[str, float]:
     """Return the shifts moved round by round, until no roll turns too fast or the line breaks."""
     moved = dict(shifts)
-    for _ in range(ROUNDS):
+    for _ in range(FIT.in_step_rounds):
         moves = too_fast(moved)
         if not moves or not np.isfinite(list(moves.values())).all():
             break
@@ -141,4 +140,4 @@ def _slope_errors(
 def _slope_error(simulated: Array, recorded: Array) -> float:
     """Return by what share a simulated angle grows faster; 0 within ``in_step_rad``."""
     slope = float(np.polyfit(recorded - recorded[0], simulated - simulated[0], 1)[0]) - 1.0
-    return slope if not abs(slope) * float(np.ptp(recorded)) < CRITERIA.fit.in_step_rad else 0.0
+    return slope if not abs(slope) * float(np.ptp(recorded)) < FIT.in_step_rad else 0.0

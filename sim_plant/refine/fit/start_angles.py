@@ -14,26 +14,16 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import EffectEntry
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.roll_synchronisation import shifts_in_step
 from sim_plant.refine.fit.turning import Turning, phased, turns_with, with_turned
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case, Twin
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
 
-ZOOMS = 3
-"""Grids about the best try after the first one: of 24 tries a turn over 15, 4.5 and 1.35 deg."""
-ZOOM_PARTS = (-0.5, -0.25, 0.0, 0.25, 0.5)
-"""Tries of such a grid, in parts of its width."""
-NARROWING = 0.3
-"""Width of the next such grid over that of the one before."""
+ANGLES = CRITERIA.fit.start_angles
 AT_ONCE = 24
 """Tries of the first grid that are held at a time: each is as large as the record."""
-MOST_PASSES = 6
-"""Passes over pairs of bodies, and steps of all bodies together; each ends when nothing is won."""
-STEP_RAD = 0.005
-"""Angle over which a slope is taken: at order 12 a thirtieth of what changes its sign."""
-MOST_RAD = 0.1
-"""Longest step of all bodies together, some 6 deg: slopes hold no further at order 12."""
 
 
 def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]]:
@@ -148,10 +138,10 @@ def start_angles(
     bodies = [Turning.of(name, case.effects) for name in names]
     angles = _on_grid(pool, measured, case, model, bodies)
     share = 1.0
-    for _ in range(ZOOMS):
+    for _ in range(ANGLES.zooms):
         for k, body in enumerate(bodies):
             width = share * body.period_rad / body.angle_count
-            grid = angles[k] + width * np.array(ZOOM_PARTS)
+            grid = angles[k] + width * np.array(ANGLES.zoom_parts)
             here = _turned(case, bodies, angles)
             costs = costs_of(
                 pool,
@@ -160,7 +150,7 @@ def start_angles(
                 [_turned(here, [body], [float(a) - angles[k]]) for a in grid],
             )
             angles[k] = _lowest(grid, costs)
-        share *= NARROWING
+        share *= ANGLES.narrowing
     if len(bodies) > 1:
         angles = _together(pool, measured, case, model, bodies, angles)
     found = _turned(case, bodies, angles)
@@ -243,7 +233,7 @@ def _least_together(alone: Array, products: Array) -> list[int]:
     own = alone + np.einsum("iaia->ia", products)
     found = [int(k) for k in np.argmin(own, axis=1)]
     pairs = [(i, j) for i in range(count) for j in range(i)]
-    for _ in range(MOST_PASSES):
+    for _ in range(ANGLES.most_passes):
         before = list(found)
         for i, j in pairs:
             beside = [k for k in range(count) if k not in (i, j)]
@@ -271,8 +261,8 @@ def _together(
     """
     before, cost = angles, math.inf
     shares = np.array([body.step_share for body in bodies])
-    steps_rad = STEP_RAD * shares
-    for _ in range(MOST_PASSES):
+    steps_rad = ANGLES.slope_rad * shares
+    for _ in range(ANGLES.most_passes):
         moved = [list(np.array(angles) + row) for row in np.diag(steps_rad)]
         tries = [_turned(case, bodies, each) for each in (angles, *moved)]
         base, *runs = (run[0] for run in pool.run(tries, keep=False))
@@ -286,7 +276,7 @@ def _together(
         if not np.isfinite(slopes).all():
             return angles
         step = np.linalg.lstsq(slopes.T, left, rcond=None)[0]
-        steps = np.clip(step, -MOST_RAD * shares, MOST_RAD * shares)
+        steps = np.clip(step, -ANGLES.most_rad * shares, ANGLES.most_rad * shares)
         angles = [float(a) for a in np.array(angles) + steps]
     return before
 

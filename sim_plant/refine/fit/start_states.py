@@ -9,7 +9,7 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.simulation_pool import SimulationPool
-from sim_plant.refine.model.start_state import SHARE, start_offsets
+from sim_plant.refine.model.start_state import start_offsets
 from sim_plant.refine.model.twin import Case, Twin
 from sim_plant.refine.noise.innovations import NoiseModel, first_judged
 
@@ -27,7 +27,7 @@ def changes_by_starts(pool: SimulationPool, point: Case, run: Changes) -> tuple[
         return ()
     offsets = start_offsets(pool.twins[0].declaration)
     runs = pool.run([replace(point, start=(offset,)) for offset in offsets], keep=False)
-    largest = CRITERIA.fit.start_tension_share / SHARE
+    largest = CRITERIA.fit.start_tension_share / CRITERIA.model.start_offset_share
     return tuple(
         tuple(
             np.zeros_like(base)

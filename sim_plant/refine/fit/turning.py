@@ -12,18 +12,11 @@ from sim_plant.base.arrays import Array
 from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.effects.phasor import phasor
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import turned
 from sim_plant.refine.model.twin import Added
 
-COARSE_ANGLES = 24
-"""Least number of angles of the first grid: every 15 deg of a turn, or a 24th of the part of one
-after which all that turns with a body is as it was."""
-ANGLES_IN_PERIOD = 4
-"""Least number of angles of the first grid in a period of what repeats most often per turn: one is
-within an eighth of a period of the minimum, in the same valley of the cost."""
-SLOPE_ORDER = 12.0
-"""Order for which ``STEP_RAD`` and ``MOST_RAD`` of `start_angles` are set; of what repeats more
-often per turn both are smaller, in proportion."""
+ANGLES = CRITERIA.fit.start_angles
 
 
 def phased(effect: Added) -> bool:
@@ -122,7 +115,7 @@ class Turning:
     def angle_count(self) -> int:
         """How many angles the first grid has, over one period."""
         repeats = self.highest * self.period_rad / (2.0 * math.pi)
-        return max(COARSE_ANGLES, math.ceil(ANGLES_IN_PERIOD * repeats))
+        return max(ANGLES.coarse_angles, math.ceil(ANGLES.angles_in_period * repeats))
 
     @property
     def grid(self) -> Array:
@@ -133,5 +126,5 @@ class Turning:
 
     @property
     def step_share(self) -> float:
-        """Factor on a step that is set for ``SLOPE_ORDER``: 1 for orders up to it."""
-        return min(1.0, SLOPE_ORDER / self.highest)
+        """Factor on a step that is set for ``slope_order``: 1 for orders up to it."""
+        return min(1.0, ANGLES.slope_order / self.highest)

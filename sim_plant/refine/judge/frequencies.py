@@ -19,9 +19,8 @@ from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel
 
-FINER = 64
-"""Tries of a frequency per cycle in a record: one step is 0.1 rad from one end to the other."""
 QUARTER_RAD = 0.5 * np.pi
+"""A quarter turn of a phase."""
 
 
 def differs_by_record(effect: Added) -> bool:
@@ -99,7 +98,7 @@ def best_shift_Hz(product: Sequence[complex] | Array, step_s: float, most_Hz: fl
 
     ``product`` (samples,) is every ``step_s``. 0 of a record without any.
     """
-    size = FINER * len(product)
+    size = CRITERIA.judge.mains_tries * len(product)
     power = np.abs(np.fft.fft(product, size))
     shifts_Hz = np.fft.fftfreq(size, step_s)
     within = np.flatnonzero(np.abs(shifts_Hz) <= most_Hz)

@@ -11,6 +11,7 @@ from scipy.optimize import minimize
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.roll_synchronisation import shifts_in_step
 from sim_plant.refine.fit.start_angles import costs_of, start_angles
 from sim_plant.refine.fit.start_states import changes_by_starts, with_start_state
@@ -21,10 +22,7 @@ from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
 
-SIMPLEX = ((0.0, 0.0), (0.05, 0.0), (0.08, 0.5))
-"""Corners of the first simplex, as steps from the fitted angle (rad) and age (cm)."""
-SIMPLEX_ENDS = {"xatol": 2e-3, "fatol": 5.0, "maxfev": 60}
-"""Ends of the search: corners this close (rad or cm; chi-square), or so many simulations."""
+JUDGE = CRITERIA.judge
 
 Shifts = tuple[tuple[str, float], ...]
 
@@ -245,5 +243,10 @@ def _with_best_age(
         return float(costs_of(pool, measured, model, [moved(x)])[0])
 
     start = np.array([0.0, 100.0 * float(values[age])])
-    options = {**SIMPLEX_ENDS, "initial_simplex": start + np.array(SIMPLEX)}
+    options = {
+        "initial_simplex": start + np.array(JUDGE.age_simplex),
+        "xatol": JUDGE.age_corners,
+        "fatol": JUDGE.age_chi2,
+        "maxfev": JUDGE.age_runs,
+    }
     return moved(minimize(cost, start, method="Nelder-Mead", options=options).x)

@@ -18,11 +18,7 @@ from sim_plant.refine.noise.innovations import NoiseModel
 from sim_plant.refine.spectra.moment_axis import moment_axis, parts_of, resampled
 from sim_plant.refine.spectra.onset_filter import best_moments
 
-EVENTS = CRITERIA.search.events
-FINEST = (-0.02, -0.01, 0.0, 0.01, 0.02)
-"""Steps, s or m, of the last grid of moments around the best one."""
-MOST_PASSES = 4
-"""Passes over several events; one that helps ends with all moments within the finest step."""
+EVENTS, JUDGE = CRITERIA.search.events, CRITERIA.judge
 
 
 def with_moments(
@@ -39,7 +35,7 @@ def with_moments(
     """
     at = [k for k, effect in enumerate(case.effects) if _is_event(effect)]
     found = case.effects
-    for _ in range(MOST_PASSES if len(at) > 1 else 1):
+    for _ in range(JUDGE.moment_passes if len(at) > 1 else 1):
         before = found
         for k in at:
             found = _replaced(found, k, _at_best(pool, measured, case, found, k, model))
@@ -79,7 +75,7 @@ def _at_best(
         *_tries(pool, measured, rest, event, onset, model),
     ]
     best = _best(pool, measured, rest, tries, model)
-    for grid in (EVENTS.coarse_grid, EVENTS.fine_grid, FINEST):
+    for grid in (EVENTS.coarse_grid, EVENTS.fine_grid, JUDGE.finest_grid):
         near = [_at(best, onset, _moment(best, onset) + d) for d in grid]
         best = _best(pool, measured, rest, near, model)
     return best
@@ -116,7 +112,7 @@ def _takes_power(
     for run in pool.run([with_event, rest]):
         left = (measured - run[0])[judged, model.first :]
         powers.append(float(np.mean(np.square(left / model.floor[judged, np.newaxis]))))
-    return powers[0] < powers[1] - CRITERIA.judge.standing_power
+    return powers[0] < powers[1] - JUDGE.standing_power
 
 
 def _begins_later(event: Added, onset: Onset) -> bool:

@@ -19,18 +19,7 @@ from sim_plant.refine.model.twin import Added
 
 StartValues = tuple[float, ...]
 """Of a hypothesis: its numbers in the order of ``names``."""
-LINEAR_STEP = 0.25
-"""Finite difference over the size of a number whose response is linear: any share gives the same
-slope, a large one stands out of the chaos of quantised loops."""
-CURVED_STEP, LEAST_CURVED_SIZE = 0.05, 0.2
-"""The same of any other number, and the share of its start size below which its size does not
-count: small, as the slope changes with the size."""
-ANGLE_STEP_RAD = 0.02
-"""Finite difference of an angle: at order 12 a quarter of a radian, still nearly straight."""
-ZERO_STEP = 1e-6
-"""Of a number whose value and start are both its absence: any step, in its own unit."""
-ROOM_PARTS = 3.0
-"""Of the way to where the effect leaves no trace a step takes one of so many parts at most."""
+STEPS = CRITERIA.model.steps
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -149,10 +138,10 @@ class Hypothesis:
     def increments(self, values: Sequence[float]) -> list[float]:
         """Return a finite-difference step per number, large against the chaos of quantised loops.
 
-        ``LINEAR_STEP`` of the larger of its size and its start size where the response is linear;
-        else ``CURVED_STEP`` of the larger of its size and ``LEAST_CURVED_SIZE`` of its start size.
-        Below ``acts_below`` downwards, at most one of ``ROOM_PARTS`` parts of the way up to it. An
-        angle takes ``ANGLE_STEP_RAD``, a parameter that states a ``step`` that one.
+        ``linear_share`` of the larger of its size and its start size where the response is linear;
+        else ``curved_share`` of the larger of its size and ``curved_least_share`` of its start
+        size. Below ``acts_below`` downwards, at most one of ``room_parts`` parts of the way up to
+        it. An angle takes ``angle_rad``, a parameter that states a ``step`` that one.
         """
         steps = []
         for name, value, start, absent in zip(
@@ -160,16 +149,16 @@ class Hypothesis:
         ):
             row = self.effect.accepts[name]
             if row.role == "angle" or row.step > 0.0:
-                steps.append(row.step or ANGLE_STEP_RAD)
+                steps.append(row.step or STEPS.angle_rad)
                 continue
             size, start_size = abs(value - absent), abs(start - absent)
             if row.role == "strength" and row.linear:
-                step = LINEAR_STEP * max(size, start_size)
+                step = STEPS.linear_share * max(size, start_size)
             else:
-                step = CURVED_STEP * max(size, LEAST_CURVED_SIZE * start_size)
-            step = step if step > 0.0 else ZERO_STEP
+                step = STEPS.curved_share * max(size, STEPS.curved_least_share * start_size)
+            step = step if step > 0.0 else STEPS.from_absence
             room = self.acts_below.get(name, math.inf) - value
-            steps.append(-min(step, room / ROOM_PARTS) if 0.0 < room < math.inf else step)
+            steps.append(-min(step, room / STEPS.room_parts) if 0.0 < room < math.inf else step)
         return [-s if v + s > hi else s for s, v, hi in zip(steps, values, self.high, strict=True)]
 
 

@@ -10,20 +10,11 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration, DriveSpeed, RollAngle, RollRadius, Sensor
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recording import Recording
 
-START_S = 1.0
-"""A line through this much of a recorded radius gives its start where no angle is recorded."""
-TURNING_S = 10.0
-"""The radius of a roll comes from this much of its turning where none is recorded."""
-LARGEST_CORES = 50.0
-"""No roll is this many times as large as its core."""
+RUN = CRITERIA.model.run
 SPEED_REF = "line_speed_ref_m_s"
-OTHER_SHARE = 0.1
-"""A body that turns this much faster or slower than its radius makes it is none of this line: a
-draw is some 0.001, a radius that is roughly known 0.01. A run's units are its own site file's."""
-LEAST_M, LEAST_RAD = 1.0, 1.0
-"""Web that has to run, and angle to be turned, before a radius is told from them."""
 
 
 def at_run(line: Declaration, record: Recording) -> Declaration:
@@ -43,7 +34,7 @@ def at_run(line: Declaration, record: Recording) -> Declaration:
     unwind = _radius_at_start(line, record, first) or radii.unwind
     rewind = _radius_at_start(line, record, last) or _balance(line, unwind)
     for name, radius in ((first, unwind), (last, rewind)):
-        if not radii.core <= radius < LARGEST_CORES * radii.core:
+        if not radii.core <= radius < RUN.largest_cores * radii.core:
             raise PlantError(
                 f"{record.path}: {name} begins at a radius of {radius:.4g} m, the line file "
                 f"declares a core of {radii.core:g} m: is it a run of another line?"
@@ -78,10 +69,10 @@ def _check_turning(line: Declaration, record: Recording, radii: Mapping[str, flo
         if roller.name in change_m2:
             radius = 0.5 * (radius + math.sqrt(max(radius**2 + change_m2[roller.name], 0.0)))
         turned = next(_turning(line, record, roller.name, record.samples), 0.0)
-        if web_m < LEAST_M or abs(turned) < LEAST_RAD:
+        if web_m < RUN.least_web_m or abs(turned) < RUN.least_turn_rad:
             continue
         seen = web_m / abs(turned)
-        if abs(seen / radius - 1.0) > OTHER_SHARE:
+        if abs(seen / radius - 1.0) > RUN.other_share:
             raise PlantError(
                 f"{record.path}: {roller.name} turns as a body of {seen:.4g} m, its radius is "
                 f"{radius:.4g} m by {'the run' if roller.name in radii else 'the line file'}: "
@@ -121,11 +112,11 @@ def _radius_at_start(line: Declaration, record: Recording, roller: str) -> float
             values = record.columns.get(sensor.channel)
             if values is not None:
                 return _first_value(values, _angle_of(line, record, roller), record.sample_time_s)
-    rows = min(record.samples, max(2, round(TURNING_S / record.sample_time_s)))
+    rows = min(record.samples, max(2, round(RUN.turning_s / record.sample_time_s)))
     web_m = float(np.sum(record.columns[SPEED_REF][: rows - 1])) * record.sample_time_s
     grows = 1.0 if roller == line.rollers[-1].name else -1.0
     for turned in _turning(line, record, roller, rows):
-        if turned > LEAST_RAD:
+        if turned > RUN.least_turn_rad:
             return web_m / turned - grows * line.web.thickness_m * turned / (4.0 * math.pi)
     return None
 
@@ -138,7 +129,7 @@ def _first_value(radius_m: Array, angle_rad: Array | None, step_s: float) -> flo
     """
     if angle_rad is not None and float(np.ptp(angle_rad)) > 2.0 * math.pi:
         return float(np.polyfit(angle_rad - angle_rad[0], radius_m, 1)[1])
-    rows = min(radius_m.size, max(2, round(START_S / step_s)))
+    rows = min(radius_m.size, max(2, round(RUN.start_s / step_s)))
     return float(np.polyfit(np.arange(rows, dtype=np.float64), radius_m[:rows], 1)[1])
 
 

@@ -18,19 +18,11 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration, DriveSpeed, RollAngle
 from sim_plant.line.laws import draws
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.records.run_activity import box_mean, ramps
 
-SMOOTHED_S = 0.1
-"""To either side, of the speed in a ramp."""
-SHORTEST_REST_S = 2.0
-"""The mean of a speed that rests for less is no level."""
-MARGIN_S = 0.8
-"""To either side of a change, before the speed is taken to rest."""
-STRAIGHT_SHARE = 0.01
-"""Of the speed: a ramp that is nearer than this to what was measured is taken for straight."""
-LENGTHS = 200
-"""Lengths of a ramp that are tried."""
+RUN = CRITERIA.model.run
 
 
 def stand_in_speed(
@@ -69,14 +61,16 @@ def stand_in_speed(
 
 def _straight_parts(speed: Array, travel_m: Array, step_s: float) -> tuple[Array, int]:
     """Return levels joined by straight ramps (samples,), m/s, and how many had to be smoothed."""
-    straight = box_mean(speed, max(1, round(SMOOTHED_S / step_s)))
-    changing = box_mean(ramps(speed, step_s).astype(np.float64), round(MARGIN_S / step_s)) > 0.0
+    straight = box_mean(speed, max(1, round(RUN.smoothed_s / step_s)))
+    changing = (
+        box_mean(ramps(speed, step_s).astype(np.float64), round(RUN.rest_margin_s / step_s)) > 0.0
+    )
     edges = [0, *(np.flatnonzero(np.diff(changing.astype(np.int8))) + 1), speed.size]
     parts = [slice(int(a), int(b)) for a, b in itertools.pairwise(edges)]
     levels: dict[int, float] = {}
     for k, part in enumerate(parts):
         length = part.stop - part.start
-        if not changing[part.start] and length * step_s >= SHORTEST_REST_S:
+        if not changing[part.start] and length * step_s >= RUN.shortest_rest_s:
             metres = float(travel_m[part.stop - 1] - travel_m[part.start])
             levels[k] = straight[part] = metres / ((length - 1) * step_s)
     bent = 0
@@ -96,13 +90,13 @@ def _ramp(
 ) -> Array | None:
     """Return the straight ramp between two levels (samples,), m/s.
 
-    None where the levels differ by less than ``STRAIGHT_SHARE``, or no straight ramp is that near
+    None where the levels differ by less than ``straight_share``, or no straight ramp is that near
     to the measured speed.
 
     Equation: travel = v1 t_m + v2 (T - t_m) gives the middle t_m of a ramp symmetric about it.
     """
     before, after = levels
-    if abs(after - before) < STRAIGHT_SHARE * max(abs(before), abs(after)):
+    if abs(after - before) < RUN.straight_share * max(abs(before), abs(after)):
         return None
     time_s = np.arange(speed.size) * step_s
     whole_s = speed.size * step_s
@@ -112,11 +106,11 @@ def _ramp(
         return None
     tries = [
         np.interp(time_s, [middle_s - 0.5 * d, middle_s + 0.5 * d], levels)
-        for d in np.linspace(step_s, longest_s, LENGTHS)
+        for d in np.linspace(step_s, longest_s, RUN.ramp_lengths)
     ]
     best = min(tries, key=lambda ramp: float(np.sum((ramp - speed) ** 2)))
     error = float(np.sqrt(np.mean((best - speed) ** 2)))
-    return best if error < STRAIGHT_SHARE * max(abs(before), abs(after)) else None
+    return best if error < RUN.straight_share * max(abs(before), abs(after)) else None
 
 
 def _roller_travel(line: Declaration, columns: Mapping[str, Array]) -> tuple[str, Array] | None:

@@ -15,12 +15,7 @@ from typing import Literal
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.line.start import add_torque
-
-SHARE = 0.02
-"""Size of the simulated offset, as a share of tension; its response is scaled to other sizes.
-
-About what a probe and a step of tension leave in the drives of an S-wrap (ADR 0038).
-"""
+from sim_plant.refine.criteria.criteria import CRITERIA
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -55,7 +50,7 @@ class StartOffset:
 
 def start_offsets(line: Declaration) -> tuple[StartOffset, ...]:
     """Return every number that the line may begin with otherwise, at a size to be simulated."""
-    size_N = SHARE * line.operating_point.tension_N
+    size_N = CRITERIA.model.start_offset_share * line.operating_point.tension_N
     drives = [
         StartOffset(roller=drive.roller, of="drive", tension_N=size_N)
         for drive in line.control.drives

@@ -27,13 +27,10 @@ from sim_plant.line.open import make_line
 from sim_plant.line.references import References
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.line.with_effects import apply_effects
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.start_state import StartOffset
 
-COARSE_TICK_S = 0.005
-"""Longest drive tick of a quick simulation, of which only differences are used."""
-QUICK_SETTLE_S = 10.0
-DECLARED_SETTLE_S = 20.0
-"""How long a line runs before its record begins, at a quick and at the declared tick."""
+MODEL = CRITERIA.model
 WORDS = 1
 """Number of the random stream from which the rounding of words is drawn."""
 REFERENCES = ("line_speed_ref_m_s", "tension_ref_N")
@@ -79,7 +76,7 @@ class Case:
     @property
     def settle_s(self) -> float:
         """How long the line runs before its record begins, s; with noise if the case has it."""
-        return QUICK_SETTLE_S if self.quick else DECLARED_SETTLE_S
+        return MODEL.quick_settle_s if self.quick else MODEL.declared_settle_s
 
 
 def seen_by(case: Case, record_index: int) -> Case:
@@ -139,7 +136,7 @@ class Twin:
         line = self.declaration
         if case.quick:
             sample = line.sample_time_s
-            ratio = max(1, round(sample / COARSE_TICK_S))
+            ratio = max(1, round(sample / MODEL.quick_tick_s))
             tick = max(line.control.drive_sample_time_s, sample / ratio)
             control = line.control.model_copy(update={"drive_sample_time_s": tick})
             line = line.model_copy(update={"control": control})

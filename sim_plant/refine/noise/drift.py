@@ -13,13 +13,9 @@ import numpy as np
 from scipy.fft import dct, idct
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 
-FEWEST = 32
-"""How many of the slowest cosines are looked at in a record of up to ``LONG_S``."""
-LONG_S = 60.0
-"""Judged time, s, from which on more of them are looked at: that of a record of 80 s."""
-FASTEST_HZ = 0.4
-"""Where the slowest 32 cosines of 40 s end; more of them end there in a long record too."""
+NOISE = CRITERIA.noise
 
 
 def slow_terms(samples: int, sample_time_s: float) -> int:
@@ -27,10 +23,10 @@ def slow_terms(samples: int, sample_time_s: float) -> int:
 
     Cosine m has m half waves in the record, m / (2 T) Hz in T seconds: 32 of them end at 0.4 Hz in
     40 s and at 0.27 Hz in 60 s. From there on every second brings the 0.8 that end at 0.4 Hz.
-    Equation: 32 + 2 ``FASTEST_HZ`` max(0, T - ``LONG_S``), at most half of the samples  [own].
+    Equation: 32 + 2 ``drift_Hz`` max(0, T - ``drift_s``), at most half of the samples  [own].
     """
-    more = 2.0 * FASTEST_HZ * max(0.0, samples * sample_time_s - LONG_S)
-    return min(FEWEST + round(more), max(FEWEST, samples // 2))
+    more = 2.0 * NOISE.drift_Hz * max(0.0, samples * sample_time_s - NOISE.drift_s)
+    return min(NOISE.drift_terms + round(more), max(NOISE.drift_terms, samples // 2))
 
 
 def octaves(terms: int) -> tuple[int, ...]:

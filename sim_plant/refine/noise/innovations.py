@@ -17,8 +17,6 @@ from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.noise.drift import drift_standard_deviations, drift_whitened, slow_terms
 
 NOISE = CRITERIA.noise
-SAME_RATIO = 1e-3
-"""A ratio of two steps this close to a whole number is one: scales are written with few digits."""
 
 
 def first_judged(samples: int, sample_time_s: float) -> int:
@@ -190,7 +188,7 @@ def rounding_step(own: float, word: float) -> float:
         return max(own, word)
     ratio = word / own
     whole = round(ratio)
-    if abs(ratio - whole) > SAME_RATIO:
+    if abs(ratio - whole) > NOISE.same_ratio:
         return float(np.hypot(own, word))
     return float(own * np.sqrt(whole**2 + (3.0 if whole % 2 == 0 else 0.0)))
 

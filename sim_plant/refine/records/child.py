@@ -16,6 +16,7 @@ from typing import BinaryIO
 from aff_runtime.base.errors import PlantError
 
 LONGEST_OUTPUT_BYTES = 1 << 30
+"""Most that this process writes: the values of the largest record are 400 MB."""
 
 
 def main(kind: str, name: str, cpu_s: str, memory_bytes: str) -> None:

@@ -30,6 +30,7 @@ OWN_TEXTS = {
 }
 """asammdf's own texts, for rational and polynomial conversions: numbers of the file go in."""
 _FORMULA_SHOWN = 120
+"""Characters of a formula that an error quotes."""
 
 
 def refuse_formulas(path: Path, mdf: Any) -> None:

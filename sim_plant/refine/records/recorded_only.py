@@ -7,7 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.records.run_grid import LARGEST, LONGEST_HOLE_STEPS, Rows
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.records.run_grid import LONGEST_HOLE_STEPS, Rows
+
+RUN = CRITERIA.records.run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -45,6 +48,6 @@ class Filled:
 
 def filled(values: Array, taken_s: Array, time_s: Array, step_s: float) -> Filled:
     """Return a channel without gaps, and where it had readings; (scans,) as given."""
-    read = np.flatnonzero(np.abs(values) < LARGEST)
+    read = np.flatnonzero(np.abs(values) < RUN.largest_count)
     whole = np.interp(taken_s, taken_s[read], values[read]) if read.size else values
     return Filled(values=whole, taken_s=taken_s, time_s=time_s, read=read, step_s=step_s)

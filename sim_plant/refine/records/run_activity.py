@@ -11,15 +11,9 @@ import numpy.typing as npt
 from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.signals import State, StateBits
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 
-RAMP_LOOK_S = 1.0
-RAMP_SHARE = 0.01
-"""A mean speed that changes by more than this share of its highest in ``RAMP_LOOK_S`` is a ramp.
-
-The mean is over ``RAMP_LOOK_S`` too, so a ramp reaches up to ``RAMP_LOOK_S`` beyond its ends.
-"""
-LIMITED_SHARE = 0.999
-"""A correction of which a smaller share goes out is cut by a limit."""
+RUN = CRITERIA.records.run
 LARGEST_STATE_BITS = 2.0**32 - 1.0
 """All bits of ``state_bits`` set."""
 
@@ -33,7 +27,7 @@ class Activity:
     Attributes
     ----------
     on_s, off_s, probing_s : corrections went out, none did, the probe's excitation did.
-    ramp_s : the line speed changed, with up to ``RAMP_LOOK_S`` before and after each ramp.
+    ramp_s : the line speed changed, with up to ``ramp_look_s`` before and after each ramp.
     saturated_s : a limit of the service cut the correction.
     shadow_s : of ``off_s``, the law computed and nothing was sent.
     """
@@ -56,7 +50,7 @@ class Activity:
         if self.ramp_s > 0.0:
             said.append(
                 f"the line speed changes in {self.ramp_s:.3g} s, "
-                f"up to {RAMP_LOOK_S:g} s before and after each ramp included"
+                f"up to {RUN.ramp_look_s:g} s before and after each ramp included"
             )
         if self.saturated_s > 0.0:
             said.append(
@@ -84,7 +78,7 @@ def activity_of(
     limited = (words.astype(np.int64) & int(StateBits.SATURATED)) != 0
     for name, values in columns.items():
         if name.startswith("limit_ratio_"):
-            limited |= values < LIMITED_SHARE
+            limited |= values < RUN.limited_share
     return Activity(
         on_s=step_s * float(np.sum(is_correcting & ~probing)),
         off_s=step_s * float(np.sum(~is_correcting & ~probing)),
@@ -98,16 +92,16 @@ def activity_of(
 def ramps(speed_m_s: Array, step_s: float) -> Flags:
     """Return where the line speed (samples,) changes.
 
-    The mean of the second (``RAMP_LOOK_S``) after a sample is compared with that of the second
+    The mean of the second (``ramp_look_s``) after a sample is compared with that of the second
     before. The first and the last half second of a record never count.
     """
-    reach = max(1, round(0.5 * RAMP_LOOK_S / step_s))
+    reach = max(1, round(0.5 * RUN.ramp_look_s / step_s))
     if speed_m_s.size <= 2 * reach:
         return np.zeros(speed_m_s.shape, dtype=np.bool_)
     smooth = box_mean(speed_m_s, reach)
     change = np.zeros(speed_m_s.shape)
     change[reach:-reach] = np.abs(smooth[2 * reach :] - smooth[: -2 * reach])
-    found: Flags = change > RAMP_SHARE * float(np.max(np.abs(smooth)))
+    found: Flags = change > RUN.ramp_share * float(np.max(np.abs(smooth)))
     return found
 
 

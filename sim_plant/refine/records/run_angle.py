@@ -16,7 +16,7 @@ from scipy.ndimage import median_filter
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.records.run_grid import LARGEST, LONGEST_HOLE_STEPS
+from sim_plant.refine.records.run_grid import LONGEST_HOLE_STEPS
 
 RECORDS = CRITERIA.records
 
@@ -37,7 +37,7 @@ def without_starts_over(
     """
     continuous, remarks, known = dict(columns), [], registers_rad or {}
     for name, values in columns.items():
-        read = np.flatnonzero(np.abs(values) < LARGEST)
+        read = np.flatnonzero(np.abs(values) < RECORDS.run.largest_count)
         if not name.endswith("_rad") or read.size < 3:
             continue
         over_rad = _starts_over(values[read], taken_s[read], step_s, known.get(name, 0.0))

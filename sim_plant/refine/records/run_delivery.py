@@ -17,15 +17,12 @@ import numpy as np
 
 from aff_runtime.base.signals import Outcome
 from sim_plant.base.arrays import Array
-from sim_plant.refine.records.run_grid import FILLED_SAMPLES, Flags, Rows
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.records.run_grid import Flags, Rows
 
+RUN = CRITERIA.records.run
 LEAST_COUNT = 1e-12
 """SI per count of the word; a smaller one is not worth rounding to."""
-SAME_SCAN = 1e-3
-"""Of a scan; stamps this close are of the same one."""
-USUAL_CYCLES = 2
-"""From a snapshot to the scan whose output has its correction: sent one tick later, and then the
-scan after that takes it."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -78,7 +75,7 @@ def delivered(
         how = "as sent, with the command that the PLC's echo names"
     else:
         # a declared delay includes the cycle in which the drive takes the correction
-        cycles = USUAL_CYCLES if delay_s is None else max(0, round(delay_s / cycle_s) - 1)
+        cycles = RUN.usual_cycles if delay_s is None else max(0, round(delay_s / cycle_s) - 1)
         said = "the usual" if delay_s is None else "the site file's"
         of_tick = tick[rows] - cycles
         how = f"as sent, {cycles} cycles late ({said} delay)"
@@ -103,7 +100,7 @@ def _unknown_first(sent: Array, tick: Array, wanted: Array, first_tick: float) -
     if not tick.size:
         return 0
     at = np.searchsorted(tick, wanted, side="right") - 1
-    absent = (at < 0) | (wanted - tick[np.maximum(at, 0)] > FILLED_SAMPLES)
+    absent = (at < 0) | (wanted - tick[np.maximum(at, 0)] > RUN.filled_samples)
     count = int(np.argmin(absent)) if not absent.all() else absent.size
     begins = int(np.searchsorted(tick, first_tick))
     return count if np.any(sent[begins : begins + max(count, 1)]) else 0
@@ -141,7 +138,7 @@ def on_grid(values: Array, taken_s: Array, grid: Array, *, scan_s: float, unseen
     """
     newest = np.searchsorted(taken_s, grid + 1e-9, side="right") - 1
     following = np.minimum(newest + 1, values.size - 1)
-    shown = grid - taken_s[newest] < (1.0 - SAME_SCAN) * scan_s
+    shown = grid - taken_s[newest] < (1.0 - RUN.same_scan_share) * scan_s
     between = np.interp(grid, taken_s, values)
     held = np.where(unseen[following], between, values[following])
     return np.where(shown, values[newest], held)

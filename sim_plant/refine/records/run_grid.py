@@ -16,33 +16,15 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.roll_changes import roll_changes
 from aff_runtime.base.signals import Outcome, Status
 from sim_plant.base.arrays import Array
-from sim_plant.refine.records.run_heartbeat import scans_between
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.records.run_heartbeat import WORD_COUNTS, scans_between
 
-HEARTBEAT_MODULUS = 1 << 16
-"""The heartbeat starts over after as many counts."""
-SAME_PERIOD_SHARE = 1e-4
-"""A scan period this close to a whole number of cycles is that number: the clocks of PLC and
-gateway differ by as much. Where the rows tell the period less surely, their own error counts."""
-NEAR_PERIOD_SHARE = 0.01
-"""Of a PLC whose period is its own, but this close to a whole number of cycles, the readings are
-put on a grid of that many cycles."""
-LATE_S = 0.25
-"""A heartbeat that is further off the run's clock, from one row to the next, is a break. Rows
-further apart give no period of the scan."""
-MOST_SCANS = 500.0
-"""Between two rows; a larger step of the heartbeat is no count of scans."""
-FILLED_SAMPLES = 4
-"""Missing samples that are filled in between neighbours."""
-LONGEST_HOLE_STEPS = FILLED_SAMPLES + 1.5
+RUN = CRITERIA.records.run
+LONGEST_HOLE_STEPS = RUN.filled_samples + RUN.beyond_filled
 """From one reading to the next, with half a step for stamps that wander. A longer hole ends a
 piece; of a channel for the record alone it drops the channel."""
-
 ALWAYS_NEEDED = ("tick", "periods_count", "plc_heartbeat", "status")
 """Columns without which a row shows nothing, beside the channels that are asked for."""
-SHORTEST_PERIOD_S = 1e-6
-"""A shorter scan or cycle is refused."""
-LARGEST = 1e15
-"""No count and no reading is that large; a row with one shows nothing."""
 
 Flags = npt.NDArray[np.bool_]
 Rows = npt.NDArray[np.intp]
@@ -65,7 +47,7 @@ class Scans:
     rows : which row of the table shows each scan (scans,).
     taken_s : when each scan was taken, s since the first, on the PLC's own clock (scans,).
     step_s : of the even grid for a record: the PLC's period or the run's cycle, whichever is
-        longer; whole cycles where the period is within ``NEAR_PERIOD_SHARE`` of as many.
+        longer; whole cycles where the period is within ``near_period_share`` of as many.
     scan_s, cycle_s : period of the PLC's scans, and of the service's ticks.
     breaks : in order.
     findings : sentences.
@@ -81,7 +63,7 @@ class Scans:
 
 
 def scans_of(
-    columns: Mapping[str, Array], channels: Sequence[str], modulus: float = HEARTBEAT_MODULUS
+    columns: Mapping[str, Array], channels: Sequence[str], modulus: float = WORD_COUNTS
 ) -> Scans:
     """Return the scans in the rows of a run; in each of them every one of ``channels`` was read.
 
@@ -91,12 +73,12 @@ def scans_of(
     ------
     PlantError
         No row shows anything new; the times of the rows do not go on, or hardly; or no two rows
-        within ``LATE_S`` have a heartbeat that moves by fewer than ``MOST_SCANS``.
+        within ``late_s`` have a heartbeat that moves by fewer than ``most_scans``.
     """
     time_s, good = columns["time_s"], (columns["outcome"] == Outcome.OK) & (columns["fresh"] > 0)
     unread = np.zeros(time_s.shape, dtype=np.bool_)
     for name in (*channels, *ALWAYS_NEEDED):
-        unread |= ~(np.abs(columns[name]) < LARGEST)
+        unread |= ~(np.abs(columns[name]) < RUN.largest_count)
     good &= ~unread
     rows = np.flatnonzero(good)
     if rows.size < 3:
@@ -110,9 +92,9 @@ def scans_of(
     back = np.flatnonzero(elapsed_s <= 0.0)
     breaks = {int(k) + 1: "the clock of the run goes back" for k in back}
     ticks_s = np.diff(columns["tick"][rows]) * cycle_s
-    for k in np.flatnonzero(np.abs(moved * scan_s - elapsed_s) > LATE_S):
+    for k in np.flatnonzero(np.abs(moved * scan_s - elapsed_s) > RUN.late_s):
         why = "the PLC's heartbeat jumps: it started anew, or stood still"
-        if elapsed_s[k] - max(ticks_s[k], moved[k] * scan_s) > LATE_S:
+        if elapsed_s[k] - max(ticks_s[k], moved[k] * scan_s) > RUN.late_s:
             why = f"the clock of the run jumps {elapsed_s[k]:.3g} s ahead, and neither ticks nor "
             why += "the PLC's heartbeat do: it was set, or the machine stood still"
         breaks.setdefault(int(k) + 1, why)
@@ -121,8 +103,8 @@ def scans_of(
     said = _losses(columns, good)
     whole_s = max(1, round(scan_s / cycle_s)) * cycle_s
     off = abs(scan_s / whole_s - 1.0)
-    step_s = whole_s if off < NEAR_PERIOD_SHARE else max(scan_s, cycle_s)
-    if off < max(SAME_PERIOD_SHARE, min(unsure, NEAR_PERIOD_SHARE)):
+    step_s = whole_s if off < RUN.near_period_share else max(scan_s, cycle_s)
+    if off < max(RUN.same_period_share, min(unsure, RUN.near_period_share)):
         scan_s = whole_s
     if step_s != scan_s:
         said.append(
@@ -169,10 +151,10 @@ def _scan_s(elapsed_s: Array, moved: Array) -> tuple[float, float]:
     time from first to last is off by a scan and a tick at most: a row may show a scan that ended
     up to a scan ago, and may come up to a tick late.
     """
-    usual = (elapsed_s > 0.0) & (elapsed_s < LATE_S) & (moved > 0.0) & (moved < MOST_SCANS)
+    usual = (elapsed_s > 0.0) & (elapsed_s < RUN.late_s) & (moved > 0.0) & (moved < RUN.most_scans)
     if not usual.any():
         raise PlantError(
-            f"no two rows within {LATE_S:g} s have a heartbeat that moves; give another window"
+            f"no two rows within {RUN.late_s:g} s have a heartbeat that moves; give another window"
         )
     span_s = float(np.sum(elapsed_s[usual]))
     scan_s = _long_enough(span_s / float(np.sum(moved[usual])))
@@ -182,7 +164,7 @@ def _scan_s(elapsed_s: Array, moved: Array) -> tuple[float, float]:
 
 def _long_enough(period_s: float) -> float:
     """Return the period; PlantError when it is too short for one."""
-    if period_s < SHORTEST_PERIOD_S:
+    if period_s < RUN.shortest_period_s:
         raise PlantError("the times of the rows hardly go on; give another window")
     return period_s
 
@@ -208,7 +190,7 @@ def _losses(columns: Mapping[str, Array], good: Flags) -> list[str]:
 
 def _beyond_one(steps: Array) -> Array:
     """Return by how much each step is more than one; 0 where it is no count."""
-    return np.where(np.abs(steps) < LARGEST, np.maximum(steps - 1.0, 0.0), 0.0)
+    return np.where(np.abs(steps) < RUN.largest_count, np.maximum(steps - 1.0, 0.0), 0.0)
 
 
 def line_breaks(columns: Mapping[str, Array], rows: Rows) -> list[Break]:

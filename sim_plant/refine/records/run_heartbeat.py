@@ -8,13 +8,15 @@ import numpy as np
 
 from aff_runtime.base.yaml_section import Section
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 
+RUN = CRITERIA.records.run
 FEWEST_BITS, WORD_BITS = 8, 16
 """Of a heartbeat: as few as a wire may have, and those of a Modbus word."""
+WORD_COUNTS = 2.0**WORD_BITS
+"""After as many a heartbeat of one word starts over."""
 MOST_BITS = 52
 """A longer count is no whole number in a record."""
-AGREES_S = 0.25
-"""Between two rows: counts that are further off the clock do not agree with it."""
 
 
 def modulus_of(about: Section, columns: Mapping[str, Array]) -> tuple[float, str]:
@@ -30,20 +32,20 @@ def modulus_of(about: Section, columns: Mapping[str, Array]) -> tuple[float, str
     time_s, beat = columns["time_s"], columns["plc_heartbeat"]
     known = np.isfinite(time_s) & (np.abs(beat) < 2.0**MOST_BITS)
     time_s, beat = time_s[known], beat[known]
-    word = 2.0**WORD_BITS
+    word = WORD_COUNTS
     if beat.size < 2:
         return word, ""
     bits = max(FEWEST_BITS, int(beat.max()).bit_length())
     steps, elapsed_s = np.diff(beat), np.diff(time_s)
-    forward = (steps > 0.0) & (elapsed_s > 0.0) & (elapsed_s < AGREES_S)
-    back = (steps < 0.0) & (elapsed_s > 0.0) & (elapsed_s < AGREES_S)
+    forward = (steps > 0.0) & (elapsed_s > 0.0) & (elapsed_s < RUN.late_s)
+    back = (steps < 0.0) & (elapsed_s > 0.0) & (elapsed_s < RUN.late_s)
     if bits > WORD_BITS:
         return 2.0**bits, f"the PLC's heartbeat is taken to start over after {2**bits} counts"
     if bits == WORD_BITS or not back.any() or not forward.any():
         return word, ""
     scan_s = float(np.sum(elapsed_s[forward]) / np.sum(steps[forward]))
     off_s = np.abs((steps[back] + 2.0**bits) * scan_s - elapsed_s[back])
-    if float(np.mean(off_s < AGREES_S)) <= 0.5:
+    if float(np.mean(off_s < RUN.late_s)) <= 0.5:
         return word, ""
     return 2.0**bits, f"the PLC's heartbeat is taken to start over after {2**bits} counts"
 
@@ -55,7 +57,7 @@ def scans_between(beat: Array, elapsed_s: Array, modulus: float) -> tuple[Array,
     clock has seen, ``elapsed_s`` over the usual time of a count.
     """
     moved: Array = np.mod(np.diff(beat), modulus)
-    usual = (elapsed_s > 0.0) & (elapsed_s < AGREES_S) & (moved > 0.0)
+    usual = (elapsed_s > 0.0) & (elapsed_s < RUN.late_s) & (moved > 0.0)
     counts = float(np.sum(moved[usual]))
     if not counts > 0.0:
         return moved, moved

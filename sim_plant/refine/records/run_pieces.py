@@ -17,12 +17,7 @@ from sim_plant.refine.records.run_delivery import Delivered, delivered
 from sim_plant.refine.records.run_grid import Break, Rows, Scans, angle_breaks, line_breaks
 from sim_plant.refine.records.run_site import RunSite
 
-SHORTEST_PIECE_S = 20.0
-"""A shorter piece is refused. Its first quarter is not judged (`NoiseCriteria`), so 15 s are left:
-some 8 turns of a roll of 0.6 m diameter at 1 m/s."""
-MOST_UNKNOWN_S = 1.0
-"""A piece may be shorter by as much where it is not known what correction acted at its begin: the
-time from a row to the drive, some cycles; so a window of just 20 s is not refused for it."""
+RUN = CRITERIA.records.run
 CORRECTION = "correction_"
 """How the names of columns of corrections begin, before actuator and unit."""
 
@@ -92,9 +87,9 @@ def longest(window: str, pieces: Sequence[Piece], reasons: Sequence[str]) -> Pie
     Where none will do, the error names the ``window`` and the ``reasons``.
     """
     piece = max((p for p in pieces if p.running), key=lambda p: p.length_s, default=None)
-    if piece is None or piece.length_s < SHORTEST_PIECE_S:
+    if piece is None or piece.length_s < RUN.shortest_piece_s:
         raise PlantError(
-            f"{window}: no {SHORTEST_PIECE_S:g} s of the running line without a break, "
+            f"{window}: no {RUN.shortest_piece_s:g} s of the running line without a break, "
             f"{'none' if piece is None else f'{piece.length_s:.3g} s at most'}: "
             f"{'; '.join(reasons) or 'the window is too short'}; give another window"
         )
@@ -113,11 +108,11 @@ def with_corrections(
     acted = _acted(columns, site, rows, scans.cycle_s)
     unknown = max((one.unknown_first for one in acted.values()), default=0)
     from_s = float(columns["time_s"][rows[min(unknown, rows.size - 1)]])
-    if from_s > piece.from_s and piece.to_s - from_s < SHORTEST_PIECE_S - MOST_UNKNOWN_S:
+    if from_s > piece.from_s and piece.to_s - from_s < RUN.shortest_piece_s - RUN.most_unknown_s:
         raise PlantError(
             f"{window}: in {piece} it is not known until {from_s:.1f} s which correction acted, "
-            f"and no {SHORTEST_PIECE_S:g} s are left; give a longer window, or check transport_ms "
-            "of the site file and the PLC's echo"
+            f"and no {RUN.shortest_piece_s:g} s are left; give a longer window, or check "
+            "transport_ms of the site file and the PLC's echo"
         )
     from_there = {n: replace(one, values=one.values[unknown:]) for n, one in acted.items()}
     return replace(piece, first_scan=piece.first_scan + unknown, from_s=from_s), from_there

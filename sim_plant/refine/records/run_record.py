@@ -16,6 +16,7 @@ from aff_runtime.base.probe_columns import STAGE
 from aff_runtime.base.run_table import SAME_CYCLE_SHARE, RunTable, few, other_line, read_table
 from aff_runtime.base.run_window import run_window
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recorded_only import Filled, filled
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_activity import Activity, activity_of
@@ -43,8 +44,6 @@ NEEDED = (
     *("plc_heartbeat", "status", "roll_id"),
 )
 """Columns without which the rows of a run cannot be put in order."""
-LEAST_READ_SHARE = 0.5
-"""A channel with readings in as many of the rows, or in fewer, is left out."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -119,7 +118,7 @@ def read_run_record(path: Path) -> Recording:
     Raises
     ------
     PlantError
-        It is no run, holds no rows there, or no piece of ``run_pieces.SHORTEST_PIECE_S``.
+        It is no run, holds no rows there, or no piece of ``shortest_piece_s`` (`RunCriteria`).
     """
     shown = printable(str(path))
     found = scanned_run(path)
@@ -275,7 +274,7 @@ def _missing_samples(taken_s: Array, pace_s: float) -> list[str]:
 
 def _is_read(columns: Mapping[str, Array], name: str) -> bool:
     """Return whether a channel is recorded and has readings in more than half of the rows."""
-    return name in columns and _read_share(columns[name]) > LEAST_READ_SHARE
+    return name in columns and _read_share(columns[name]) > CRITERIA.records.run.least_read_share
 
 
 def _read_share(values: Array) -> float:

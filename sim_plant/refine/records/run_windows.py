@@ -6,7 +6,6 @@ from pathlib import Path
 
 from aff_runtime.base.run_window import run_window
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.records.run_pieces import SHORTEST_PIECE_S
 from sim_plant.refine.records.run_record import scanned_run
 
 
@@ -22,7 +21,8 @@ def unbroken_windows(path: Path) -> list[Path]:
         It is no run, or holds no rows there.
     """
     run = scanned_run(path)
-    found = [p for p in run.pieces if p.running and p.length_s >= SHORTEST_PIECE_S]
+    shortest_s = CRITERIA.records.run.shortest_piece_s
+    found = [p for p in run.pieces if p.running and p.length_s >= shortest_s]
     found = sorted(found, key=lambda p: -p.length_s)[: CRITERIA.records.most_pieces]
     past_last_s = 0.5 * run.scans.cycle_s
     folder = run_window(path).folder

@@ -18,6 +18,7 @@ from sim_plant.base.plain_file import text_stream
 from sim_plant.refine.records.limits import LINE_CHARACTERS, UNPACKED_BYTES, check_size, shown
 
 _CELL_SHOWN = 60
+"""Characters of a cell, and of a column's name, that an error quotes."""
 
 
 def text_table(path: Path, payload: bytes) -> dict[str, Array]:

@@ -11,9 +11,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from sim_plant.base.arrays import Array
-
-SAME_COUNT_SHARE = 0.5
-"""Two readings of a word are one count apart or more; a record's last digit takes off far less."""
+from sim_plant.refine.criteria.criteria import CRITERIA
 
 
 def one_count(values: Array, scale: float) -> float:
@@ -28,7 +26,7 @@ def one_count(values: Array, scale: float) -> float:
     if scale <= 0.0 or steps.size == 0:
         return scale
     finest = float(np.min(steps))
-    return finest if finest < SAME_COUNT_SHARE * scale else scale
+    return finest if finest < CRITERIA.records.run.finer_share * scale else scale
 
 
 def counts_of(columns: Mapping[str, Array], scales: Mapping[str, float]) -> dict[str, float]:

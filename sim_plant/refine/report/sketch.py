@@ -22,10 +22,13 @@ from sim_plant.refine.report.verdict import Verdict
 
 FOUND, WEB, BODY = "#b3261e", "#5f6368", "#202124"
 WIDTH_IN = 10.0
+"""Of the picture."""
 HEIGHTS_IN = (2.0, 6.0)
+"""Of the picture, at least and at most."""
 LEAST_SHARE = 0.006
 """Of the line's length: the radius that a thin roller is drawn with."""
-_LEFT_OF = {"ccw": -1.0, "cw": 1.0}  # side of the web's direction on which a body is touched
+_LEFT_OF = {"ccw": -1.0, "cw": 1.0}
+"""Side of the web's direction on which a body is touched, by its rotation."""
 
 
 @dataclass(frozen=True, slots=True)

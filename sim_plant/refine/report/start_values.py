@@ -18,8 +18,7 @@ from sim_plant.line.with_effects import apply_effects
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recording import Recording
 
-POINTS = 1024
-"""Angles per turn at which the moment arm is taken."""
+REPORT = CRITERIA.report
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,7 +56,7 @@ def start_values(
     rows = []
     for order in orders:
         w = complex(spectrum[order]) * cmath.exp(-1j * order * first_rad)
-        if abs(w) >= CRITERIA.report.smallest_start_m:
+        if abs(w) >= REPORT.smallest_start_m:
             rows.append(
                 StartValue(
                     order=int(order),
@@ -71,7 +70,7 @@ def start_values(
 def moment_arm_m(
     declaration: Declaration, effects: Sequence[EffectEntry], roller: str
 ) -> Array | None:
-    """Return p(theta) of the span that leaves ``roller``, (1024,) m; None without such a span."""
+    """Return p(theta) of the span that leaves ``roller`` (angles,), m; None without one."""
     names = [r.name for r in declaration.rollers]
     leaving = next((s for s in declaration.spans if s.start == roller), None)
     if leaving is None or roller not in names:
@@ -96,7 +95,7 @@ def moment_arm_m(
                 shape=shape,
             )
         )
-    theta = np.linspace(0.0, 2.0 * np.pi, POINTS, endpoint=False)
+    theta = np.linspace(0.0, 2.0 * np.pi, REPORT.start_points, endpoint=False)
     try:
         return np.asarray(common_tangent(bodies[0], bodies[1], theta, 0.0).arm_a_m)
     except PlantError:

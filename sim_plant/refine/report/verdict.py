@@ -13,6 +13,7 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.plain import plain
 
 VERSION = 1
+"""Of the form of verdict.json."""
 Coordinate = Mapping[str, float | str]
 """Where something is, by name."""
 Answer = Literal["nothing", "traced", "not_identifiable", "unknown"]

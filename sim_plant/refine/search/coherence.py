@@ -40,6 +40,7 @@ class Coupling:
 
 
 NO_COUPLING = Coupling(channels=("", ""), from_Hz=0.0, to_Hz=0.0, score=0.0)
+"""Stands for none: any other has a higher score."""
 
 
 def least_likely_coupling(objective: Objective, fit: Fit) -> Coupling:

@@ -17,6 +17,7 @@ from sim_plant.refine.model.twin import Case, Twin
 from sim_plant.refine.spectra.spectral_lines import SpectralLines, spectral_lines, speed_weights
 
 TWO_PI = 2.0 * math.pi
+"""One turn, rad."""
 SPECTRA = CRITERIA.spectra
 
 

@@ -9,8 +9,7 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 
-OVERSAMPLING = 8
-"""Cells of the grid per cycle of the highest frequency, at least."""
+SPECTRA = CRITERIA.spectra
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -56,10 +55,7 @@ def speed_weights(speed_m_s: Array, count: int = 3) -> Array:
     """
     spread = float(np.std(speed_m_s))
     size = speed_m_s.size
-    if (
-        spread < CRITERIA.spectra.least_speed_spread * float(np.mean(np.abs(speed_m_s)))
-        or count == 1
-    ):
+    if spread < SPECTRA.least_speed_spread * float(np.mean(np.abs(speed_m_s))) or count == 1:
         return np.ones((1, size))
     unit = (speed_m_s - speed_m_s.mean()) / spread
     basis, _ = np.linalg.qr(np.vander(unit, count, increasing=True))
@@ -82,12 +78,13 @@ def spectral_lines(
     Its size is free in every channel.
 
     Equation: D(k) = 2/N sum_channels sum_weights |sum_n w_n x_n exp(-2 pi j k u_n)|^2, by binning
-    the samples on a grid of u fine enough for ``highest`` and one FFT per row (error below 2 %).
+    the samples on a grid of u, ``cells_per_cycle`` of ``highest``, and one FFT per row (up to
+    5 % of D is lost at ``highest``).
     k: frequency, n: sample, w: ``weights``, x: ``whitened``, u: ``position``.
     """
     along = position - position[0]
     extent = float(along[-1])
-    cells = 1 << int(np.ceil(np.log2(max(16.0, 2.0 * OVERSAMPLING * highest * extent))))
+    cells = 1 << int(np.ceil(np.log2(max(16.0, 2.0 * SPECTRA.cells_per_cycle * highest * extent))))
     # pad to twice the extent: bins at half the resolution
     step = 2.0 * extent / cells
     at = np.clip((along / step + 0.5).astype(np.int64), 0, cells - 1)

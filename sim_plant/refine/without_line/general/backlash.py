@@ -8,6 +8,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.jit import compiled
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import (
     Chosen,
     GeneralEffect,
@@ -16,8 +17,7 @@ from sim_plant.refine.without_line.general.effect import (
     pooled,
 )
 
-SHARES = (0.1, 0.3, 0.8, 1.6)
-"""Plays that a fit starts from, of the input's standard deviation."""
+GENERAL = CRITERIA.without_line.general
 
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:
@@ -44,7 +44,7 @@ def starts(views: Sequence[View]) -> list[Chosen]:
         if spread > 0.0:
             choices += [
                 Chosen(effect=EFFECT.name, place=name, numbers=(share * spread,))
-                for share in SHARES
+                for share in GENERAL.backlash_starts
             ]
     return choices
 

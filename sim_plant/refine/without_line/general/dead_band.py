@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import (
     Chosen,
     GeneralEffect,
@@ -15,8 +16,7 @@ from sim_plant.refine.without_line.general.effect import (
     pooled,
 )
 
-SHARES = (0.1, 0.25, 0.5, 0.7)
-"""Of the readings that lie within the half widths that a fit starts from."""
+GENERAL = CRITERIA.without_line.general
 
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:
@@ -31,7 +31,7 @@ def starts(views: Sequence[View]) -> list[Chosen]:
     for name in views[0].inputs:
         values = pooled(views, name)
         if values.min() < 0.0 < values.max():
-            for half in np.quantile(np.abs(values), SHARES):
+            for half in np.quantile(np.abs(values), GENERAL.dead_band_starts):
                 choices.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(half),)))
     return choices
 

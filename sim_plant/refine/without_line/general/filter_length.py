@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import GeneralEffect
 
-PLAIN_HALF = 20
-"""Samples on either side in a plain least-squares filter: 41 taps centred on the sample."""
+GENERAL = CRITERIA.without_line.general
 
 
 def reaches(taps: int) -> list[tuple[str, int, int]]:
@@ -15,7 +15,7 @@ def reaches(taps: int) -> list[tuple[str, int, int]]:
     ----------
     taps : declared, on either side; no filter reaches further: all are judged on the same samples.
     """
-    halves = sorted({min(half, taps) for half in (1, 2, 4, 10, PLAIN_HALF, taps)})
+    halves = sorted({min(half, taps) for half in (*GENERAL.halves, GENERAL.plain_half, taps)})
     filters = [(f"{2 * half + 1} taps, centred", half, half) for half in halves]
     filters += [(f"{back + 1} taps, causal", 0, back) for back in halves if back > 2]
     return filters

@@ -9,18 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import View
 from sim_plant.refine.without_line.general.least_squares import block_edges, moments
 from sim_plant.refine.without_line.general.model import own_columns, regressors
 from sim_plant.refine.without_line.general.search import Search, Trial, saves_enough, strongest_lag
 
+GENERAL = CRITERIA.without_line.general
+
 Mask = NDArray[np.bool_]
-STEPS = 4
-"""Gauss-Newton steps to a record's own shift."""
-MOST_STEP_SAMPLES = 2.0
-"""By so much one of these steps moves the shift at most."""
-SLOPE_SAMPLES = 0.05
-"""By so much the shift is moved to find the slope of what is explained."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,19 +94,21 @@ def _own_numbers(
     beside = own_columns(view) if own else np.zeros((view.judged.size, 0))
     shift_samples = strongest_lag(view, _filter_part(trial, view, 0.0), mask) if shift else 0.0
     weights: Array = np.zeros(beside.shape[1])
-    for _ in range(STEPS if shift else 1):
+    for _ in range(GENERAL.own_shift_steps if shift else 1):
         explained = _filter_part(trial, view, shift_samples)
         columns = [beside]
         if shift:
-            moved = _filter_part(trial, view, shift_samples + SLOPE_SAMPLES)
-            columns.append(((moved - explained) / SLOPE_SAMPLES)[:, None])
+            moved = _filter_part(trial, view, shift_samples + GENERAL.slope_samples)
+            columns.append(((moved - explained) / GENERAL.slope_samples)[:, None])
         a = np.hstack(columns)
         if a.shape[1] == 0:
             break
         found = np.linalg.lstsq(a[mask], (view.judged - explained)[mask], rcond=None)[0]
         weights = np.asarray(found[: beside.shape[1]], dtype=np.float64)
         if shift:
-            shift_samples += float(np.clip(found[-1], -MOST_STEP_SAMPLES, MOST_STEP_SAMPLES))
+            shift_samples += float(
+                np.clip(found[-1], -GENERAL.most_shift_samples, GENERAL.most_shift_samples)
+            )
     return shift_samples, weights
 
 
@@ -151,8 +150,8 @@ def own_shift(trial: Trial, view: View) -> tuple[float, float]:
     everywhere = np.ones(view.judged.size, dtype=bool)
     shift_samples, _ = _own_numbers(trial, view, everywhere, shift=True, own=True)
     explained = _filter_part(trial, view, shift_samples)
-    moved = _filter_part(trial, view, shift_samples + SLOPE_SAMPLES)
-    slope = (moved - explained) / SLOPE_SAMPLES
+    moved = _filter_part(trial, view, shift_samples + GENERAL.slope_samples)
+    slope = (moved - explained) / GENERAL.slope_samples
     found = moments([np.column_stack([own_columns(view), slope])], [view.judged - explained])
     return shift_samples, float(found.spread()[-1])
 

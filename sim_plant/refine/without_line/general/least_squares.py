@@ -17,10 +17,6 @@ from sim_plant.refine.without_line.general.model import Model, own_columns, regr
 GENERAL = CRITERIA.without_line.general
 RIDGE = 1e-9
 """Added to the diagonal, of a column's power: neighbouring lags of a smooth input are alike."""
-STEPS = 5
-"""Gauss-Newton steps at most."""
-HALVINGS = 6
-"""Lengths tried of a step, each half the one before."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -147,10 +143,10 @@ def refined(model: Model, views: Sequence[View]) -> tuple[Model, Moments]:
     count = model.numbers.size
     if count == 0:
         return model, now
-    for _ in range(STEPS):
+    for _ in range(GENERAL.fit_steps):
         step = with_slopes(model, views).weights()[-count:]
         before, better = now.total, False
-        for halving in range(HALVINGS):
+        for halving in range(GENERAL.step_halvings):
             tried = model.with_numbers(model.numbers + step * 0.5**halving)
             there = fit(tried, views)
             if there.total < before:

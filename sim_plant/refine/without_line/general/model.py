@@ -8,9 +8,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.catalogue import BY_NAME
 from sim_plant.refine.without_line.general.effect import Chosen, Stage, View, shifted
 from sim_plant.refine.without_line.general.state_dependence import BY
+
+GENERAL = CRITERIA.without_line.general
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,12 +66,12 @@ class Model:
         return replace(self, delays=delays, shifts=shifts, effects=effects)
 
     def steps(self) -> Array:
-        """Return a small step of every number: 0.05 samples of a time, 0.001 of any other.
+        """Return a small step of every number: ``slope_samples`` of a time, 0.001 of any other.
 
         A number counts as a tenth of its effect's largest at least: one near 0 has a step too.
         """
         times = len(self.delays) + max(0, len(self.shifts) - 1)
-        found = [0.05] * times
+        found = [GENERAL.slope_samples] * times
         for x in self.effects:
             largest = max((abs(v) for v in x.numbers), default=0.0)
             found += [1e-3 * max(abs(v), 0.1 * largest, 1e-12) for v in x.numbers]

@@ -7,9 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
 
-ORDERS = (1, 2, 5, 10, 20, 40)
+GENERAL = CRITERIA.without_line.general
 
 
 def columns(view: View, chosen: Chosen) -> Array:
@@ -24,7 +25,7 @@ def starts(views: Sequence[View]) -> list[Chosen]:
     most = min(view.end_samples for view in views)
     return [
         Chosen(effect="past_outputs", place="output", constants=(float(order),))
-        for order in ORDERS
+        for order in GENERAL.past_orders
         if order <= most
     ]
 

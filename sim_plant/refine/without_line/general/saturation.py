@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import (
     Chosen,
     GeneralEffect,
@@ -15,8 +16,7 @@ from sim_plant.refine.without_line.general.effect import (
     pooled,
 )
 
-SHARES = (0.5, 0.7, 0.85, 0.95)
-"""Of the readings that lie within the limits that a fit starts from."""
+GENERAL = CRITERIA.without_line.general
 
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:
@@ -29,7 +29,7 @@ def starts(views: Sequence[View]) -> list[Chosen]:
     """Return limits by the share of the readings that they let pass."""
     choices = []
     for name in views[0].inputs:
-        for limit in np.quantile(np.abs(pooled(views, name)), SHARES):
+        for limit in np.quantile(np.abs(pooled(views, name)), GENERAL.saturation_starts):
             if limit > 0.0:
                 choices.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(limit),)))
     return choices

@@ -12,7 +12,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.catalogue import BY_NAME, CATALOGUE
 from sim_plant.refine.without_line.general.effect import Chosen, View
-from sim_plant.refine.without_line.general.filter_length import PLAIN_HALF, reaches
+from sim_plant.refine.without_line.general.filter_length import reaches
 from sim_plant.refine.without_line.general.least_squares import Moments, fit, refined
 from sim_plant.refine.without_line.general.model import Model, regressors
 
@@ -278,7 +278,7 @@ def search(views: Sequence[View], progress: Progress) -> Search:
     declared = max(
         filters, key=lambda trial: (trial.model.ahead + trial.model.back, trial.model.ahead)
     )
-    half = min(PLAIN_HALF, end_samples)
+    half = min(GENERAL.plain_half, end_samples)
     plain = next((t for t in filters if t.model.ahead == t.model.back == half), declared)
     best, tried = _shortest(filters, len(views)), [*filters]
     for _ in range(GENERAL.most_effects):

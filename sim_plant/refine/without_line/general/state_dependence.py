@@ -15,8 +15,6 @@ GENERAL = CRITERIA.without_line.general
 SPEED = "travel speed"
 BY = " by "
 """Between input and state in the name of a place."""
-SHARES = (-0.3, 0.3)
-"""Changes of the gain per standard deviation of the state that a fit starts from."""
 
 
 def state_of(view: View, name: str) -> Array:
@@ -53,7 +51,7 @@ def starts(views: Sequence[View]) -> list[Chosen]:
                     numbers=(share / spread,),
                     constants=constants,
                 )
-                for share in SHARES
+                for share in GENERAL.gain_starts
             ]
     return choices
 

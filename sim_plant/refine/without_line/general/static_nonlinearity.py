@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
+from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import (
     Chosen,
     GeneralEffect,
@@ -15,11 +16,7 @@ from sim_plant.refine.without_line.general.effect import (
     pooled,
 )
 
-SHARES = (-0.3, -0.1, 0.1, 0.3)
-"""By which share the input changes at its rms in the curves that a fit starts from.
-
-A weak and a strong bend of either sign.
-"""
+GENERAL = CRITERIA.without_line.general
 
 
 def change(_view: View, chosen: Chosen, values: Array) -> Array:
@@ -34,7 +31,7 @@ def starts(views: Sequence[View]) -> list[Chosen]:
     for name in views[0].inputs:
         size = float(np.sqrt(np.mean(pooled(views, name) ** 2)))
         if size > 0.0:
-            for share in SHARES:
+            for share in GENERAL.curve_starts:
                 for numbers in ((share / size, 0.0), (0.0, share / size**2)):
                     choices.append(Chosen(effect=EFFECT.name, place=name, numbers=numbers))
     return choices

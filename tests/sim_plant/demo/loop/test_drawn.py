@@ -7,7 +7,7 @@ from sim_plant.demo.loop.drawn import IDLER, LINE, Hidden, drawn, write_files
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
-from sim_plant.refine.model.run_state import OTHER_SHARE
+from sim_plant.refine.criteria.criteria import CRITERIA
 from tests import quick_yaml
 
 SEEDS = range(1, 9)
@@ -56,7 +56,7 @@ def test_what_is_drawn_is_some_times_the_typical_change_and_at_no_bound(name):
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_radius_error_that_is_drawn_is_of_a_roll_that_refine_takes(seed):
     _, hidden = drawn("radius_error", seed)
-    assert abs(hidden.parameters["ratio"] - 1.0) < 0.1 * OTHER_SHARE
+    assert abs(hidden.parameters["ratio"] - 1.0) < 0.1 * CRITERIA.model.run.other_share
 
 
 @pytest.mark.parametrize("wire", ["modbus", "can"])

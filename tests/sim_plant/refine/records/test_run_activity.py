@@ -5,7 +5,8 @@ import pytest
 
 from aff_runtime.base.probe_columns import EXCITING
 from aff_runtime.base.signals import State, StateBits
-from sim_plant.refine.records.run_activity import RAMP_LOOK_S, activity_of, box_mean, ramps
+from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.records.run_activity import activity_of, box_mean, ramps
 
 STEP_S, ROWS = 0.01, 10_000
 TIME_S = np.arange(ROWS) * STEP_S
@@ -64,7 +65,7 @@ def test_a_ramp_is_where_the_speed_changes_and_ripple_is_none():
 def test_a_ramp_is_told_with_what_its_length_includes():
     speed = np.interp(TIME_S, [40.0, 42.0], [0.8, 1.2])
     found = activity_of(columns(), [np.zeros(ROWS)], speed, STEP_S)
-    assert 2.0 < found.ramp_s <= 2.0 + 2.0 * RAMP_LOOK_S
+    assert 2.0 < found.ramp_s <= 2.0 + 2.0 * CRITERIA.records.run.ramp_look_s
     assert "up to 1 s before and after each ramp included" in found.sentences()[-1]
 
 
