@@ -131,7 +131,7 @@ def scans_of(
 def _unreadable(columns: Mapping[str, Array], channels: Sequence[str]) -> str:
     """Return the columns for want of which no row can be used, in brackets; nothing of none."""
     names = dict.fromkeys((*ALWAYS_NEEDED, "outcome", "fresh", *channels))
-    never = [name for name in names if not np.any(np.abs(columns[name]) < LARGEST)]
+    never = [name for name in names if not np.any(np.abs(columns[name]) < RUN.largest_count)]
     return f" ({', '.join(never)}: no number in any of them)" if never else ""
 
 
