@@ -10,13 +10,53 @@ from sim_plant.geometry.shapes import MAX_ORDER, Floats, Shape
 Points = NDArray[np.complex128]
 
 
-def hull(points: Points) -> Points:
-    """Return the vertices of the convex hull, counterclockwise; a taut web touches no others."""
-    from scipy.spatial import ConvexHull  # noqa: PLC0415  half the start of a line without corners
+_FEW = 64
+"""So many points or fewer go one by one, not with a look at all of the outline."""
 
-    vertices = ConvexHull(np.column_stack([points.real, points.imag])).vertices
-    corners: Points = points[vertices]
-    return corners
+
+def hull(points: Points) -> Points:
+    """Return the vertices of the convex hull, counterclockwise; a taut web touches no others.
+
+    Seen from their centre in the order of their angles, a point at which the outline does not
+    turn left lies within the triangle of its neighbours and the centre: it is no vertex, whatever
+    else goes. What is left when none goes is the hull. Of points on one ray the last one counts.
+    """
+    seen = points - np.mean(points)
+    order = np.lexsort((np.abs(seen), np.angle(seen)))
+    angles = np.angle(seen[order])
+    outline: Points = points[order[angles != np.roll(angles, -1)]]
+    turns = _turns(outline)
+    while np.count_nonzero(turns <= 0.0) > _FEW:
+        outline = outline[turns > 0.0]
+        turns = _turns(outline)
+    return _without(outline, np.flatnonzero(turns <= 0.0).tolist())
+
+
+def _turns(outline: Points) -> Floats:
+    """Return twice the area that each corner spans with its neighbours, positive to the left."""
+    edges = np.roll(outline, -1) - outline
+    before = np.roll(edges, 1)
+    turns: Floats = before.real * edges.imag - before.imag * edges.real
+    return turns
+
+
+def _without(outline: Points, suspects: list[int]) -> Points:
+    """Return the outline without these corners, nor those that stop turning left by that."""
+    count = outline.size
+    corners = outline.tolist()
+    before, after = list(range(-1, count - 1)), [*range(1, count), 0]
+    before[0] = count - 1
+    there = np.ones(count, dtype=bool)
+    while suspects:
+        at = suspects.pop()
+        last, following = before[at], after[at]
+        there_to, there_from = corners[at] - corners[last], corners[following] - corners[at]
+        if there[at] and (there_to.conjugate() * there_from).imag <= 0.0:
+            there[at] = False
+            after[last], before[following] = following, last
+            suspects += [last, following]
+    left: Points = outline[there]
+    return left
 
 
 def shape_of_points(points: Points, max_order: int = MAX_ORDER) -> Shape:
@@ -38,13 +78,14 @@ def shape_of_points(points: Points, max_order: int = MAX_ORDER) -> Shape:
     edges = np.roll(corners, -1) - corners
     lengths = np.abs(edges)
     normals = np.angle(-1j * edges)
+    weights = lengths.astype(np.complex128)  # once, not anew for every order
     deviation = np.empty(max_order, dtype=np.complex128)
     deviation[0] = _first_order(corners, normals)
     step = np.exp(-1j * normals)
     spin = step.copy()
     for order in range(2, max_order + 1):
         spin *= step
-        deviation[order - 1] = np.dot(lengths, spin) / np.pi / (1 - order * order)
+        deviation[order - 1] = np.dot(weights, spin) / np.pi / (1 - order * order)
     return Shape(
         mean_radius_m=float(np.sum(lengths)) / (2.0 * np.pi),
         deviation_m=deviation * jackson_weights(max_order),

@@ -92,13 +92,29 @@ def found(*ambiguous):
     )
 
 
+@pytest.fixture
+def undrawn(monkeypatch):
+    """Leave the figures out, of which a page takes a second: what a test looks at is text."""
+    room = "sim_plant.refine.report.page"
+    monkeypatch.setattr(f"{room}.sketch", lambda *_: "")
+    monkeypatch.setattr(f"{room}.overlays", lambda *_: [])
+    monkeypatch.setattr(f"{room}.wavenumber_map", lambda *_, **__: ())
+    monkeypatch.setattr(f"{room}.spectrum", lambda *_, **__: "")
+
+
+@pytest.fixture(scope="module")
+def drawn_page(tmp_path_factory):
+    """The page of one effect that was found, with all its figures."""
+    return page_of(outcome(tmp_path_factory.mktemp("drawn"), [found()]))
+
+
 def page_of(one):
     block = write_block(one.plan.out, one.verdict.effects, one.line.declaration)
     return write_report(one, "sim-plant refine", None, block).read_text()
 
 
-def test_a_page_fits_a_narrow_screen(tmp_path):
-    page = page_of(outcome(tmp_path, [found()]))
+def test_a_page_fits_a_narrow_screen(drawn_page):
+    page = drawn_page
     assert 'name="viewport"' in page
     assert page.count("<table>") == page.count('<div class="wide"><table>') > 0
     # what the reader judges by stands beside the name: a narrow screen shows no more
@@ -106,8 +122,8 @@ def test_a_page_fits_a_narrow_screen(tmp_path):
     assert '<td>unwind_tension_N</td><td class="ok">1.00</td>' in page
 
 
-def test_a_page_says_which_records_it_rests_on_and_each_figure_its_own(tmp_path):
-    page = page_of(outcome(tmp_path, [found()]))
+def test_a_page_says_which_records_it_rests_on_and_each_figure_its_own(drawn_page):
+    page = drawn_page
     assert (
         "Records: a.csv (fitted), b.csv (held out); line speed 0.5 to 1.4 m/s; tension 60 to 90 N."
     ) in page
@@ -135,7 +151,7 @@ def test_where_something_is_left_the_amended_line_is_shown_at_its_worst(tmp_path
     assert last_s >= 11.0
 
 
-def test_a_block_of_what_is_not_told_apart_has_to_wait(tmp_path):
+def test_a_block_of_what_is_not_told_apart_has_to_wait(tmp_path, undrawn):
     wait = "Only after it is confirmed that it is the eccentric roller at R4."
     assert wait not in page_of(outcome(tmp_path, [found()]))
     page = page_of(outcome(tmp_path, [found("R5")]))
@@ -148,7 +164,7 @@ def test_the_block_goes_to_the_actuators_beside_an_idler(tmp_path):
 
 
 @pytest.mark.parametrize(("share", "is_outside"), [(0.98, False), (1.3, False), (1.6, True)])
-def test_a_number_outside_its_tolerance_is_marked_and_told(tmp_path, share, is_outside):
+def test_a_number_outside_its_tolerance_is_marked_and_told(tmp_path, undrawn, share, is_outside):
     one = outcome(tmp_path, [found()], {"web.EA_N": share * LINE.tolerances["web.EA_N"]})
     one = replace(one, declared=LINE)
     page = page_of(one)
@@ -157,12 +173,11 @@ def test_a_number_outside_its_tolerance_is_marked_and_told(tmp_path, share, is_o
     assert ("web.EA_N +" in next_of(one, facts_of(one))) is is_outside
 
 
-def test_without_an_effect_a_page_has_one_curve_and_nothing_amended(tmp_path):
+def test_without_an_effect_a_page_has_one_curve_and_nothing_amended(tmp_path, drawn_page):
     page = page_of(outcome(tmp_path))
     assert "amended" not in page
     assert "<th>before</th>" not in page
-    both = page_of(outcome(tmp_path, [found()]))
-    assert page.count("<svg") == both.count("<svg") - 2  # one map, not two; no sketch
+    assert page.count("<svg") == drawn_page.count("<svg") - 2  # one map, not two; no sketch
     assert '<tr class="sum"><td>unwind_angle_rad</td>' in page
 
 
@@ -184,7 +199,8 @@ def test_what_begins_with_a_step_of_a_reference_is_told_as_that(tmp_path, time_s
     assert all("begins with a step of the tension reference" in text for text in said)
 
 
-def test_what_begins_is_shown_in_its_record(tmp_path):
+def test_what_begins_is_shown_in_its_record(tmp_path, monkeypatch):
+    monkeypatch.setattr("sim_plant.refine.report.parts_shown.overlay", lambda *_, **__: ("", ""))
     onset = RecordOfOnset(
         moment=Moment(record="a.csv", time_s=12.5), evaluation=evaluation((1, 1, 1))
     )

@@ -24,7 +24,9 @@ def tension(case):
         if effect.effect != "out_of_round_roll":
             continue
         shape = profile(RADIUS_M, DEFAULTS | dict(effect.parameters)).deviation_m
-        for n, size_m in enumerate(shape[:ORDERS], start=1):
-            turn = n * (TURN_RAD - SPEED_RAD_S * delay_s)
-            found += 5e4 * np.real(size_m * np.exp(1j * turn))
+        turn = np.exp(1j * (TURN_RAD - SPEED_RAD_S * delay_s))
+        of_orders = np.zeros(SAMPLES, dtype=np.complex128)
+        for size_m in shape[:ORDERS][::-1]:  # order n: size_m * turn ** n
+            of_orders = (of_orders + size_m) * turn
+        found += 5e4 * of_orders.real
     return found[None, :]
