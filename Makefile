@@ -100,10 +100,11 @@ compiled-campaign: setup
 	@$(BIN)/python -c "from benchmarks.campaign.cases import case_number; \
 		from benchmarks.campaign.stage import stage; stage(case_number(1, 0), 'a').quiet()"
 
-# what `make test` leaves out: minutes of simulated line, whole sweeps; half an hour
+# what `make test` leaves out: minutes of simulated line, whole sweeps, drawn inputs; half an hour
 test-long: export PYTHONDONTWRITEBYTECODE =
 test-long: setup
-	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder -m campaign
+	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder \
+		--hypothesis-profile long -m "campaign or hypothesis"
 
 # the screen in a real Chromium: pages, breaks of the chain, hostile names; pictures in out/test-hmi
 test-hmi: setup chromium

@@ -27,10 +27,14 @@ os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 gc.disable()  # until all tests are collected: else it takes as long as everything else about them
 
+QUICK_EXAMPLES = 25
+"""Drawn inputs of a test that names no number; `make test-long` draws hypothesis' own hundred."""
+
 # a machine that paused is no defect of what is tested: hypothesis measures no time
 settings.register_profile(
-    "aff", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
+    "long", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
 )
+settings.register_profile("aff", settings.get_profile("long"), max_examples=QUICK_EXAMPLES)
 settings.load_profile("aff")
 
 LONGEST_FIRST = (

@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 
 from aff_runtime.base.printable import printable
+from aff_runtime.base.yaml_places import SafeLoader
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
 
@@ -45,7 +46,7 @@ class RunAbout:
         KeyError, TypeError, AttributeError, yaml.YAMLError
             When it is no ``run.yaml``.
         """
-        said = yaml.safe_load(text)
+        said = yaml.load(text, Loader=SafeLoader)
         return cls(
             context=RunContext.from_json(said),
             meta=RunMeta.from_json(said),

@@ -24,6 +24,8 @@ from ruamel.yaml.representer import RoundTripRepresenter
 from ruamel.yaml.tokens import CommentToken
 from ruamel.yaml.util import load_yaml_guess_indent
 
+from aff_runtime.base.yaml_places import SafeLoader
+
 WIDTH = 110
 MOST_ALIKE = 2_000_000
 """Pairs of equal lines in a text; their number is what comparing it with another one costs. A
@@ -84,13 +86,13 @@ def with_keys(text: str, changes: Mapping[str, Any], *, short: bool = False) -> 
     compare them, values come first: comments are lost then, see `lost_comments`. ``short`` puts
     what is new and holds plain values only on one line, as in ``orders: [1, 2]``.
     """
-    wanted = {**yaml.safe_load(text), **changes}
+    wanted = {**_values(text), **changes}
     mark = BYTE_ORDER if text.startswith(BYTE_ORDER) else ""
     own = _lines(text.removeprefix(BYTE_ORDER))
     for anchors_too in () if _is_too_alike(text) else (True, False):
         try:
             edited = mark + _edited(own, changes, short=short, anchors_too=anchors_too)
-            if yaml.safe_load(edited) == wanted:
+            if _values(edited) == wanted:
                 return edited
         except (YAMLError, yaml.YAMLError):
             continue
@@ -111,7 +113,7 @@ def with_values(text: str, values: Mapping[tuple[str, ...], str | float]) -> str
     KeyError
         There is no mapping to put a value into; the path that was looked for.
     """
-    data = yaml.safe_load(text)
+    data = _values(text)
     for path, value in values.items():
         place = value_at(data, path[:-1])
         if not isinstance(place, dict):
@@ -125,6 +127,11 @@ def value_at(data: Any, path: Sequence[str]) -> Any:
     for key in path:
         data = data.get(key) if isinstance(data, Mapping) else None
     return data
+
+
+def _values(text: str) -> Any:
+    """Return the plain values of a text."""
+    return yaml.load(text, Loader=SafeLoader)
 
 
 def _is_too_alike(text: str) -> bool:
@@ -158,9 +165,16 @@ def _edited(
     return "".join(line if _END.search(line) else line + end for line in found[:-1]) + found[-1]
 
 
+class _Unread:
+    """Reads nothing: how a text indents is seen in its lines, its values cost a second reading."""
+
+    def load(self, _text: str) -> None:
+        """Return nothing."""
+
+
 def _round_trip(text: str) -> RoundTrip:
     """Return a reader and writer that indents as ``text`` does."""
-    _, indent, offset = load_yaml_guess_indent(text)
+    _, indent, offset = load_yaml_guess_indent(text, yaml=_Unread())
     editor = RoundTrip()
     editor.Constructor, editor.Representer = Constructor, Representer
     editor.preserve_quotes = True

@@ -11,6 +11,7 @@ import numpy as np
 import yaml
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.yaml_places import SafeLoader
 from sim_plant.base.shipped import shipped
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import Declaration, EffectEntry
@@ -90,7 +91,7 @@ def drawn_line(draw: np.random.Generator) -> str:
 
 def declared(text: str) -> Declaration:
     """Return what a line file says."""
-    return Declaration.model_validate(yaml.safe_load(text))
+    return Declaration.model_validate(yaml.load(text, Loader=SafeLoader))
 
 
 def drawn_effect(draw: np.random.Generator, line: Declaration) -> EffectEntry:

@@ -12,6 +12,7 @@ import yaml
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.suggest import hint
+from aff_runtime.base.yaml_places import SafeLoader
 from sim_plant.base.effects import Effect, Parameter, Value
 from sim_plant.base.shipped import shipped
 from sim_plant.demo.loop.further_words import show_further
@@ -143,7 +144,7 @@ def write_files(folder: Path, hidden: tuple[Hidden, ...], wire: str = "modbus") 
     wired = wire_up(wire, shipped(SITES[wire]), folder)
     option, plc = show_further(wire, wired, folder)
     line = LINE.read_text(encoding="utf-8")
-    data = yaml.safe_load(line)
+    data = yaml.load(line, Loader=SafeLoader)
     data["effects"] = [one.entry() for one in hidden]
     data["sensors"] += [
         {"channel": angle_of(roller["name"]), "roller": roller["name"], "lsb_rad": 1e-6}

@@ -47,7 +47,7 @@ def test_what_was_written_is_followed_and_read_back(bodies):
     assert [canonical(link.body) for link in chain.links] == [canonical(b) for b in bodies]
 
 
-@settings(SLOW_MACHINE, max_examples=100)
+@SLOW_MACHINE
 @given(
     st.lists(st.dictionaries(TEXTS, VALUES, max_size=2), min_size=1, max_size=3),
     st.randoms(use_true_random=False),

@@ -112,10 +112,10 @@ def window(path, from_s=0.0, to_s=float("inf")):
     return load_window(RunWindow(folder=path, from_s=from_s, to_s=to_s))
 
 
-def in_memory(folder, columns, events=()):
+def in_memory(folder, columns, events=(), site_text=None):
     """Return a window of these columns; of a long one the folder holds the first second alone."""
     second = {name: values[: round(1.0 / CYCLE_S)] for name, values in columns.items()}
-    path = recorded(folder, second, events)
+    path = recorded(folder, second, events, site_text=site_text)
     return window_of(replace(read_table(RunWindow(folder=path)), columns=columns))
 
 

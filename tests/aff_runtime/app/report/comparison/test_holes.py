@@ -13,7 +13,13 @@ from aff_runtime.app.report.comparison.window import roll_angle
 from aff_runtime.app.report.watching.run_hours import run_hours
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.yaml_section import Section
-from tests.aff_runtime.app.card.measure.recorded import CYCLE_S, SITE_FILE, recorded, steady
+from tests.aff_runtime.app.card.measure.recorded import (
+    CYCLE_S,
+    SITE_FILE,
+    in_memory,
+    recorded,
+    steady,
+)
 from tests.aff_runtime.app.card.measure.recorded import window as window_in
 
 RIPPLE_N, NOISE_N = 2.0, 0.25
@@ -68,10 +74,9 @@ def without(found, *spans):
     return {name: values[keep] for name, values in found.items()}
 
 
-def of(folder, found, modulus, **more):
+def of(folder, found, modulus):
     """Return estimate and frequency of the follower's first order in a record."""
-    path = recorded(folder, found, site_text=site_text(modulus), segment_s=SEGMENT_S)
-    window = window_in(path, **more)
+    window = in_memory(folder, found, site_text=site_text(modulus))
     angle = roll_angle(window, window.section("rolls").section(ROLL))
     return estimates(angle, window.readings(SIGNAL), window, [1])[1]
 
@@ -120,6 +125,7 @@ def drifting(tmp_path_factory):
 
 @pytest.mark.parametrize("modulus", WORDS)
 @pytest.mark.parametrize("gone", [(2,), (2, 3), (2, 4)], ids=["one", "two in a row", "two"])
+@pytest.mark.sweep(every=2)
 def test_lost_segments_change_neither_size_nor_frequency(gone, modulus, drifting, tmp_path):
     """The roll turns 2 % faster at the end: over a hole its motion is not known to a turn."""
     path, whole = drifting(modulus)
