@@ -19,9 +19,7 @@ from tests.aff_runtime.app.card.measure.recorded import (
     evidence,
     figure,
     in_memory,
-    recorded,
     steady,
-    window,
 )
 
 RNG_SEED = 3
@@ -52,7 +50,7 @@ def test_the_interval_of_a_mean_holds_the_truth_in_about_95_of_100():
 def machine_step(folder, wake_us, rights=(FIFO,), seconds=61.0):
     columns = steady(seconds)
     columns["wake_us"] = np.resize(wake_us, columns["time_s"].size)
-    return machine.measure(evidence(window(recorded(folder, columns)), rights=rights, machine=TWO))
+    return machine.measure(evidence(in_memory(folder, columns), rights=rights, machine=TWO))
 
 
 def test_wake_up_is_its_99_percent_point(tmp_path):
@@ -92,9 +90,7 @@ def loaded(folder, mean_N, noise_N, given, former=()):
     rng = np.random.default_rng(RNG_SEED)
     noise = rng.standard_normal(columns["time_s"].size)
     columns["unwind_tension_N"] = mean_N + noise_N * (noise - noise.mean()) / noise.std()
-    return load_cell.measure(
-        evidence(window(recorded(folder, columns)), given=given, former=former)
-    )
+    return load_cell.measure(evidence(in_memory(folder, columns), given=given, former=former))
 
 
 CELL = ["signal=unwind_tension_N"]
@@ -168,7 +164,7 @@ def pulled(folder, stale_ticks, given=("base_reference=200 ms",), state=State.SH
     columns["fresh"][1000:] = 0.0
     columns["alarm"][999 + stale_ticks :] = 1.0
     columns["state"][999 + stale_ticks :] = State.FAULT
-    return plug.measure(evidence(window(recorded(folder, columns)), given=given))
+    return plug.measure(evidence(in_memory(folder, columns), given=given))
 
 
 def test_stale_is_timed_from_the_last_movement_to_the_alarm(tmp_path):
@@ -184,7 +180,7 @@ def test_a_plug_that_is_noticed_late_or_not_at_all_does_not_pass(tmp_path):
     assert pulled(tmp_path / "a", 40).verdict is Verdict.FAIL
     assert pulled(tmp_path / "b", 17, given=()).verdict is Verdict.OPEN
     assert pulled(tmp_path / "c", 17, state=State.READY).verdict is Verdict.OPEN
-    still = plug.measure(evidence(window(recorded(tmp_path / "d", steady(5.0)))))
+    still = plug.measure(evidence(in_memory(tmp_path / "d", steady(5.0))))
     assert still.verdict is Verdict.OPEN
     assert "no PLC_STALE" in still.missing[0]
 

@@ -17,6 +17,7 @@ from tests.aff_runtime.app.card.measure.recorded import (
     SITE_FILE,
     evidence,
     figure,
+    in_memory,
     recorded,
     steady,
     switched,
@@ -118,7 +119,7 @@ def tripped(folder, change=None, back_after=None):
         columns["state"][AT + back_after :] = State.ACTIVE
     if change is not None:
         change(columns)
-    return window(recorded(folder, columns))
+    return in_memory(folder, columns)
 
 
 def trip(folder, *given, former=(), **how):
@@ -203,6 +204,4 @@ def test_what_was_not_typed_or_did_not_happen_is_refused(tmp_path):
     with pytest.raises(ConfigError, match="type when the PLC shows zero"):
         trip(tmp_path / "b", "trip=kill")
     with pytest.raises(RefusedError, match="not tripped in it"):
-        trips.measure(
-            evidence(window(recorded(tmp_path / "c", steady(9.0))), given=["trip=bypass"])
-        )
+        trips.measure(evidence(in_memory(tmp_path / "c", steady(9.0)), given=["trip=bypass"]))

@@ -21,7 +21,7 @@ from tests.aff_runtime.app.card.measure.recorded import (
     SITE_FILE,
     evidence,
     figure,
-    recorded,
+    in_memory,
     steady,
     window,
 )
@@ -147,7 +147,7 @@ def rippled(tmp_path_factory):
         if not good:
             lacks = np.arange(angle.size) % 190 < 80  # more than a third of each turn
             columns["pullroll_tension_N"][lacks] = np.nan
-        return window(recorded(tmp_path_factory.mktemp("run"), columns))
+        return in_memory(tmp_path_factory.mktemp("run"), columns)
 
     return make
 

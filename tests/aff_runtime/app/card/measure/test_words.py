@@ -12,9 +12,8 @@ from tests.aff_runtime.app.card.measure.recorded import (
     SITE,
     evidence,
     figure,
-    recorded,
+    in_memory,
     steady,
-    window,
 )
 
 SHOWN = [
@@ -26,12 +25,12 @@ SHOWN = [
 
 
 def test_words_are_compared_with_the_display_in_percent(tmp_path):
-    found = words.measure(evidence(window(recorded(tmp_path, steady(10.0))), given=SHOWN))
+    found = words.measure(evidence(in_memory(tmp_path, steady(10.0)), given=SHOWN))
     tension = figure(found, "unwind_tension_N")
     assert tension.value == pytest.approx(100.0 * (88.0 - 88.44) / 88.44)
     assert figure(found, "line_speed_m_s").value == pytest.approx(0.0, abs=1e-9)
     assert found.verdict is Verdict.PASS
-    part = words.measure(evidence(window(recorded(tmp_path, steady(10.0))), given=SHOWN[:3]))
+    part = words.measure(evidence(in_memory(tmp_path, steady(10.0)), given=SHOWN[:3]))
     assert part.verdict is Verdict.OPEN
     assert "unwind_radius_m" in part.missing[0]
 
@@ -47,7 +46,7 @@ def test_a_radius_that_shrinks_is_compared_where_the_display_was_read(
     share = columns["time_s"] / columns["time_s"][-1]
     columns["unwind_radius_m"] = 0.212 - 0.012 * share
     given = [*SHOWN[:3], f"unwind_radius_m={shown_m} m"]
-    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=given))
+    found = words.measure(evidence(in_memory(tmp_path, columns), given=given))
     error = 100.0 * (nearest_m - shown_m) / shown_m
     assert figure(found, "unwind_radius_m").value == pytest.approx(error, abs=0.16)
     assert found.verdict is (Verdict.PASS if abs(error) < 1.0 else Verdict.FAIL)
@@ -57,14 +56,14 @@ def test_of_a_long_window_the_last_ten_seconds_of_a_radius_count(tmp_path):
     columns = steady(30.0)
     columns["unwind_radius_m"] = np.where(columns["time_s"] < 19.0, 0.21, 0.2)
     given = [*SHOWN[:3], "unwind_radius_m=0.21 m"]
-    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=given))
+    found = words.measure(evidence(in_memory(tmp_path, columns), given=given))
     assert figure(found, "unwind_radius_m").value == pytest.approx(-100.0 / 21.0)
 
 
 def test_a_scale_that_is_off_by_two_percent_fails(tmp_path):
     columns = steady(10.0)
     columns["unwind_radius_m"] *= 1.02
-    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=SHOWN))
+    found = words.measure(evidence(in_memory(tmp_path, columns), given=SHOWN))
     assert figure(found, "unwind_radius_m").value == pytest.approx(2.0)
     assert found.verdict is Verdict.FAIL
 
@@ -73,7 +72,7 @@ def test_a_heartbeat_that_rests_and_an_echo_that_is_missing_fail(tmp_path):
     columns = steady(10.0)
     columns["plc_heartbeat"][400:404] = columns["plc_heartbeat"][399]
     columns["echo_age"][::4] = -1.0
-    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=SHOWN))
+    found = words.measure(evidence(in_memory(tmp_path, columns), given=SHOWN))
     rest = figure(found, "heartbeat: longest rest")
     assert rest.value == pytest.approx(1e3 * 5 * CYCLE_S)  # moves at 399 and at 404
     assert rest.good is False
@@ -84,7 +83,7 @@ def test_a_heartbeat_that_rests_and_an_echo_that_is_missing_fail(tmp_path):
 def test_a_word_that_never_copies_our_heartbeat_is_no_echo(tmp_path):
     columns = steady(10.0)
     columns["echo_age"][:] = np.arange(columns["echo_age"].size)  # the word stands still
-    found = words.measure(evidence(window(recorded(tmp_path, columns)), given=SHOWN))
+    found = words.measure(evidence(in_memory(tmp_path, columns), given=SHOWN))
     most = math.ceil(3 * SITE.freshness.fault_after_ms * 1e-3 / CYCLE_S) + 2
     share = figure(found, "echo: share")
     assert share.value == pytest.approx(100.0 * (most + 1) / columns["echo_age"].size)
@@ -108,7 +107,7 @@ def rests(folder, ours, plc=0, late_us=0.0):
     kept = np.ones(columns["time_s"].size, dtype=bool)
     kept[800 : 800 + ours] = False
     columns = {name: values[kept] for name, values in columns.items()}
-    return words.measure(evidence(window(recorded(folder, columns)), given=SHOWN))
+    return words.measure(evidence(in_memory(folder, columns), given=SHOWN))
 
 
 def test_a_rest_in_which_our_own_ticks_are_missing_is_not_the_plcs(tmp_path):

@@ -113,22 +113,25 @@ def test_a_run_with_the_site_file_of_another_line_is_left_out(runs, tmp_path):
     assert "its site.yaml is of line Film, its run.yaml of Weeks" in said[-1]
 
 
-SECONDS = 10_000
-"""Of the run below, a segment each: hours 0, 1 and a part of 2."""
+SECONDS, PIECE_S = 10_000, 10
+"""Of the run below, in segments of so many seconds: hours 0, 1 and a part of 2."""
 
 
 @pytest.fixture(scope="module")
 def in_pieces(runs, tmp_path_factory):
-    """A run in 10 000 segments of two rows."""
+    """A run in 1000 segments of twenty rows."""
     run = shutil.copytree(runs[0], tmp_path_factory.mktemp("pieces") / "run")
     for segment in run.glob("signals-*"):
         head = gzip.decompress(segment.read_bytes()).split(b"\n")[0]
         segment.unlink()
     about = run / "run.yaml"
-    about.write_text(re.sub(r"(?m)^segment_s: .*$", "segment_s: 1.0", about.read_text()))
+    about.write_text(
+        re.sub(r"(?m)^segment_s: .*$", f"segment_s: {PIECE_S:.1f}", about.read_text())
+    )
     rest = b",0" * head.count(b",")
-    for number in range(SECONDS):
-        rows = b"".join(b"%.1f%s\n" % (number + half, rest) for half in (0.0, 0.5))
+    for number in range(SECONDS // PIECE_S):
+        halves = range(2 * PIECE_S * number, 2 * PIECE_S * (number + 1))
+        rows = b"".join(b"%.1f%s\n" % (0.5 * half, rest) for half in halves)
         content = gzip.compress(head + b"\n" + rows, compresslevel=1)
         (run / f"signals-{number + 1:04d}.csv.gz").write_bytes(content)
     return run
@@ -143,8 +146,9 @@ def test_the_segments_of_a_run_are_looked_at_once(in_pieces, tmp_path, monkeypat
     said = []
     assert take(tmp_path / "store", [in_pieces], said).refused == 0
     assert load_store(tmp_path / "store").hours["covered_s"].sum() == pytest.approx(SECONDS, abs=5)
-    looks = 3 * 3 * (READ_S + 2)  # at three places of three hours, a segment more at either end
-    assert SECONDS <= len(opened) <= SECONDS + looks + 10
+    # at three places of three hours, a segment more at either end
+    pieces, looks = SECONDS // PIECE_S, 3 * 3 * (READ_S / PIECE_S + 2)
+    assert pieces <= len(opened) <= pieces + looks + 10
 
 
 @pytest.mark.parametrize(("at_s", "limit_m_s"), [(5.0, 0.004), (RUN_S - 0.1, 0.002)])
