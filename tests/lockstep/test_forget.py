@@ -63,6 +63,7 @@ class Service:
 
 
 @pytest.mark.parametrize("law", ["blocks", "iterative", "shape"])
+@pytest.mark.sweep(every=2)
 def test_the_roll_is_forgotten_under_every_law_and_the_roller_is_kept(
     law: str, responses: Mapping[str, Response]
 ) -> None:

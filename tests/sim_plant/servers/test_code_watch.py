@@ -86,9 +86,24 @@ def test_the_watch_is_over_with_its_library(tmp_path: Path) -> None:
 
 
 @needs_cc
+def test_the_begin_of_a_library_is_watched_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    watched, whole = [], CodeWatch.call
+    monkeypatch.setattr(
+        CodeWatch, "call", lambda self, name: watched.append(name) or whole(self, name)
+    )
+    CodePlc(default_map(), built(tmp_path, CODE)).restart()
+    assert watched == ["aff_plc_begin", "aff_plc_begin"]
+
+
+@needs_cc
 @pytest.mark.wire
 @pytest.mark.processes
-@pytest.mark.parametrize(("code", "function"), [(CODE, "scan"), (BEGINS_NOT, "begin")])
+@pytest.mark.parametrize(
+    ("code", "function"),
+    [(CODE, "scan"), pytest.param(BEGINS_NOT, "begin", marks=pytest.mark.campaign)],
+)  # quick: the begin is watched, above
 def test_a_served_line_ends_by_itself_when_its_code_does_not_return(
     tmp_path: Path, code: str, function: str
 ) -> None:

@@ -150,6 +150,7 @@ def power_left(*true):
 
 
 @pytest.mark.parametrize("order", [6.0, 24.0, 36.0, 48.0, 8.5])
+@pytest.mark.sweep(every=2)
 def test_a_ripple_of_a_high_order_begins_where_the_record_shows_it(order):
     """2 degrees of phase leave 1e-3; at the highest order 24 tries a turn are one phase."""
     phases = np.arange(8) * math.pi / 4.0 + 0.3

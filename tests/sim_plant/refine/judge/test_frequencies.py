@@ -41,6 +41,7 @@ TURNED = replace(IDLER, parameters=(("eccentricity_m", 1e-4), ("angle_rad", 2.2)
 @pytest.mark.parametrize(
     ("fitted_Hz", "true_Hz"), [(59.98, 60.02), (49.9, 49.75), (99.7, 100.05), (50.0, 50.0)]
 )
+@pytest.mark.sweep(every=3)
 def test_mains_of_another_record_are_found_at_their_frequency_and_phase(fitted_Hz, true_Hz):
     twin = formula_twin(hum_and_idler, CHANNELS, SAMPLES)
     measured = twin.simulate(Case(effects=(hum(true_Hz, 2.0), TURNED))) + white((2, SAMPLES), 3)

@@ -49,6 +49,7 @@ def started(effect, place):
 
 
 @pytest.mark.parametrize("effect", ROTATING, ids=lambda effect: effect.name)
+@pytest.mark.sweep(every=2)
 def test_a_body_further_on_does_from_the_start_what_it_did_later(effect):
     places = [r for r in LINE.rollers if r.name in candidate_locations(LINE, effect)]
     places = [r for r in places if r.kind == "idler"] or places

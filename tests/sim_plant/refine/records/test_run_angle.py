@@ -48,6 +48,7 @@ def in_register(counts_per_turn, kind="u16"):
 
 
 @pytest.mark.parametrize("counts_per_turn", [1000, 2500, 3600, 4096, 5000, 100_000, 200_000])
+@pytest.mark.sweep(every=3)
 def test_a_register_that_holds_no_whole_turns_starts_over_where_it_ends(tmp_path, counts_per_turn):
     """Of 2500 counts per turn u16 holds 26.2 turns, of 100 000 it holds two thirds of one."""
     columns, truth = run(40.0, TURN * 65536 / counts_per_turn)

@@ -99,6 +99,7 @@ def test_of_a_roll_that_has_a_radius_both_are_said(tmp_path, radius, shown):
 
 
 @pytest.mark.parametrize("unit", ["", *accepted_units("m/s")])
+@pytest.mark.sweep(every=5)
 def test_a_block_is_allowed_no_more_than_its_actuator_however_that_is_spelled(tmp_path, unit):
     """The usual 20 mm/s are more than the actuator's 15 mm/s; the service refuses such a file."""
     given = plain(0.015 / read_number(f"1 {unit}", "m/s")) if unit else "0.015"
@@ -122,6 +123,7 @@ def anchored(text):
 
 @pytest.mark.parametrize("name", ["euclid.yaml", "euclid_can.yaml"])
 @pytest.mark.parametrize("write", [lambda text: text.replace("\n", "\r\n"), anchored])
+@pytest.mark.sweep(every=3)
 def test_every_line_of_the_owners_stays_however_the_file_is_written(tmp_path, name, write):
     site = site_file(tmp_path, name)
     plain_ends = proposed(site, [AffBlock(roll="R6", orders=(1,))], LINE)
@@ -196,6 +198,7 @@ OTHER_NAMES = (
     ("roll", "orders"),
     [("R6", (1,)), ("R13", (1,)), ("unwind", (1, 17)), ("swrap_follower", (1, 2))],
 )
+@pytest.mark.sweep(every=3)
 def test_the_proposal_is_the_same_by_whatever_names_the_site_has(tmp_path, roll, orders):
     site = site_file(tmp_path)
     renamed = site.text

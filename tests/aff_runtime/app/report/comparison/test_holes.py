@@ -89,6 +89,7 @@ def assert_true(got):
 
 
 @pytest.mark.parametrize("modulus", WORDS)
+@pytest.mark.sweep(every=2)
 def test_a_counter_that_starts_over_has_the_turns_of_one_that_never_does(modulus, tmp_path):
     got = of(tmp_path, columns(60.0, modulus), modulus)
     assert_true(got)
@@ -138,6 +139,7 @@ def test_lost_segments_change_neither_size_nor_frequency(gone, modulus, drifting
 
 
 @pytest.mark.parametrize("modulus", WORDS)
+@pytest.mark.sweep(every=2)
 def test_missed_ticks_of_a_fast_roll_do_not_fold_its_angle(modulus, tmp_path):
     """24.3 turns a second: three missed ticks are half a turn."""
     found = columns(30.0, modulus, rate_Hz=24.3)
@@ -150,6 +152,7 @@ def test_missed_ticks_of_a_fast_roll_do_not_fold_its_angle(modulus, tmp_path):
 
 
 @pytest.mark.parametrize("modulus", WORDS)
+@pytest.mark.sweep(every=2)
 def test_readings_that_lack_beside_a_wrap_cost_no_turn(modulus, tmp_path):
     found = columns(30.0, modulus)
     wraps = np.flatnonzero(np.abs(np.diff(found[COUNT])) > 1.0)[1::2]
@@ -238,6 +241,7 @@ def skipping(tmp_path_factory):
 
 @pytest.mark.parametrize("missed", [1, 3, 400])
 @pytest.mark.parametrize("gone", [(), (4,), (4, 5)])
+@pytest.mark.sweep(every=2)
 def test_rows_that_lack_are_no_ticks_that_were_missed(missed, gone, skipping, tmp_path):
     """Lost segments lie beyond the ticks that were missed."""
     found = facts_of(without_segments(skipping(missed), tmp_path, gone))
