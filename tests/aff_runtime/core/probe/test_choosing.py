@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -56,6 +57,14 @@ def probed(line, params=PARAMS, former=None):
     return probe, sent
 
 
+@cache
+def first_of(sigma):
+    """Return a probe of a line with so much noise that came to its end."""
+    probe, _ = probed(quiet_line(sigma))
+    assert probe.stage is Stage.DONE, probe.reason
+    return probe
+
+
 def quiet_line(sigma, gain=GAIN):
     return Line(LagDelay(gain, 12, 0.96), RIPPLE, seed_noise=noise(sigma))
 
@@ -64,9 +73,7 @@ def test_twice_the_noise_wants_twice_the_amplitude():
     """Noise is in the same places twice as large, so that what is needed of tones is so, too."""
     sent = {}
     for sigma in (0.02, 0.04):
-        probe, _ = probed(quiet_line(sigma))
-        assert probe.stage is Stage.DONE, probe.reason
-        (result,) = probe.result(ABOUT)
+        (result,) = first_of(sigma).result(ABOUT)
         sent[sigma] = result.response.provenance.amplitude
     assert sent[0.04] / sent[0.02] == pytest.approx(2.0, rel=0.25)
     assert sent[0.02] < PARAMS.amplitude
@@ -75,8 +82,7 @@ def test_twice_the_noise_wants_twice_the_amplitude():
 @pytest.mark.parametrize("sigma", [0.03, 0.1])
 def test_what_is_chosen_gives_the_error_that_was_wanted(sigma):
     """Nine tenths of the orders' tones are to be known to a fifth; the fit says what they are."""
-    probe, _ = probed(quiet_line(sigma))
-    (result,) = probe.result(ABOUT)
+    (result,) = first_of(sigma).result(ABOUT)
     assert result.response.provenance.amplitude < PARAMS.amplitude
     low_Hz = 0.6 * 5.0 / math.tau
     errors = [p.relative_error for p in result.response.points if p.frequency_Hz >= low_Hz]
@@ -84,8 +90,7 @@ def test_what_is_chosen_gives_the_error_that_was_wanted(sigma):
 
 
 def test_with_a_former_response_it_takes_no_steps_and_says_how_far_the_two_are_apart():
-    probe, _ = probed(quiet_line(0.05))
-    (first,) = probe.result(ABOUT)
+    (first,) = first_of(0.05).result(ABOUT)
     again, sent = probed(
         Line(LagDelay(GAIN, 12, 0.96), RIPPLE, seed_noise=noise(0.05, seed=6)),
         former={"unwind": first.response},
@@ -101,9 +106,8 @@ def test_with_a_former_response_it_takes_no_steps_and_says_how_far_the_two_are_a
 
 
 def test_a_former_response_of_another_speed_is_not_believed():
-    probe, _ = probed(quiet_line(0.05))
     elsewhere = {"unwind": replace(ABOUT["unwind"], line_speed_m_s=1.5)}
-    (first,) = probe.result(elsewhere)
+    (first,) = first_of(0.05).result(elsewhere)
     _, sent = probed(quiet_line(0.05), former={"unwind": first.response})
     begin = np.flatnonzero(sent)[0]
     early = np.abs(sent[begin : begin + round(10.0 / CYCLE_S)])
@@ -163,8 +167,7 @@ class Stronger(LagDelay):
 
 def test_a_line_that_answers_more_than_was_thought_ends_the_probe_at_the_bound():
     bound_N = 1.5
-    probe, _ = probed(quiet_line(0.02))
-    former = {"unwind": probe.result(ABOUT)[0].response}
+    former = {"unwind": first_of(0.02).result(ABOUT)[0].response}
     plant = Stronger(GAIN, 12, 0.96, after=0)
     line = Line(plant, RIPPLE, seed_noise=noise(0.02))
     params = replace(PARAMS, bound_N=bound_N, louder_than=0.02)
