@@ -187,6 +187,7 @@ def test_a_word_of_a_turn_or_two_keeps_the_frame_of_a_line_that_runs_on_a_little
 
 @pytest.mark.parametrize("turns", [1, 2])
 @pytest.mark.parametrize(("seconds", "omega"), [(0.6, OMEGA), (2.0, OMEGA), (60.0, 0.0)])
+@pytest.mark.sweep(every=5)
 def test_a_word_of_a_turn_or_two_that_began_anew_is_seldom_taken_for_known(seconds, omega, turns):
     params, places = replace(ROLL, angle_modulus_rad=turns * math.tau), 60
     read, kept = word_of(turns), 0
