@@ -106,17 +106,15 @@ def run(arguments: argparse.Namespace) -> int:
     # small products only: threads of the linear algebra wait for each other more than they work
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     from sim_plant.line.load import line_in, read_source  # noqa: PLC0415 - heavy imports
-    from sim_plant.refine.example import write_example  # noqa: PLC0415
-    from sim_plant.refine.pipeline import refine  # noqa: PLC0415
+
+    plan = plan_of(arguments)
+    source = read_source(plan.line)  # a file that cannot be read is refused before the rest loads
     from sim_plant.refine.report.folder import check_folder  # noqa: PLC0415
-    from sim_plant.refine.without_line.pipeline import refine_records  # noqa: PLC0415
     from sim_plant.refine.without_line.record_filter import (  # noqa: PLC0415
         is_record_declaration,
         record_declaration_in,
     )
 
-    plan = plan_of(arguments)
-    source = read_source(plan.line)
     if arguments.example and is_record_declaration(source):
         raise PlantError(
             f"{plan.line}: declares records; --example needs a line, such as "
@@ -124,6 +122,8 @@ def run(arguments: argparse.Namespace) -> int:
         )
     check_folder(plan)
     if arguments.example:
+        from sim_plant.refine.example import write_example  # noqa: PLC0415
+
         print("making two records with an effect that the line file does not declare")
         try:
             first, second = write_example(source, plan.out / "records")
@@ -135,9 +135,13 @@ def run(arguments: argparse.Namespace) -> int:
             raise PlantError(f"{plan.line}: declares records; --lacking needs a line")
         return tell_lacking(plan, line_in(source))
     if is_record_declaration(source):
+        from sim_plant.refine.without_line.pipeline import refine_records  # noqa: PLC0415
+
         found = refine_records(plan, record_declaration_in(source), say)
         say(record_summary(found, plan.out, held=bool(plan.holdout)))
     else:
+        from sim_plant.refine.pipeline import refine  # noqa: PLC0415
+
         say(summary(refine(plan, line_in(source), say)))
     return 0
 
