@@ -9,6 +9,7 @@ from __future__ import annotations
 import gc
 import os
 from collections import Counter
+from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -57,10 +58,16 @@ LONGEST_FIRST = (
 stands beside what computes for long."""
 
 
-REAL_TIME = ("wire", "hil", "processes")
+REAL_TIME = frozenset({"wire", "hil", "processes"})
 TRIES_AGAIN = 2
 """Of a test in real time that failed: a machine that paused for 100 ms is no defect of ours. A
 defect shows three times; the summary lists each try as RERUN and says why."""
+
+
+def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
+    """Leave the tests in a browser unread where they are not asked for: each worker reads all."""
+    is_asked = "not browser" not in config.getoption("markexpr")
+    return None if is_asked or collection_path.name != "browser" else True
 
 
 def _keep_a_few(items: list[pytest.Item]) -> None:
@@ -83,7 +90,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     place = {root / name: at for at, name in enumerate(LONGEST_FIRST)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
     for item in items:
-        if any(item.get_closest_marker(name) for name in REAL_TIME):
+        if not REAL_TIME.isdisjoint(mark.name for mark in item.iter_markers()):
             item.add_marker(pytest.mark.flaky(reruns=TRIES_AGAIN, reruns_delay=1))
 
 
