@@ -120,10 +120,11 @@ make_wheel() {
     if [ "$dry_run" = no ]; then
         build=$(mktemp -d)
     fi
-    run mkdir "$build/source"
+    run mkdir -p "$build/source/deploy"
     run cp -r "$source_dir/pyproject.toml" "$source_dir/README.md" "$source_dir/LICENSE" \
         "$source_dir/setup.py" "$source_dir/aff_runtime" "$source_dir/sim_plant" \
-        "$source_dir/aff_hmi" "$build/source"
+        "$source_dir/aff_hmi" "$source_dir/config" "$build/source"
+    run cp -r "$source_dir/deploy/plc" "$build/source/deploy"
     checked "$1" --target "$build/tools" -r "$source_dir/deploy/locks/build.txt"
     run env PYTHONPATH="$build/tools" "$1" -m pip wheel --quiet --no-cache-dir --no-index \
         --no-deps --no-build-isolation --wheel-dir "$build/wheel" "$build/source"

@@ -210,3 +210,12 @@ def test_a_site_of_one_of_several_lines_may_name_what_it_learned(tmp_path: Path)
     assert os.path.samefile(folder / "learned", state)
     shutil.copy(ROOT / "config" / "euclid.yaml", folder / "site.yaml")
     assert read_site(folder / "site.yaml", tmp_path / "var/lib/aff-runtime").site.line
+
+
+def test_what_a_wheel_is_made_of_is_in_the_copy_that_it_is_made_from(tmp_path: Path) -> None:
+    """All folders beside setup.py that it reads: without one of them no wheel is built."""
+    read = re.findall(r'parent((?: / "\w+")+)', (ROOT / "setup.py").read_text())
+    folders = {"/".join(re.findall(r"\w+", each)) for each in read}
+    assert {"config", "deploy/plc"} <= folders
+    said = install(tmp_path, "--dry-run").stdout
+    assert all(f"{ROOT / folder} " in said for folder in folders), said
