@@ -43,7 +43,7 @@ ELSEWHERE = {
     "records/mdf_formulas.py": {"format": "FORMULA_KINDS", "page": "_FORMULA_SHOWN"},
     "records/run_activity.py": {"format": "LARGEST_STATE_BITS"},
     "records/run_delivery.py": {"guard": "LEAST_COUNT"},
-    "records/run_heartbeat.py": {"format": "FEWEST_BITS WORD_BITS WORD_COUNTS MOST_BITS"},
+    "records/run_heartbeat.py": {"format": "FEWEST_BITS WORD_BITS HEARTBEAT_COUNTS MOST_BITS"},
     "records/run_record.py": {"limit": "READ_TIMEOUT_S MEMORY_BYTES"},
     "records/sanity.py": {"guard": "SAME_LEVEL_SHARE"},
     "records/text_table.py": {"page": "_CELL_SHOWN"},

@@ -70,11 +70,8 @@ def _jitter_s2(clock_s: Floats, angle_rad: Floats) -> float:
     Against the straight line through ``STEADY_SAMPLES`` at a time; 0 for a roll that stands.
     """
     size = angle_rad.size // STEADY_SAMPLES * STEADY_SAMPLES
-    clock, angle = (
-        one[:size].reshape(-1, STEADY_SAMPLES)
-        - one[:size].reshape(-1, STEADY_SAMPLES).mean(1)[:, None]
-        for one in (clock_s, angle_rad)
-    )
+    folded = np.stack([clock_s[:size], angle_rad[:size]]).reshape(2, -1, STEADY_SAMPLES)
+    clock, angle = folded - folded.mean(axis=2, keepdims=True)
     rate = (clock * angle).sum(1) / (clock**2).sum(1)
     turns = np.abs(rate) > 0.0
     late_s = (angle[turns] - rate[turns, None] * clock[turns]) / rate[turns, None]

@@ -17,7 +17,7 @@ from aff_runtime.base.roll_changes import roll_changes
 from aff_runtime.base.signals import Outcome, Status
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.records.run_heartbeat import WORD_COUNTS, scans_between
+from sim_plant.refine.records.run_heartbeat import HEARTBEAT_COUNTS, scans_between
 
 RUN = CRITERIA.records.run
 LONGEST_HOLE_STEPS = RUN.filled_samples + RUN.beyond_filled
@@ -63,7 +63,7 @@ class Scans:
 
 
 def scans_of(
-    columns: Mapping[str, Array], channels: Sequence[str], modulus: float = WORD_COUNTS
+    columns: Mapping[str, Array], channels: Sequence[str], modulus: float = HEARTBEAT_COUNTS
 ) -> Scans:
     """Return the scans in the rows of a run; in each of them every one of ``channels`` was read.
 

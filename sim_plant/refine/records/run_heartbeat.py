@@ -13,7 +13,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 RUN = CRITERIA.records.run
 FEWEST_BITS, WORD_BITS = 8, 16
 """Of a heartbeat: as few as a wire may have, and those of a Modbus word."""
-WORD_COUNTS = 2.0**WORD_BITS
+HEARTBEAT_COUNTS = 2.0**WORD_BITS
 """After as many a heartbeat of one word starts over."""
 MOST_BITS = 52
 """A longer count is no whole number in a record."""
@@ -32,7 +32,7 @@ def modulus_of(about: Section, columns: Mapping[str, Array]) -> tuple[float, str
     time_s, beat = columns["time_s"], columns["plc_heartbeat"]
     known = np.isfinite(time_s) & (np.abs(beat) < 2.0**MOST_BITS)
     time_s, beat = time_s[known], beat[known]
-    word = WORD_COUNTS
+    word = HEARTBEAT_COUNTS
     if beat.size < 2:
         return word, ""
     bits = max(FEWEST_BITS, int(beat.max()).bit_length())
