@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -17,17 +18,31 @@ FADE_S = 1.0  # of a share, from 1 to 0
 RENEWED_PER_TICK = 2  # columns
 
 
+class Monitor(Protocol):
+    """Measures of every column whether its correction helps."""
+
+    def is_settled(self, at: int) -> bool:
+        """Return whether column ``at`` is quiet by its correction, as measured."""
+        ...
+
+
 class ResponseConfidence:
     """A share (0..1) per column; one whose phase could be wrong by 60 degrees fades and rests.
+
+    A column that goes out and is settled goes on, as long as it is: its correction is seen to
+    help, so nothing need be forecast of its phase. As the roll unwinds, orders leave the
+    frequencies that a probe heard well. Were the phase wrong there, the ripple would grow, and
+    the column rest after all. One that rests comes back by its response alone.
 
     Without a measured response (a declared line's own) every column is trusted. Columns are
     looked at in turn, a few per tick, so that none of them makes a tick long.
     """
 
-    __slots__ = ("_next", "_response", "_settled", "held", "moving", "share")
+    __slots__ = ("_monitor", "_next", "_response", "_settled", "held", "moving", "share")
 
-    def __init__(self, state: ColumnState, response: Response | None) -> None:
+    def __init__(self, state: ColumnState, response: Response | None, monitor: Monitor) -> None:
         self._response = response
+        self._monitor = monitor
         self._next = 0
         self.held = state.array("confidence.held", False, dtype=np.bool_)
         self.share = state.array("confidence.share", 1.0)
@@ -80,6 +95,9 @@ class ResponseConfidence:
         if self._response is not None and frequency_Hz > 0.0:
             bound = self._response.phase_error_bound_rad(frequency_Hz)
             held = bound > MAX_PHASE_ERROR_RAD
-            if held is not self.held.item(at):
+            was_held = self.held.item(at)
+            if held and not was_held and self._monitor.is_settled(at):
+                return
+            if held is not was_held:
                 self.held[at] = held
                 self._settled = False

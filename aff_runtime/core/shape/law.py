@@ -93,7 +93,7 @@ class ShapeLaw:
         self.filter = ShapeFilter(count, memory_turns, signal_sd, drift, pair)
         self.monitor = ShapeMonitor(state, self._roll_of, signal_sd, pair)
         self.availability = RollAvailability(state, self._roll_of, used)
-        self.confidence = ResponseConfidence(state, response)
+        self.confidence = ResponseConfidence(state, response, self.monitor)
         self._gate = SpeedGate(params.active_above_m_s)
         self.weight = state.array("law.weight_m", dtype=np.complex128, of_roll=True)
         self._sent = state.array("law.sent_m", dtype=np.complex128, of_roll=True)

@@ -250,6 +250,11 @@ class ShapeMonitor:
         """Turns that each column still rests."""
         return self._rest
 
+    def is_settled(self, at: int) -> bool:
+        """Return whether column ``at`` was judged for two turns and is quiet by 10 dB."""
+        judged, rests = self._judged.item(at) >= TURNS, self._rest.item(at) > 0.0
+        return judged and not rests and self.now.item(at) <= SETTLED_RATIO * self.without.item(at)
+
     def judge_at_once(self) -> None:
         """Read amplitudes with the next sample: what was forgotten begins with a short memory."""
         self._ticks = 0

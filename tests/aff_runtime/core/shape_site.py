@@ -51,7 +51,9 @@ class Phase:
 class Rig:
     """Law, plant and ripple in lockstep: ``ripple`` is complex N by (roll, order)."""
 
-    def __init__(self, params=None, *, plant=None, ripple=None, omega=5.0, known=None, seed=3):
+    def __init__(
+        self, params=None, *, plant=None, ripple=None, omega=5.0, known=None, seed=3, response=None
+    ):
         self.params = params or actuator()
         self.plant = plant or LagDelay(GAIN_N_S_M, delay=2, lag=0.6)
         self.phases = {
@@ -65,6 +67,7 @@ class Rig:
             phases=self.phases,
             loop=loop_of(known or self.plant),
             cycle_s=CYCLE_S,
+            response=response,
         )
         self.inputs = Inputs(applied_ratio=1.0, limit_ratio=1.0)
         self.rng = np.random.default_rng(seed)
