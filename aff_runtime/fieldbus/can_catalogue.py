@@ -19,6 +19,7 @@ from aff_runtime.fieldbus.can.slcan_tty import SlcanTtyBus
 from aff_runtime.fieldbus.can.writer import CanWriter
 from aff_runtime.fieldbus.canopen.device_402 import Network
 from aff_runtime.fieldbus.canopen.link import CanopenLink, managed_ids
+from aff_runtime.fieldbus.scan_edge import ScanEdge
 
 
 def open_bus(
@@ -84,9 +85,14 @@ def canopen_gateway(
     *,
     own_node: int,
     heartbeat_ms: int,
+    period_ns: int = 0,
     command_life_s: float = 0.080,
 ) -> CanGateway:
-    """Return the gateway of a CANopen network; its nodes are configured within the ticks."""
+    """Return the gateway of a CANopen network; its nodes are configured within the ticks.
+
+    Nodes answer to our SYNC: ticks of ``period_ns`` are kept off the edge of the PLC's scan; 0
+    moves nothing.
+    """
     reader, writer = CanReader(network.can_map), CanWriter(network.can_map)
     managed = managed_ids(network.plans, own_node)
     link = CanopenLink(
@@ -96,7 +102,8 @@ def canopen_gateway(
         heartbeat_ms=heartbeat_ms,
         clock=clock,
     )
-    return CanGateway(link, reader, writer, clock, command_life_s=command_life_s)
+    edge = ScanEdge(period_ns, reader.heartbeat_modulus) if period_ns else None
+    return CanGateway(link, reader, writer, clock, edge=edge, command_life_s=command_life_s)
 
 
 def _link(bus: BusSite, ids: tuple[tuple[int, bool], ...], clock: Clock) -> PythonCanLink:

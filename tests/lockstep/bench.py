@@ -106,7 +106,7 @@ class Outside:
         pass
 
 
-class _Transport:
+class Transport:
     """Lets the plant live up to the moment of the request; a timeout takes its time."""
 
     def __init__(self, clock: VirtualClock, plant: LockstepPlant) -> None:
@@ -143,7 +143,7 @@ class Bench:
         self.clock = VirtualClock()
         self.wire = LockstepPlant(line, Plc(load_plc_map(setup.plc_map)))
         self.plant = self.wire.plant
-        self._transport = _Transport(self.clock, self.wire)
+        self._transport = Transport(self.clock, self.wire)
         self.guard = Guard(self.params)
         self.law = Controller(setup.law or site_params(site), setup.responses, laws=setup.laws)
         self.outside = Outside(self.guard)

@@ -17,6 +17,7 @@ from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.tcp_wire import Wire as ByteStream
 from aff_runtime.fieldbus.modbus.transport import silence_before_reconnect
+from aff_runtime.fieldbus.scan_edge import ScanEdge
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,6 +34,11 @@ class Wiring:
     files: Mapping[str, str]
     clock: Clock
     folder: Path
+
+    @property
+    def period_ns(self) -> int:
+        """Time from one tick to the next, ns."""
+        return round(self.site.cycle_s * 1e9)
 
     @property
     def command_life_s(self) -> float:
@@ -107,6 +113,7 @@ def _words(wiring: Wiring) -> Gateway:
         wiring.clock,
         lambda: connection.trouble,
         lambda: connection.wrote,
+        edge=ScanEdge(wiring.period_ns, WordGateway.heartbeat_modulus),
     )
 
 
@@ -126,9 +133,12 @@ def _dbc(wiring: Wiring) -> Gateway:
     assert can is not None  # by the row's key
     bus = can_catalogue.BusSite(interface=can.interface, channel=can.channel, bitrate=can.bitrate)
     can_map = can_map_of(wiring.site, dict(wiring.files))
-    period_ns = round(wiring.site.cycle_s * 1e9)
     return can_catalogue.can_gateway(
-        can_map, bus, wiring.clock, period_ns=period_ns, command_life_s=wiring.command_life_s
+        can_map,
+        bus,
+        wiring.clock,
+        period_ns=wiring.period_ns,
+        command_life_s=wiring.command_life_s,
     )
 
 
@@ -145,6 +155,7 @@ def _canopen(wiring: Wiring) -> Gateway:
         wiring.clock,
         own_node=can.own_node,
         heartbeat_ms=can.heartbeat_ms,
+        period_ns=wiring.period_ns,
         command_life_s=wiring.command_life_s,
     )
 

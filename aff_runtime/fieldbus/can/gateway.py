@@ -13,6 +13,7 @@ from aff_runtime.fieldbus.can.reader import CanReader, Taken
 from aff_runtime.fieldbus.can.writer import CanWriter
 from aff_runtime.fieldbus.intruder import Intruder
 from aff_runtime.fieldbus.liveness import Liveness, echo_age
+from aff_runtime.fieldbus.scan_edge import ScanEdge
 
 _NOTHING: tuple[float, ...] = ()
 _LIVE = int(StateBits.ACTIVE | StateBits.FADING)
@@ -42,6 +43,7 @@ class CanGateway:
     reader, writer : meaning of the frames.
     clock : monotonic time.
     lock : where the other side sets the pace, when the ticks should start; None without.
+    edge : where it answers to our SYNC, what keeps the ticks off the edge of its scan.
     command_life_s : a command older than this is not sent any more, s, and a set that arrived
         longer ago counts as a loss: on CANopen the one before a pause is all that waits.
 
@@ -60,6 +62,7 @@ class CanGateway:
         clock: Clock,
         lock: PhaseLock | None = None,
         *,
+        edge: ScanEdge | None = None,
         command_life_s: float = 0.080,
     ) -> None:
         self._link = link
@@ -70,6 +73,7 @@ class CanGateway:
         self._ours = frozenset(writer.ids)
         self._no_values = (math.nan,) * len(reader.values)
         self._lock = lock
+        self._edge = edge
         self._command_life_ns = round(command_life_s * 1e9)
         self._liveness = Liveness(clock.now_ns(), lost=True)
         self._emptied_ns = self._arrived_ns = clock.now_ns()
@@ -104,6 +108,8 @@ class CanGateway:
         outcome = liveness.judge(outcome, reader.heartbeat, self._arrived_ns)
         values, age, applied = self._no_values, NO_ECHO, _NOTHING
         if outcome is Outcome.OK:
+            if self._edge is not None:
+                self.shift_ns = self._edge.shift_ns(liveness.heartbeat)
             values, age = reader.values, echo_age(command.heartbeat, reader.aff_echo)
             applied = reader.applied
         return Snapshot(

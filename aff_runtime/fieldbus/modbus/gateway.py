@@ -13,6 +13,7 @@ from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.base.signals import NO_ECHO, Command, Outcome, Snapshot
 from aff_runtime.fieldbus.liveness import HeartbeatOrder, Liveness, echo_age
 from aff_runtime.fieldbus.modbus.codec import WordCodec
+from aff_runtime.fieldbus.scan_edge import ScanEdge
 
 _OK = Outcome.OK
 _HEARTBEAT_MASK = 0xFFFF
@@ -36,15 +37,15 @@ class WordGateway:
     clock : monotonic time.
     trouble : says why there is no connection; empty while there is one.
     wrote : whether the command was in the last exchange, not a question alone.
+    edge : keeps the ticks off the edge of the PLC's scan; None: nothing does.
 
     Attributes
     ----------
     heartbeat_modulus : that of a word.
-    shift_ns : always 0: the other side answers when it is asked.
+    shift_ns : how much later the next tick should start.
     """
 
     heartbeat_modulus = _HEARTBEAT_MASK + 1
-    shift_ns = 0
 
     def __init__(
         self,
@@ -53,7 +54,10 @@ class WordGateway:
         clock: Clock,
         trouble: Callable[[], str] = str,
         wrote: Callable[[], bool] = lambda: True,
+        edge: ScanEdge | None = None,
     ) -> None:
+        self._edge = edge
+        self.shift_ns = 0
         self._wrote = wrote
         self._trouble = trouble
         self._transport = transport
@@ -92,7 +96,10 @@ class WordGateway:
             self._known = True
         outcome = liveness.judge(outcome, heartbeat, t_ns)
         age, applied = NO_ECHO, _NOTHING
+        self.shift_ns = 0
         if outcome is _OK:
+            if self._edge is not None:
+                self.shift_ns = self._edge.shift_ns(heartbeat)
             self._status, self._roll_id, values = status, roll_id, decoded
             age = echo_age(command.heartbeat, self._codec.aff_echo(words))
             applied = self._codec.applied(words)

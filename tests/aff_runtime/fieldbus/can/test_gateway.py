@@ -11,20 +11,24 @@ from aff_runtime.fieldbus.can.gateway import CanGateway
 from aff_runtime.fieldbus.can.phase_lock import PhaseLock
 from aff_runtime.fieldbus.can.reader import CanReader
 from aff_runtime.fieldbus.can.writer import CanWriter
+from aff_runtime.fieldbus.scan_edge import LOOK_TICKS, ScanEdge
 from tests.aff_runtime.fieldbus.euclid_can import command, euclid_map, scan
 from tests.aff_runtime.fieldbus.fake_link import FakeLink
 from tests.doubles.virtual_clock import VirtualClock
 
 MAP = euclid_map()
+MAP_HEARTBEATS = CanReader(MAP).heartbeat_modulus
 TICK_NS = 5_000_000
 DEADLINE_NS = 3_000_000
 
 
 class Bench:
-    def __init__(self, lock: PhaseLock | None = None) -> None:
+    def __init__(self, lock: PhaseLock | None = None, edge: ScanEdge | None = None) -> None:
         self.clock = VirtualClock()
         self.link = FakeLink(self.clock)
-        self.gateway = CanGateway(self.link, CanReader(MAP), CanWriter(MAP), self.clock, lock)
+        self.gateway = CanGateway(
+            self.link, CanReader(MAP), CanWriter(MAP), self.clock, lock, edge=edge
+        )
         self.ticks = 0
 
     def tick(self, *frames: Frame) -> Snapshot:
@@ -211,6 +215,15 @@ def test_only_a_stamped_set_moves_the_ticks() -> None:
     assert bench.gateway.shift_ns == -100_000  # 1.6 ms too old: a sixteenth of that earlier
     bench.tick()
     assert bench.gateway.shift_ns == 0  # nothing arrived
+
+
+def test_answers_that_show_no_scan_and_two_by_turns_move_the_ticks() -> None:
+    bench = Bench(edge=ScanEdge(TICK_NS, MAP_HEARTBEATS)).running()
+    for tick in range(LOOK_TICKS):
+        bench.tick(*scan((4 + tick - (tick % 4 == 1)) % MAP_HEARTBEATS))
+    assert bench.gateway.shift_ns == TICK_NS // 200
+    bench.tick()
+    assert bench.gateway.shift_ns == 0
 
 
 def test_somebody_who_sends_our_frames_is_named_until_he_is_gone() -> None:

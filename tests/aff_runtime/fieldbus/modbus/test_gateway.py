@@ -8,6 +8,7 @@ from aff_runtime.base.signals import NO_ECHO, Outcome, Snapshot
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.registers import Register, WordType
+from aff_runtime.fieldbus.scan_edge import LOOK_TICKS, ScanEdge
 from tests.aff_runtime.fieldbus.euclid_map import ANGLE_SCALE, command, euclid_map
 from tests.doubles.loopback import LoopbackTransport
 from tests.doubles.virtual_clock import VirtualClock
@@ -23,12 +24,12 @@ def block(heartbeat: int, *, status: int = 45, speed: int = 1016, angle: int = 0
 
 
 class Rig:
-    def __init__(self, **words: object) -> None:
+    def __init__(self, *, edge: ScanEdge | None = None, **words: object) -> None:
         self.clock = VirtualClock()
         self.said: list[int] | Outcome = Outcome.NOT_CONNECTED
         self.heard: list[int] = []
         self.gateway = WordGateway(
-            LoopbackTransport(self._answer), WordCodec(euclid_map(**words)), self.clock
+            LoopbackTransport(self._answer), WordCodec(euclid_map(**words)), self.clock, edge=edge
         )
         self.ticks = 0
 
@@ -180,3 +181,20 @@ def test_a_counter_of_a_byte_loses_one_reply_where_it_starts_over_and_a_toggle_n
     shots = [rig.tick(block(beat)) for beat in (0, 1) * 10]
     assert [shot.fresh for shot in shots[:2]] == [False, True]
     assert not any(shot.fresh for shot in shots[2:])
+
+
+def test_a_heartbeat_that_stands_and_leaps_by_turns_moves_the_ticks() -> None:
+    at_edge, beside, without = (
+        Rig(edge=ScanEdge(PERIOD_NS, 1 << 16)),
+        Rig(edge=ScanEdge(PERIOD_NS, 1 << 16)),
+        Rig(),
+    )
+    for tick in range(LOOK_TICKS + 1):
+        edge_beat = 5 + tick - (tick % 4 == 1)  # 1, 0, 2, 1 scans further
+        at_edge.tick(block(edge_beat))
+        without.tick(block(edge_beat))
+        beside.tick(block(5 + tick))
+    assert at_edge.gateway.shift_ns == PERIOD_NS // 200
+    assert (beside.gateway.shift_ns, without.gateway.shift_ns) == (0, 0)
+    at_edge.tick(Outcome.TIMEOUT)
+    assert at_edge.gateway.shift_ns == 0
