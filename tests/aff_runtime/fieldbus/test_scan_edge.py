@@ -33,6 +33,11 @@ def scans_read(first_ns: int, scan_ns: float, ticks: int, *, moves: bool) -> np.
     return np.diff(read)
 
 
+def waits(steps: np.ndarray) -> np.ndarray:
+    """Return the ticks from one step to the next."""
+    return np.diff(np.flatnonzero(steps))
+
+
 def test_a_grid_on_the_edge_of_the_scan_leaves_it_within_two_windows():
     stays, moved = (
         scans_read(JITTER_NS // 2, PERIOD_NS, 1000, moves=moves) for moves in (False, True)
@@ -45,6 +50,16 @@ def test_half_a_scan_is_the_way_where_a_tick_sees_two_scans():
     moved = scans_read(JITTER_NS // 2, PERIOD_NS / 2, 1000, moves=True)
     assert set(moved[:WINDOW_TICKS].tolist()) == {1, 2, 3}
     assert (moved[WINDOW_TICKS + MOVE_TICKS :] == 2).all()
+
+
+@pytest.mark.parametrize("scan", [2, 3])
+def test_a_slower_plc_then_steps_after_as_many_ticks_every_time(scan):
+    stays, moved = (
+        waits(scans_read(JITTER_NS // 2, scan * PERIOD_NS, 1500, moves=moves))
+        for moves in (False, True)
+    )
+    assert {scan - 1, scan, scan + 1} == set(stays.tolist())
+    assert set(moved[(WINDOW_TICKS + MOVE_TICKS) // scan :].tolist()) == {scan}
 
 
 @pytest.mark.parametrize("ppm", [-200, 200])
