@@ -27,7 +27,12 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
     parser = subparsers.add_parser(
         "serve", help="serve a line on Modbus (TCP, UDP) or CAN, in real or stepped time"
     )
-    parser.add_argument("line", type=Path, metavar="LINE.yaml")
+    parser.add_argument(
+        "line",
+        type=Path,
+        metavar="LINE.yaml",
+        help="the line; where there is none of that name it says where the shipped ones lie",
+    )
     parser.add_argument(
         "--modbus",
         default="127.0.0.1:5020",
@@ -51,7 +56,7 @@ def register(subparsers: Subparsers[argparse.ArgumentParser]) -> None:
         type=Path,
         default=DEFAULT_MAP,
         metavar="MAP.yaml",
-        help="the PLC's words (default config/plc/gateway_block.yaml)",
+        help="the PLC's words (default %(default)s)",
     )
     parser.add_argument(
         "--plc-code",

@@ -15,6 +15,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.yaml_places import Place
 from sim_plant.base.plain_file import read_plain_text
+from sim_plant.base.shipped import shipped
 from sim_plant.line.declaration import Declaration, LoadCell
 from sim_plant.line.laws import laws_findings
 from sim_plant.line.load_bodies import bodies_findings
@@ -67,7 +68,10 @@ def read_source(path: str | Path) -> Source:
     try:
         text = read_plain_text(Path(path), LONGEST_BYTES)
     except PlantError as error:
-        raise PlantError(f"{error}. Give a line declaration.") from error
+        where = printable(str(shipped("lines")))
+        raise PlantError(
+            f"{error}. Give a line declaration; those that are shipped lie in {where}"
+        ) from error
     data, places = parse_yaml(text, printable(str(path)))
     return Source(path=Path(path), text=text, data=data, places=places)
 
@@ -86,8 +90,8 @@ def line_in(source: Source) -> LineFile:
         raise PlantError(f"{shown}: holds no keys; expected schema: web-line-declaration/1")
     if "schema" not in data and "gateway" in data:
         raise PlantError(
-            f"{shown}:1:1: is a site file, which aff-runtime reads. "
-            "Give a line declaration, such as config/lines/euclid.yaml."
+            f"{shown}:1:1: is a site file, which aff-runtime reads. Give a line declaration, "
+            f"such as {printable(str(shipped('lines/euclid.yaml')))}"
         )
     try:
         declaration = Declaration.model_validate(data)

@@ -6,7 +6,9 @@ import contextlib
 import importlib.util
 import math
 import os
+import select
 import shutil
+import signal
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -109,11 +111,13 @@ class WebLine:
         self._hang_ups: list[Callable[[], object]] = []
         self.channel = self._folder / "can"
         self._plant: int | None = None
+        self._ended = ""
         try:
             self._plant = host.serve(setup.serve_words(self._folder), self._log)
-            ready = self._await_ready()
+            ready = self._await_ready(self._plant)
         except BaseException:
             self._end()
+            self._clear_away()
             raise
         at = ready.index("sample_time_s")
         self.port = 0 if setup.can else int(ready[at - 1].rpartition(":")[2])
@@ -130,9 +134,13 @@ class WebLine:
         try:
             answer = ask(self._folder / "control", command)
         except (OSError, ValueError) as error:
-            raise PlantError(f"{command}: the line is gone; it said:\n{self.log}") from error
+            how = self._end()
+            why = f"the line is gone ({how})" if how else "the line does not answer"
+            raise PlantError(f"{command}: {why}; it said:\n{self.log}") from error
         if "error" in answer:
-            raise PlantError(f"{command}: {answer['error']}")
+            said = str(answer["error"])
+            names_it = said.split()[:1] == command.split()[:1]
+            raise PlantError(said if names_it else f"{command}: {said}")
         return answer
 
     def inject(self, fault: str) -> float:
@@ -213,22 +221,29 @@ class WebLine:
         PlantError
             The plant did not end by itself, or with an error.
         """
-        if self._plant is None:
+        if not self._folder.exists():
             return
         for hang_up in self._hang_ups:
             with contextlib.suppress(OSError):
                 hang_up()
+        how = self._end()
         said = self.log
-        code = self._end()
-        if code:
-            raise PlantError(f"the line ended with {code}; it said:\n{said}")
+        self._clear_away()
+        if how:
+            raise PlantError(f"the line is gone ({how}); it said:\n{said}")
 
-    def _end(self) -> int:
+    def _end(self) -> str:
+        """End the plant, if it is there; return how it ended, nothing where all was well."""
         plant, self._plant = self._plant, None
-        try:
-            return 0 if plant is None else self._processes.end(plant)
-        finally:
-            shutil.rmtree(self._folder, ignore_errors=True)
+        if plant is not None:
+            try:
+                self._ended = _how(self._processes.end(plant))
+            except PlantError as error:
+                self._ended = str(error)
+        return self._ended
+
+    def _clear_away(self) -> None:
+        shutil.rmtree(self._folder, ignore_errors=True)
 
     def _modbus(self, **settings: Any) -> Any:
         from pymodbus import client  # noqa: PLC0415 (only where one is asked for)
@@ -249,15 +264,39 @@ class WebLine:
         except OSError as error:
             raise PlantError(f"{self.channel}: the line takes no connection ({error})") from error
 
-    def _await_ready(self) -> list[str]:
+    def _await_ready(self, plant: int) -> list[str]:
         clock = MonotonicClock()
         give_up_ns = clock.now_ns() + int(_PATIENCE_S * 1e9)
+        is_over = False
         while clock.now_ns() < give_up_ns:
             rows = self.log.splitlines()
             ready = [row.split() for row in rows if row.startswith("ready ")]
             if ready:
                 return ready[0]
-            if rows and rows[-1].startswith(ENDED):
+            if is_over or (rows and rows[-1].startswith(ENDED)):
                 break
-            clock.sleep_until_ns(clock.now_ns() + int(_LOOK_AGAIN_S * 1e9))
-        raise PlantError(f"the line cannot be served; it said:\n{self.log}")
+            is_over = _is_over_within(plant, _LOOK_AGAIN_S)
+        how = self._end() or f"not ready after {_PATIENCE_S:g} s"
+        raise PlantError(f"the line cannot be served ({how}); it said:\n{self.log}")
+
+
+def _how(code: int) -> str:
+    """Return how a process ended by its exit code, a signal by its name; nothing for 0."""
+    if code < 0:
+        names = {known.value: known.name for known in signal.Signals}
+        return f"ended by {names.get(-code, f'signal {-code}')}"
+    return f"ended with {code}" if code else ""
+
+
+def _is_over_within(process: int, patience_s: float) -> bool:
+    """Return whether a process ends by then, also one that nobody has waited for."""
+    try:
+        watched = os.pidfd_open(process)
+    except ProcessLookupError:
+        return True
+    try:
+        poll = select.poll()
+        poll.register(watched, select.POLLIN)
+        return bool(poll.poll(patience_s * 1e3))
+    finally:
+        os.close(watched)

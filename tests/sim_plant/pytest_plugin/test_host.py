@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import subprocess
 import time
 from pathlib import Path
 
@@ -108,16 +109,55 @@ def test_a_value_arrives_with_all_its_digits_and_what_is_none_is_refused(host):
         line.close()
 
 
+def test_a_command_that_is_refused_is_named_once(host):
+    line = WebLine(host, LineSetup())
+    try:
+        with pytest.raises(PlantError, match=r"^value speed: no such channel"):
+            line.value("speed")
+        with pytest.raises(PlantError, match=r"^fault 'melt': unknown name"):
+            line.inject("melt")
+        with pytest.raises(PlantError, match=r"^sett 1: unknown command"):
+            line.tell("sett 1")
+    finally:
+        line.close()
+
+
+def test_a_line_that_crashes_says_by_which_signal_at_the_command_and_at_its_end(host):
+    line = WebLine(host, LineSetup())
+    os.kill(line._plant, signal.SIGSEGV)
+    for told, begins in ((line.step, "step 1: the line is"), (line.close, "the line is")):
+        with pytest.raises(
+            PlantError, match=rf"^{begins} gone \(ended by SIGSEGV\); (?s:.*)ready"
+        ):
+            told()
+    line.close()
+
+
+class OfOneThatCrashes:
+    """A host whose plant is ended by a signal before it has said a word."""
+
+    def serve(self, words, log):
+        self.plant = subprocess.Popen(["/bin/sh", "-c", "kill -s SEGV $$"])
+        return self.plant.pid
+
+    def end(self, plant):
+        return self.plant.wait(PATIENCE_s)
+
+
+def test_a_line_that_crashes_before_it_is_ready_is_told_and_not_waited_for():
+    with pytest.raises(PlantError, match=r"cannot be served \(ended by SIGSEGV\); it said:"):
+        WebLine(OfOneThatCrashes(), LineSetup())
+
+
 def test_a_killed_host_takes_its_plants_along_tells_the_test_and_another_follows(host):
     line = WebLine(host, LineSetup())
     plant, process = line._plant, host._process
     assert not _is_gone(plant)
     os.kill(process.pid, signal.SIGKILL)
     _wait_until_gone(plant)
-    with pytest.raises(PlantError, match="the line is gone"):
-        line.step()
-    with pytest.raises(PlantError, match="ended by signal 9; it said nothing"):
-        line.close()
+    for told in (line.step, line.close):
+        with pytest.raises(PlantError, match=r"gone .*ended by signal 9; it said nothing"):
+            told()
     other = WebLine(host, LineSetup())
     assert host._process.pid != process.pid
     os.kill(host._process.pid, signal.SIGKILL)
