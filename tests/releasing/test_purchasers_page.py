@@ -56,6 +56,46 @@ def test_bounds_of_passwords_and_of_the_audit_are_those_of_the_code() -> None:
     assert f"{KEPT_FILES * MAX_BYTES >> 20} MB, {COUNTS[KEPT_FILES]} files" in PAGE
 
 
+def settings_of(unit: str, name: str) -> list[str]:
+    """Return what a unit or a drop-in of `deploy` says for one key."""
+    (found,) = (ROOT / "deploy").rglob(unit)
+    return re.findall(rf"^{name}=(.*)$", found.read_text(), re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    ("unit", "said"),
+    [
+        ("aff-runtime.service", "a check of the site file 1.5 GB together"),
+        ("aff-hmi.service", "the screen 150 MB"),
+        ("aff-commission.service", "the commissioner 1.5 GB while it runs"),
+        ("aff-watch.service", "the nightly watch 2.5 GB"),
+        ("aff-metrics.service", "metrics 256 MB for a moment"),
+    ],
+)
+def test_the_memory_of_each_unit_is_that_of_the_page(unit: str, said: str) -> None:
+    (row,) = [line for line in PAGE.splitlines() if line.startswith("| memory |")]
+    number, letter = re.fullmatch(r"(\d+)M", settings_of(unit, "MemoryMax")[0]), "MB"
+    assert number is not None
+    size = int(number[1])
+    if size > 1024:
+        size, letter = size / 1024, "GB"
+    assert said in row
+    assert f"{size:g} {letter}" in said
+
+
+def test_what_units_run_as_root_is_the_folder_of_the_screens_sockets_alone() -> None:
+    """The page says so; `+` before a program is systemd's word for root."""
+    units = [path for path in (ROOT / "deploy").rglob("aff-*") if path.is_file()]
+    assert len(units) > 10
+    lines = [line for path in units for line in path.read_text().splitlines()]
+    as_root = {line for line in lines if re.match(r"Exec\w+=[-@:]*[+!]", line)}
+    folder = "/usr/bin/install -d -o aff-runtime -g aff-door -m 2750 /run/aff-door"
+    assert as_root == {f"ExecStartPre=+{folder}"}
+    assert not [line for line in lines if line in ("User=root", "User=0")]
+    services = [path for path in units if path.suffix == ".service"]
+    assert all(settings_of(path.name, "User") for path in services)
+
+
 def stated(package: str) -> str:
     """Return the licences that an installed package states; nothing of one that is not here."""
     try:
