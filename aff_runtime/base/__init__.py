@@ -23,6 +23,7 @@ __all__ = [
     "roll_changes",
     "run_files",
     "run_glance",
+    "run_join",
     "run_responses",
     "run_segment",
     "run_table",

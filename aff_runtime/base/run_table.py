@@ -24,6 +24,14 @@ from aff_runtime.base.errors import AffError
 from aff_runtime.base.files import CLOSED, is_closed
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.run_files import text_of, yaml_values
+from aff_runtime.base.run_join import (
+    LARGEST_NUMBER,
+    LONGEST_RUN_S,
+    PERIODS,
+    odd_times,
+    of_another_cycle,
+    period_s,
+)
 from aff_runtime.base.run_segment import (
     LARGEST_VALUES,
     RunSegments,
@@ -33,6 +41,7 @@ from aff_runtime.base.run_segment import (
 )
 from aff_runtime.base.run_window import HOW_WRITTEN, MARK, RunWindow
 from aff_runtime.base.site_in_force import (
+    SITE_SHA256,
     SiteInForce,
     changes_noted,
     in_force_within,
@@ -41,19 +50,10 @@ from aff_runtime.base.site_in_force import (
 )
 from aff_runtime.base.yaml_section import Section
 
-LONGEST_RUN_S = 1e9
-"""No run lasts 30 years: a later time is no time of a row."""
-LARGEST_NUMBER = 1e30
-"""What is larger is no reading; the square of this is still finite."""
 MOST_EVENTS = 100_000
 MOST_EVENT_COLUMNS = 16
 RECORDER_DIED = "RECORDER_DIED"
 """Event: another recorder goes on in the folder of one that died, and says what neither has."""
-PERIODS = "periods_count"
-"""Column: cycles since the row before, one where no tick was missed."""
-FEWEST_OF_A_CYCLE = 20
-SAME_CYCLE_SHARE = 0.1
-"""A segment whose tick differs by more is of another run: a cycle is not changed in one."""
 MOST_SAID = 20
 """Sentences of one kind; more of them nobody reads."""
 LONGEST_NAME = 200
@@ -130,9 +130,9 @@ def read_table(
     held, to_s = 0, min(window.to_s, LONGEST_RUN_S)
     for path in segments.within(window.from_s, window.to_s):
         rows, said = rows_of(path, names, wanted if at is None else [*wanted, at])
-        periods_s[path] = _period_s(rows, None if at is None else rows[:, -1])
+        periods_s[path] = period_s(rows, None if at is None else rows[:, -1])
         rows = rows[:, : len(wanted)]
-        torn += [*said, *_odd_times(path, rows[:, 0])]
+        torn += [*said, *odd_times(path, rows[:, 0])]
         inside = rows[(rows[:, 0] >= window.from_s) & (rows[:, 0] < to_s)]
         inside[~(np.abs(inside) < LARGEST_NUMBER)] = np.nan
         held += inside.size
@@ -142,7 +142,7 @@ def read_table(
     if held == 0:
         why = "; ".join(few([*torn, f"{segments.span}; give times of the run"]))
         raise AffError(f"{window}: holds no row; {why}")
-    for path, said_of_it in _of_another_cycle(parts, periods_s):
+    for path, said_of_it in of_another_cycle(parts, periods_s):
         del parts[path]
         torn.append(said_of_it)
     table = np.vstack([*parts.values()])
@@ -158,7 +158,13 @@ def read_table(
         columns={names[k]: np.ascontiguousarray(table[:, i]) for i, k in enumerate(wanted)},
         site_text=sites[0].text,
         events=tuple(events),
-        lost=(*lost, *few(torn), *said, *few(died), *(one.said for one in sites if one.said)),
+        lost=(
+            *lost,
+            *few(torn),
+            *said,
+            *few(died),
+            *dict.fromkeys(s.said for s in sites if s.said),
+        ),
         run_id=run_id(folder),
         sites=sites,
     )
@@ -185,6 +191,7 @@ def _sites(
         text_or(about.get("site_hash")),
         [(time_of(row), row) for row in events],
         to_s,
+        text_or(about.get(SITE_SHA256)),
     )
 
 
@@ -202,42 +209,6 @@ def other_line(about: Section, site_line: str) -> str:
         f"its site.yaml is of line {printable(by_site, 100)}, its run.yaml of "
         f"{printable(by_run, 100)}; put the site file of that run in its place"
     )
-
-
-def _period_s(rows: NDArray[np.float64], periods: NDArray[np.float64] | None) -> float:
-    """Return the time of a tick in a segment, s, missed ones counted; NaN of a few rows."""
-    with np.errstate(invalid="ignore", over="ignore"):  # a file may hold anything
-        gone_s = np.diff(rows[:, 0])
-        count = np.ones_like(gone_s) if periods is None else periods[1:]
-        usable = (
-            (gone_s > 0.0) & (gone_s < LONGEST_RUN_S) & (count > 0.0) & (count < LARGEST_NUMBER)
-        )
-    if int(np.sum(usable)) < FEWEST_OF_A_CYCLE:
-        return math.nan
-    return float(np.median(gone_s[usable] / count[usable]))
-
-
-def _of_another_cycle(
-    parts: Mapping[Path, NDArray[np.float64]], periods_s: Mapping[Path, float]
-) -> list[tuple[Path, str]]:
-    """Return the segments whose tick is of another length than that of most rows, with words."""
-    known = [path for path in parts if math.isfinite(periods_s[path]) and parts[path].size]
-    if len(known) < 2:
-        return []
-    rows_of_each = np.array([parts[path].shape[0] for path in known])
-    lengths = np.array([periods_s[path] for path in known])
-    order = np.argsort(lengths, kind="stable")
-    half = np.searchsorted(np.cumsum(rows_of_each[order]), 0.5 * rows_of_each.sum())
-    usual_s = float(lengths[order][half])
-    return [
-        (
-            path,
-            f"{path.name}: a tick takes {1e3 * periods_s[path]:.4g} ms in it, "
-            f"{1e3 * usual_s:.4g} ms in the others: it is of another run; left out",
-        )
-        for path in known
-        if abs(periods_s[path] / usual_s - 1.0) > SAME_CYCLE_SHARE
-    ]
 
 
 def _of_recorder(row: Mapping[str, str]) -> str:
@@ -362,17 +333,6 @@ def _summary_losses(folder: Path) -> Iterator[str]:
                 yield text.format(int(summary[key]))
     except (ValueError, TypeError, AttributeError, OverflowError, RecursionError):
         yield "summary.json cannot be read"
-
-
-def _odd_times(path: Path, time_s: NDArray[np.float64]) -> Iterator[str]:
-    """Yield what is odd about the times of a segment: rows before 0 s are in no window."""
-    early = int(np.sum(time_s < 0.0))
-    if early:
-        yield f"{path.name}: {early} rows are of a time before 0 s; left out"
-    back = np.flatnonzero(time_s[1:] <= time_s[:-1])  # False where a time is NaN
-    if back.size:
-        at_s, to_s = (float(time_s[back[0] + k]) for k in (0, 1))
-        yield f"{path.name}: its clock goes back, from {at_s:.2f} s to {to_s:.2f} s"
 
 
 def _events(path: Path) -> tuple[list[dict[str, str]], list[str]]:

@@ -4,10 +4,13 @@
 later is in the folder too, as ``site-HASH.yaml``, and an event CONFIG_APPLIED names that hash.
 Older runs have the values alone that an edit changed, one event EDIT each: these are put into the
 text that ran before.
+
+``run.yaml`` and the events have a hash of each text too: one altered after the run is told by it.
 """
 
 from __future__ import annotations
 
+import hashlib
 import itertools
 import math
 import re
@@ -21,6 +24,8 @@ import yaml
 from aff_runtime.base.run_files import text_of, yaml_values
 
 APPLIED, EDIT, DIFFERS = "CONFIG_APPLIED", "EDIT", "CONFIG_DIFFERS"
+SITE_SHA256 = "site_sha256"
+"""Key of run.yaml: the hash of the text of the run's site.yaml."""
 HASH_DIGITS = 12
 """Of the hash of a site file's values that names it."""
 NOTED_WITHIN_S = 1.0
@@ -28,7 +33,10 @@ NOTED_WITHIN_S = 1.0
 that by an answer of the control process and a poll of the recorder, together less than so much."""
 LARGEST_SITE = 1 << 20
 _HASH = re.compile(rf"[0-9a-f]{{{HASH_DIGITS}}}")
-_APPLIED = re.compile(rf"[0-9a-f]+: site (?P<site>[0-9a-f]{{{HASH_DIGITS}}});.*")
+_APPLIED = re.compile(
+    rf"[0-9a-f]+: site (?P<site>[0-9a-f]{{{HASH_DIGITS}}});.*?"
+    rf"(?:; text sha256 (?P<text>[0-9a-f]{{{HASH_DIGITS}}}))?"
+)
 _EDIT = re.compile(r"(?P<path>[\w.\[\]-]+): .* -> (?P<new>.*) \(applies at once\)")
 _KEY = re.compile(r"[^.\[\]]+")
 _GONE = ("(absent)", "none")
@@ -63,12 +71,23 @@ def file_of(site_hash: str) -> str:
     return f"site-{short}.yaml" if _HASH.fullmatch(short) else ""
 
 
+def text_digest(text: str) -> str:
+    """Return the sha256 of a site file's text, as ``sha256sum`` prints it; empty of no text."""
+    return hashlib.sha256(text.encode("utf-8")).hexdigest() if text else ""
+
+
+def text_words(text: str) -> str:
+    """Return how an event CONFIG_APPLIED ends that tells which text runs."""
+    return f"; text sha256 {text_digest(text)[:HASH_DIGITS]}" if text else ""
+
+
 def sites_in_force(
     folder: Path,
     began: str,
     began_hash: str,
     rows: Sequence[tuple[float, Mapping[str, str]]],
     to_s: float = math.inf,
+    began_sha256: str = "",
 ) -> tuple[SiteInForce, ...]:
     """Return every site file that ran in a run, in order; the first one from its beginning on.
 
@@ -79,8 +98,13 @@ def sites_in_force(
     began, began_hash : text of the run's ``site.yaml``, and its hash by ``run.yaml``.
     rows : time and row of every event.
     to_s : what ran from then on, or later, is left out.
+    began_sha256 : of that text, by ``run.yaml``; empty of an older run, which does not say it.
     """
-    running = SiteInForce(from_s=-math.inf, text=began)
+    digests = _digests(rows)
+    expected = {began_sha256[:HASH_DIGITS]} & set(_HASH.findall(began_sha256))
+    running = SiteInForce(
+        from_s=-math.inf, text=began, said=_altered("site.yaml", began, expected)
+    )
     known = {began_hash[:HASH_DIGITS]: running}
     site, found, edits = began_hash[:HASH_DIGITS], [running], list[tuple[str, str]]()
     for time_s, row in rows:
@@ -95,7 +119,8 @@ def sites_in_force(
             if not site and not edits:  # run.yaml has no hash: what is noted first began it
                 known[one["site"]] = running
             elif one["site"] != site:
-                running = _later(folder, one["site"], time_s, known, running, edits)
+                told = digests.get(one["site"], set())
+                running = _later(folder, one["site"], time_s, known, running, edits, told)
                 found.append(running)
                 known[one["site"]] = running
             site = one["site"]
@@ -139,12 +164,14 @@ def _later(
     known: Mapping[str, SiteInForce],
     before: SiteInForce,
     edits: Sequence[tuple[str, str]],
+    expected: set[str],
 ) -> SiteInForce:
     """Return what ran from ``time_s`` on: what ran earlier, a file, or what was noted of it."""
     if site in known:
         return replace(known[site], from_s=time_s)
     if text := text_of(folder / file_of(site), LARGEST_SITE):
-        return SiteInForce(from_s=time_s, text=text)
+        said = _altered(file_of(site), text, expected)
+        return SiteInForce(from_s=time_s, text=text, said=said)
     since = f"from {time_s:.1f} s on another site file ran ({site}), which the run does not hold"
     edited = _edited(before.text, edits) if edits else ""
     if edited:
@@ -152,6 +179,28 @@ def _later(
         return SiteInForce(from_s=time_s, text=edited, said=said)
     return SiteInForce(
         from_s=time_s, text=before.text, said=f"{since}: values are those of the one before"
+    )
+
+
+def _digests(rows: Sequence[tuple[float, Mapping[str, str]]]) -> dict[str, set[str]]:
+    """Return what was noted of the texts of each site file: two that say the same are one file."""
+    found: dict[str, set[str]] = {}
+    for _, row in rows:
+        one = _APPLIED.fullmatch(row.get("text", "")) if row.get("name") == APPLIED else None
+        if one is not None and one["text"]:
+            found.setdefault(one["site"], set()).add(one["text"])
+    return found
+
+
+def _altered(name: str, text: str, expected: set[str]) -> str:
+    """Return a sentence where a text is none of those that ran; empty where none is known."""
+    found = text_digest(text)[:HASH_DIGITS]
+    if not found or not expected or found in expected:
+        return ""
+    return (
+        f"{name}: not the text that ran, altered since: its sha256 begins with {found}, expected "
+        f"{' or '.join(sorted(expected))}; scales and limits are read from it as it stands: copy "
+        "it anew from the gateway"
     )
 
 

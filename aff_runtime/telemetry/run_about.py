@@ -9,6 +9,7 @@ from typing import Any
 import yaml
 
 from aff_runtime.base.printable import printable
+from aff_runtime.base.site_in_force import SITE_SHA256, text_digest
 from aff_runtime.base.yaml_places import SafeLoader
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
@@ -18,7 +19,7 @@ from aff_runtime.telemetry.recorder_messages import RunContext
 class RunAbout:
     """The contents of ``run.yaml``: what the supervisor and the control process say of a run.
 
-    The site file is no part of it; it lies beside it as ``site.yaml``.
+    The site file is no part of it; it lies beside it as ``site.yaml``. The hash of its text is.
     """
 
     context: RunContext
@@ -34,6 +35,7 @@ class RunAbout:
             del said[name]
         said = _printable({**said, **self.meta.to_json()})
         said["start_utc"] = self.start_utc
+        said[SITE_SHA256] = text_digest(self.context.site_text)
         said["columns"] = list(self.columns)
         return yaml.safe_dump(said, sort_keys=False, allow_unicode=True)
 

@@ -21,6 +21,7 @@ from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
 from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
+from aff_runtime.base.site_in_force import text_words
 from aff_runtime.config.revision import SHORT
 from aff_runtime.telemetry.recorder_messages import RecorderReport, RunContext
 from aff_runtime.telemetry.ring import RingReader
@@ -265,8 +266,9 @@ class Processes:
 
     def note_applied(self) -> None:
         """Say what runs from now on; the record gets its site file too."""
-        text = self._logged("CONFIG_APPLIED", self.revision_words())
         runs = self.parameters
+        words = self.revision_words() + text_words(runs.site_text)
+        text = self._logged("CONFIG_APPLIED", words)
         if self._recorder is not None:
             self._recorder.note(
                 "CONFIG_APPLIED", text, site_text=runs.site_text, site_hash=runs.site_hash

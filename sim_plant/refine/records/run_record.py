@@ -13,7 +13,8 @@ from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.probe_columns import STAGE
-from aff_runtime.base.run_table import SAME_CYCLE_SHARE, RunTable, few, other_line, read_table
+from aff_runtime.base.run_join import SAME_CYCLE_SHARE
+from aff_runtime.base.run_table import RunTable, few, other_line, read_table
 from aff_runtime.base.run_window import run_window
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA

@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from aff_runtime.base import run_segment, run_table
+from aff_runtime.base import run_join, run_segment, run_table
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.files import CLOSED
 from aff_runtime.base.run_table import read_table
@@ -148,7 +148,7 @@ def test_a_segment_of_another_cycle_is_named_with_both_and_left_out(run):
 
 
 def test_missed_ticks_make_no_other_cycle(tmp_path):
-    columns = ("time_s", "tick", run_table.PERIODS)
+    columns = ("time_s", "tick", run_join.PERIODS)
     folder = RunFolder(tmp_path, replace(HEADER, columns=columns), RunContext(segment_s=1.0))
     every = [
         *range(100),

@@ -1,5 +1,6 @@
 """Which site file ran when in a run: by the files it holds, else by what was noted of edits."""
 
+import hashlib
 from pathlib import Path
 
 import pytest
@@ -28,6 +29,16 @@ A, B, C = map(hash_of, (TEXT_A, TEXT_B, TEXT_C))
 def applied(time_s, site_hash):
     text = f"{'c' * 12}: site {site_hash[:12]}; unwind: no response"
     return time_s, {"name": "CONFIG_APPLIED", "text": text}
+
+
+def sha256(text):
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def applied_text(time_s, site_hash, text):
+    """Return the event as a service notes it that says which text runs too."""
+    _, row = applied(time_s, site_hash)
+    return time_s, row | {"text": f"{row['text']}; text sha256 {sha256(text)[:12]}"}
 
 
 def edits(time_s, old, new):
@@ -126,6 +137,32 @@ def test_rows_of_a_window_come_with_the_site_file_of_their_time(tmp_path: Path) 
     }
     assert [table.site_text for table in read.values()] == [TEXT_A, TEXT_B, TEXT_A]
     assert [one.text for one in read["0.."].sites] == [TEXT_A, TEXT_B]
+
+
+def test_a_site_file_of_a_run_that_was_altered_after_it_is_told(tmp_path: Path) -> None:
+    """Its scale believed, compare showed other newtons; of an older run nobody can know it."""
+    run = recorded(tmp_path, steady(1.0), site_text=TEXT_A)
+    assert "altered" not in " ".join(read_table(run_window(str(run))).lost)
+    (run / "site.yaml").write_text(TEXT_B)
+    (said,) = [text for text in read_table(run_window(str(run))).lost if "altered" in text]
+    assert said == (
+        "site.yaml: not the text that ran, altered since: its sha256 begins with "
+        f"{sha256(TEXT_B)[:12]}, expected {sha256(TEXT_A)[:12]}; scales and limits are read from "
+        "it as it stands: copy it anew from the gateway"
+    )
+    about = (run / "run.yaml").read_text().replace("site_sha256:", "older:")
+    (run / "run.yaml").write_text(about)
+    assert "altered" not in " ".join(read_table(run_window(str(run))).lost)
+
+
+def test_a_later_site_file_that_was_altered_after_the_run_is_told(tmp_path: Path) -> None:
+    """Of two texts that say the same, the folder has either."""
+    path, other = tmp_path / f"site-{B[:12]}.yaml", TEXT_B + "# the same\n"
+    rows = [applied(0.0, A), applied_text(15.0, B, TEXT_B), applied_text(20.0, B, other)]
+    for text, is_told in ((TEXT_B, False), (other, False), (TEXT_C, True)):
+        path.write_text(text)
+        later = sites_in_force(tmp_path, TEXT_A, A, rows)[1]
+        assert later.said.startswith(f"{path.name}: not the text that ran") is is_told
 
 
 def test_each_site_file_of_a_run_is_read_once_and_none_from_after_the_window(

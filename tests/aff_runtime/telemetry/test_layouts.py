@@ -77,6 +77,7 @@ start_ns: 1000
 shadow: false
 heartbeat_modulus: 256
 start_utc: '2026-01-02T03:04:05.678'
+site_sha256: 09bfcc6a14b83e2192b8673677725c84883ee9cd0c70e45c9ec09daa8f2b2847
 columns:
 - time_s
 - tick

@@ -34,7 +34,7 @@ from aff_runtime.app.report.comparison.window import (
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.counted_angle import LONGEST_GAP_CYCLES
 from aff_runtime.base.printable import printable, text_or
-from aff_runtime.base.run_table import PERIODS
+from aff_runtime.base.run_join import PERIODS
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import State
 from aff_runtime.base.site_in_force import NOTED_WITHIN_S

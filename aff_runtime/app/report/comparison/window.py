@@ -15,14 +15,8 @@ from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.roll_changes import roll_changes
 from aff_runtime.base.run_files import yaml_values
-from aff_runtime.base.run_table import (
-    PERIODS,
-    SAME_CYCLE_SHARE,
-    RunTable,
-    few,
-    other_line,
-    read_table,
-)
+from aff_runtime.base.run_join import PERIODS, SAME_CYCLE_SHARE
+from aff_runtime.base.run_table import RunTable, few, other_line, read_table
 from aff_runtime.base.run_window import RunWindow
 from aff_runtime.base.signals import Outcome, State, StateBits, Status
 from aff_runtime.base.units import UnitError, read_number

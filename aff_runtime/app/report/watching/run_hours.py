@@ -27,9 +27,9 @@ from aff_runtime.base.order_columns import RESPONSE_RATIO, SIZES, is_part
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import STAGE
 from aff_runtime.base.run_files import text_of, yaml_values
+from aff_runtime.base.run_join import LONGEST_RUN_S
 from aff_runtime.base.run_segment import RunSegments
 from aff_runtime.base.run_table import (
-    LONGEST_RUN_S,
     FirstRow,
     few,
     first_rows,

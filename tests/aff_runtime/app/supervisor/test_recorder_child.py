@@ -1,5 +1,6 @@
 """What the supervisor says to a recorder that does not listen for a while."""
 
+import hashlib
 import os
 import signal
 from pathlib import Path
@@ -64,6 +65,8 @@ def test_with_what_is_applied_the_recorder_gets_the_text_that_runs(
     ((words, more),) = said
     assert words[0] == "CONFIG_APPLIED"
     assert f"site {runs.site_hash[:12]};" in words[1]
+    digest = hashlib.sha256(whole.site.read_bytes()).hexdigest()
+    assert words[1].endswith(f"; text sha256 {digest[:12]}")
     assert more == {"site_text": runs.site_text, "site_hash": runs.site_hash}
 
 
