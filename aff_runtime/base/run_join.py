@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+
+from aff_runtime.base.counted_angle import LONGEST_GAP_CYCLES
 
 LONGEST_RUN_S = 1e9
 """No run lasts 30 years: a later time is no time of a row."""
@@ -18,6 +20,8 @@ PERIODS = "periods_count"
 FEWEST_OF_A_CYCLE = 20
 SAME_CYCLE_SHARE = 0.1
 """A segment whose tick differs by more is of another run: a cycle is not changed in one."""
+FEW_NAMES = 5
+"""Segments that are named of many."""
 
 
 def period_s(rows: NDArray[np.float64], periods: NDArray[np.float64] | None) -> float:
@@ -65,3 +69,60 @@ def odd_times(path: Path, time_s: NDArray[np.float64]) -> Iterator[str]:
     if back.size:
         at_s, to_s = (float(time_s[back[0] + k]) for k in (0, 1))
         yield f"{path.name}: its clock goes back, from {at_s:.2f} s to {to_s:.2f} s"
+
+
+def rows_once(parts: Mapping[Path, NDArray[np.float64]]) -> tuple[NDArray[np.float64], list[str]]:
+    """Return the rows of all segments (rows, columns), no time twice, and what is said of that.
+
+    The clock of a run only rises: a segment that has times of one before it is a copy, or of
+    another run. Those of the lower number are taken; segments that stand back are put in order.
+    """
+    said: list[str] = []
+    taken: dict[Path, NDArray[np.float64]] = {}
+    for path, its_rows in parts.items():
+        rows = its_rows
+        if not rows.size:
+            continue
+        low, high = rows[:, 0].min(), rows[:, 0].max()
+        others = [
+            one for one, its in taken.items() if its[:, 0].min() <= high and low <= its[:, 0].max()
+        ]
+        if others:
+            again = _recorded_before([taken[one][:, 0] for one in others], rows[:, 0])
+            said += _overlaps(path, rows[again, 0], rows.shape[0], others)
+            rows = rows[~again]
+        if rows.size:
+            taken[path] = rows
+    order = sorted(taken, key=lambda path: float(np.median(taken[path][:, 0])))
+    if order != list(taken):
+        names = ", ".join(path.name for path in order[:FEW_NAMES])
+        said.append(f"segments stand back in time: taken in the order of their rows ({names})")
+    return np.vstack([taken[path] for path in order]), said
+
+
+def _recorded_before(
+    earlier_s: Sequence[NDArray[np.float64]], time_s: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Return per row whether its time is one of earlier rows, or between two without a hole."""
+    seen = np.sort(np.concatenate(earlier_s))
+    steps = np.diff(seen)
+    steps = steps[steps > 0.0]
+    longest_s = LONGEST_GAP_CYCLES * float(np.median(steps)) if steps.size else 0.0
+    at = np.searchsorted(seen, time_s)
+    after, before = seen[np.minimum(at, seen.size - 1)], seen[np.maximum(at - 1, 0)]
+    again = (after == time_s) | ((before < time_s) & (time_s < after))
+    again &= (after == time_s) | (after - before < longest_s)
+    return again if int(again.sum()) > 1 else np.zeros_like(again)  # one: where they meet
+
+
+def _overlaps(
+    path: Path, again_s: NDArray[np.float64], count: int, others: Sequence[Path]
+) -> Iterator[str]:
+    """Yield a sentence on the rows of a segment whose times were recorded before."""
+    if again_s.size:
+        names = ", ".join(other.name for other in others[:FEW_NAMES])
+        yield (
+            f"{path.name}: {again_s.size} of its {count} rows ({again_s.min():.2f} to "
+            f"{again_s.max():.2f} s) are of times that {names} has: a copy, or of another run; "
+            "counted once, copy it anew from the gateway"
+        )

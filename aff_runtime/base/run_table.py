@@ -31,6 +31,7 @@ from aff_runtime.base.run_join import (
     odd_times,
     of_another_cycle,
     period_s,
+    rows_once,
 )
 from aff_runtime.base.run_segment import (
     LARGEST_VALUES,
@@ -145,7 +146,8 @@ def read_table(
     for path, said_of_it in of_another_cycle(parts, periods_s):
         del parts[path]
         torn.append(said_of_it)
-    table = np.vstack([*parts.values()])
+    table, said_of_times = rows_once(parts)
+    torn += said_of_times
     every, said = _events(folder / "events.csv")
     events = [row for row in every if _is_inside(row, window)]
     died = [_of_recorder(row) for row in events if row.get("name") == RECORDER_DIED]

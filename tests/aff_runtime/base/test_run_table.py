@@ -147,6 +147,63 @@ def test_a_segment_of_another_cycle_is_named_with_both_and_left_out(run):
     assert said.startswith("signals-0002.csv.gz: a tick takes 5 ms in it, 10 ms in the others")
 
 
+def segment_of(run, number):
+    return run / f"signals-{number:04d}.csv.gz"
+
+
+@pytest.mark.parametrize(("of", "to", "ticks"), [(2, 4, 300), (1, 3, 200), (3, 1, 200)])
+def test_a_segment_copied_as_another_is_named_and_counted_once(run, of, to, ticks):
+    shutil.copyfile(segment_of(run, of), segment_of(run, to))
+    table = read(run)
+    expected = [k for k in range(300) if k // 100 + 1 != to]
+    assert table.columns["tick"].tolist() == expected
+    assert len(expected) == ticks
+    first, last = sorted((of, to))
+    (said,) = [text for text in table.lost if "times" in text]
+    assert said == (
+        f"signals-{last:04d}.csv.gz: 100 of its 100 rows ({of - 1}.00 to {of - 1}.99 s) are of "
+        f"times that signals-{first:04d}.csv.gz has: a copy, or of another run; counted once, "
+        "copy it anew from the gateway"
+    )
+
+
+def test_rows_of_another_run_between_those_of_a_segment_are_left_out(run):
+    """Their clock is 4 ms and half a segment off: no time is the same, half are recorded twice."""
+    shifted(segment_of(run, 3), -0.504)
+    table = read(run)
+    kept = [k for k in range(300) if not 200 <= k < 250]
+    assert table.columns["tick"].tolist() == kept
+    (said,) = table.lost
+    assert said.startswith("signals-0003.csv.gz: 50 of its 100 rows (1.50 to 1.99 s) are of times")
+
+
+def test_segments_under_each_others_numbers_are_put_in_order(run):
+    content = segment_of(run, 1).read_bytes()
+    shutil.copyfile(segment_of(run, 2), segment_of(run, 1))
+    segment_of(run, 2).write_bytes(content)
+    table = read(run)
+    assert table.columns["tick"].tolist() == list(range(300))
+    (said,) = table.lost
+    assert "stand back in time" in said
+    assert "signals-0002.csv.gz, signals-0001.csv.gz, signals-0003" in said
+
+
+def test_one_row_of_a_time_far_ahead_costs_no_later_segment(run):
+    shifted(segment_of(run, 1), 1e6, slice(40, 41))
+    table = read(run)
+    assert table.columns["tick"].tolist() == list(range(300))
+    assert [text.partition(":")[0] for text in table.lost] == ["signals-0001.csv.gz"]
+
+
+def shifted(path, by_s, which=slice(None)):
+    """Let the rows of a segment, or some, be of a time ``by_s`` later."""
+    head, *rows = gzip.decompress(path.read_bytes()).decode().splitlines()
+    for k in range(len(rows))[which]:
+        at, _, rest = rows[k].partition(",")
+        rows[k] = f"{float(at) + by_s:.10g},{rest}"
+    path.write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode()))
+
+
 def test_missed_ticks_make_no_other_cycle(tmp_path):
     columns = ("time_s", "tick", run_join.PERIODS)
     folder = RunFolder(tmp_path, replace(HEADER, columns=columns), RunContext(segment_s=1.0))
@@ -234,7 +291,15 @@ def test_a_run_without_any_segment_is_refused(run):
 @pytest.mark.parametrize(
     ("back_s", "said"),
     [
-        (0.8, ("signals-0002.csv.gz: its clock goes back, from 1.49 s to 0.70 s",)),
+        (
+            0.8,
+            (
+                "signals-0002.csv.gz: its clock goes back, from 1.49 s to 0.70 s",
+                "signals-0002.csv.gz: 30 of its 100 rows (0.70 to 0.99 s) are of times that "
+                "signals-0001.csv.gz has: a copy, or of another run; counted once, copy it anew "
+                "from the gateway",
+            ),
+        ),
         (
             50.0,
             (
