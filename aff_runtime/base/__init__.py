@@ -10,6 +10,7 @@ __all__ = [
     "errors",
     "events",
     "files",
+    "holes",
     "machine",
     "numbers",
     "order_columns",

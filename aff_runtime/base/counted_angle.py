@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from aff_runtime.base.holes import cycle_s_of, holes_between
 from aff_runtime.base.units import UnitError, read_scale
 from aff_runtime.base.yaml_section import Section
 
@@ -28,8 +29,6 @@ LEAST_COUNTS = 8
 """After which a count may start over, as the site file lets it."""
 ORIGIN_SLACK_RAD = 1e-3
 """A range this close to whole turns is whole turns."""
-LONGEST_GAP_CYCLES = 4.5
-"""Between two readings; a longer one is a hole."""
 LARGEST_MISS_RAD = math.pi
 """A reading that is further from where its roll should be is no reading of the same count."""
 RATE_READINGS = 200
@@ -96,11 +95,12 @@ def counted_angle(time_s: Array, count_rad: Array, modulus_rad: float) -> Counte
         return CountedAngle(
             angle_rad=nothing, good=nothing > 0.0, part=np.zeros(time_s.shape, dtype=np.int64)
         )
-    steps = _steps(time_s[known], count_rad[known], modulus_rad)
+    cycle_s = cycle_s_of(time_s)
+    steps = _steps(time_s[known], count_rad[known], modulus_rad, cycle_s)
     wrong = _wrong(steps, count_rad[known], modulus_rad)
     if wrong.any():
         known = known[~wrong]
-        steps = _steps(time_s[known], count_rad[known], modulus_rad)
+        steps = _steps(time_s[known], count_rad[known], modulus_rad, cycle_s)
     broken = steps.is_jump | _is_lost(steps, modulus_rad)
     angle = np.append(0.0, np.cumsum(np.where(broken, steps.expected_rad, steps.moved_rad)))
     angle *= 1.0 if angle[-1] >= 0.0 else -1.0
@@ -127,11 +127,9 @@ class _Steps:
     is_jump: Flags
 
 
-def _steps(time_s: Array, count_rad: Array, modulus_rad: float) -> _Steps:
+def _steps(time_s: Array, count_rad: Array, modulus_rad: float, cycle_s: float) -> _Steps:
     gaps_s = np.diff(time_s)
-    forward = gaps_s[gaps_s > 0.0]
-    cycle_s = float(np.median(forward)) if forward.size else 0.0
-    is_hole = ~((gaps_s > 0.0) & (gaps_s < LONGEST_GAP_CYCLES * cycle_s))
+    is_hole = holes_between(time_s, cycle_s)
     turned = np.diff(count_rad)
     rate = _rates(gaps_s, _unfolded(turned, np.zeros_like(turned), modulus_rad), is_hole)
     gaps_s = np.maximum(gaps_s, 0.0)

@@ -31,6 +31,10 @@ class Filled:
     read: Rows
     step_s: float
 
+    def share_lacking(self, first: int, end: int) -> float:
+        """Return the share of the scans from ``first`` to before ``end`` without a reading."""
+        return 1.0 - float(np.sum((self.read >= first) & (self.read < end))) / (end - first)
+
     def holes_in(self, first: int, end: int) -> str:
         """Return what is missing for too long in the scans from ``first`` to before ``end``."""
         inside = self.read[(self.read >= first) & (self.read < end)]

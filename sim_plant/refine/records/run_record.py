@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,6 +11,7 @@ import numpy as np
 
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, PlantError
+from aff_runtime.base.holes import BRIDGED_SHARE
 from aff_runtime.base.printable import printable
 from aff_runtime.base.probe_columns import STAGE
 from aff_runtime.base.run_join import SAME_CYCLE_SHARE
@@ -141,6 +142,7 @@ def read_run_record(path: Path) -> Recording:
             *found.said,
             *_other_pieces(piece, found.pieces),
             *grid.said,
+            *few([*_bridged(whole, found.series, piece)]),
             *oddities(measured, count_sizes_seen(found.readings, site.count_sizes)),
         ),
         zeros_rad=grid.zeros_rad,
@@ -271,6 +273,17 @@ def _missing_samples(taken_s: Array, pace_s: float) -> list[str]:
     wanted = round(taken_s[-1] / pace_s) + 1
     missing = wanted - np.unique(np.rint(taken_s / pace_s)).size
     return [f"{missing} missing samples are filled in between"] if missing > 0 else []
+
+
+def _bridged(names: Iterable[str], series: Mapping[str, Filled], piece: Piece) -> Iterator[str]:
+    """Yield a sentence per channel of which many readings lack in a piece."""
+    for name in names:
+        share = series[name].share_lacking(piece.first_scan, piece.end_scan)
+        if share > BRIDGED_SHARE:
+            yield (
+                f"{printable(name, 80)}: {100.0 * share:.0f} % of its readings are no numbers and "
+                "bridged between their neighbours"
+            )
 
 
 def _is_read(columns: Mapping[str, Array], name: str) -> bool:

@@ -32,7 +32,7 @@ from aff_runtime.app.report.comparison.window import (
     roll_angle,
 )
 from aff_runtime.base.channel_units import unit_of_channel
-from aff_runtime.base.counted_angle import LONGEST_GAP_CYCLES
+from aff_runtime.base.holes import cycle_s_of, holes_between
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.run_join import PERIODS
 from aff_runtime.base.run_window import RunWindow
@@ -283,8 +283,9 @@ def estimates(
     angle: RollAngle, values: Any, window: Window, orders: Sequence[int]
 ) -> dict[int, tuple[Estimate, float]]:
     """Return estimate and mean frequency per order; orders with too few samples are left out."""
+    cycle_s = cycle_s_of(window.time_s)
     parts = [
-        order_per_turn(*_read_alone(angle.angle_rad[part], values[part], angle.good[part]), orders)
+        order_per_turn(*_read_alone(window.time_s, values, angle, part, cycle_s), orders)
         for part in angle.parts()
     ]
     samples = np.concatenate([of_part for _, of_part in parts])
@@ -300,18 +301,18 @@ def estimates(
     }
 
 
-def _read_alone(angle_rad: Array, values: Array, good: Flags) -> tuple[Array, Array, Flags]:
-    """Return angle, readings and whether they go on, of the rows whose reading is a number.
+def _read_alone(
+    time_s: Array, values: Array, angle: RollAngle, part: slice, cycle_s: float
+) -> tuple[Array, Array, Flags]:
+    """Return angle, readings and whether they go on, of a part's rows that have a reading.
 
-    One that is none is bridged like a missed tick, and a hole where more are together.
+    One that lacks is bridged like a missed tick, and a hole where more are together.
     """
-    read = np.flatnonzero(np.isfinite(values))
-    if read.size == values.size or not read.size:
-        return angle_rad[read], values[read], good[read]
-    broken = np.cumsum(~good)[read]
+    read = part.start + np.flatnonzero(np.isfinite(values[part]))
+    broken = np.cumsum(~angle.good[part])[read - part.start]
     goes_on = np.diff(broken, prepend=0) == 0
-    goes_on[1:] &= np.diff(read) < LONGEST_GAP_CYCLES
-    return angle_rad[read], values[read], goes_on
+    goes_on[1:] &= ~holes_between(time_s[read], cycle_s)
+    return angle.angle_rad[read], values[read], goes_on
 
 
 def _row_labels(

@@ -9,8 +9,14 @@ from typing import Any
 
 import numpy as np
 
+from aff_runtime.app.report.comparison.lacking import (
+    NUMBERS_SHARE,
+    lacking_readings,
+    share_of_numbers,
+)
 from aff_runtime.app.report.comparison.turns import Array, Flags
-from aff_runtime.base.counted_angle import LONGEST_GAP_CYCLES, Numbers, counted_angle, modulus_rad
+from aff_runtime.base.counted_angle import Numbers, counted_angle, modulus_rad
+from aff_runtime.base.holes import cycle_s_of, holes_between
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.roll_changes import roll_changes
@@ -32,9 +38,6 @@ LARGEST_WORD = 2.0**32
 """Of a status word, whose bits are 32 at most: a spoiled file may hold any number."""
 FEWEST_READINGS = 2
 """Rows of a window, without which there is no step of time and no figure."""
-NUMBERS_SHARE = 0.5
-"""Share of a channel's readings that are numbers, above which it is used: of fewer a figure would
-be of other times than the window's."""
 MIXED_SHARE = 0.02
 """Share of the rows by which corrections that were switched in a window make it a mixture."""
 END_READINGS = 200
@@ -83,7 +86,7 @@ class Window:
         values = self.table.columns.get(name)
         if values is None or not self.rows.any():
             return math.nan
-        return float(np.isfinite(values[self.rows]).mean())
+        return share_of_numbers(values[self.rows])
 
     @property
     def sites(self) -> list[Section]:
@@ -170,9 +173,7 @@ def _goes_on(columns: Mapping[str, Array], shows: Flags, time_s: Array) -> Flags
     good = np.ones(time_s.shape, dtype=np.bool_)
     if time_s.size < 2:
         return good
-    steps = np.diff(time_s)
-    cycle_s = float(np.median(steps))
-    good[1:] = (steps > 0.0) & (steps < LONGEST_GAP_CYCLES * cycle_s)
+    good[1:] = ~holes_between(time_s, cycle_s_of(time_s))
     good &= ~roll_changes(_of(columns, ROLL_ID, 0.0)[shows])
     good &= (_bits(columns, "status", shows) & int(Status.SPLICE_ACTIVE)) == 0
     return good
@@ -200,14 +201,8 @@ def _odd(window: Window) -> list[str]:
         said.append(
             f"its site.yaml maps {named}, the run has no such column: is it of another run?"
         )
-    said += few(
-        [
-            f"{printable(name, 80)}: {100.0 * (1.0 - share):.0f} % of its readings are no "
-            "numbers: it is left out"
-            for name in mapped
-            if (share := window.share_of_numbers(name)) <= NUMBERS_SHARE
-        ]
-    )
+    mapped_too = {name: columns[name][window.rows] for name in mapped if name in columns}
+    said += lacking_readings(window.time_s, mapped_too)
     if window.share_of_numbers(ROLL_ID) < 1.0:
         said.append("roll_id is no number in some of its rows: another roll is not told there")
     if window.time_s.size < FEWEST_READINGS:

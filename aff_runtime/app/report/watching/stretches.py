@@ -6,13 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from aff_runtime.app.report.comparison.lacking import NUMBERS_SHARE
 from aff_runtime.app.report.comparison.turns import Array, Flags
-from aff_runtime.app.report.comparison.window import (
-    NUMBERS_SHARE,
-    Window,
-    any_correction,
-    window_of,
-)
+from aff_runtime.app.report.comparison.window import Window, any_correction, window_of
 from aff_runtime.base.probe_columns import EXCITING, STAGE
 from aff_runtime.base.run_table import RunTable
 from aff_runtime.base.run_window import RunWindow

@@ -357,6 +357,27 @@ def test_a_channel_for_the_record_alone_that_is_missing_for_long_is_left_out_and
     assert "is missing from 2.00 s to 3.01 s of the run" in said
 
 
+def test_of_a_channel_for_the_record_alone_the_share_that_is_bridged_is_said(run):
+    for segment in run.glob("signals-*"):
+        blank_some(segment, "swrap_follower_speed_m_s", range(3), 10)
+    record = read_record(f"{run}@1..23")
+    (said,) = said_of(record, "swrap_follower_speed_m_s: ")
+    assert said.endswith(
+        ": 30 % of its readings are no numbers and bridged between their neighbours"
+    )
+
+
+def blank_some(path, column, which, of):
+    """Let readings of a segment be no numbers: these of every so many rows."""
+    head, *rows = gzip.decompress(path.read_bytes()).decode().splitlines()
+    at = head.split(",").index(column)
+    for k, row in enumerate(rows):
+        if k % of in which:
+            cells = row.split(",")
+            rows[k] = ",".join([*cells[:at], "nan", *cells[at + 1 :]])
+    path.write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode(), 1))
+
+
 def test_a_reading_that_the_correction_waits_for_and_is_missing_for_long_ends_a_piece(run):
     blank(run, "unwind_tension_N", 200, 300)
     assert said_of(read_record(run), "nothing was read for 1")

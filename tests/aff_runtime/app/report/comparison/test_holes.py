@@ -283,6 +283,45 @@ def test_a_reading_that_is_no_number_is_as_a_missed_tick_and_many_are_a_hole(tmp
     assert 1 <= whole[0].turns - holed[0].turns <= 2
 
 
+@pytest.mark.parametrize(("gone", "is_hole"), [(3, False), (4, True)])
+def test_four_cycles_are_bridged_and_five_are_a_hole_whatever_lacks(gone, is_hole, tmp_path):
+    """Readings, counts or rows: of 26 samples a turn each is 4 at most apart, or a turn lacks.
+
+    Every second reading beside them lacks too: the cycle is that of the rows all the same.
+    """
+    found = columns(10.0, None)
+    rows = np.arange(found["time_s"].size)
+    span = slice(1001, 1001 + gone)
+    whole = math.floor(10.0 * 1.91) - 1
+    for name in (SIGNAL, COUNT):
+        lacks = found | {name: found[name].copy()}
+        lacks[name][(rows % 2 == 1) & (rows > 200) & (rows < 1800)] = math.nan
+        lacks[name][span] = math.nan
+        turns = of(tmp_path / name, lacks, None)[0].turns
+        assert (whole - turns > 0) == is_hole, name
+    time_s = found["time_s"]
+    less = without(found, (time_s[1001] - 1e-6, time_s[1001 + gone] - 1e-6))
+    assert (whole - of(tmp_path, less, None)[0].turns > 0) == is_hole
+
+
+@pytest.mark.parametrize(("lacks", "percent"), [(0.01, 0), (0.04, 4), (0.4, 40)])
+def test_readings_that_are_bridged_are_told_by_their_share(lacks, percent, tmp_path):
+    """Of two in a row; the 8 in a row of another channel are holes, and bridged by nobody."""
+    found = columns(10.0, None)
+    rows = np.arange(found["time_s"].size)
+    period = round(2.0 / lacks)
+    found[SIGNAL][(rows % period) < 2] = math.nan
+    found["unwind_tension_N"][(rows % 40) < 8] = math.nan
+    found["unwind_tension_N"][-1] = math.nan  # beyond the last one nothing is bridged
+    path = recorded(tmp_path, found, site_text=site_text(None))
+    said = [text for text in window_in(path).labels if "bridged" in text]
+    expected = (
+        f"{SIGNAL}: {percent} % of its readings are no numbers and bridged between their "
+        "neighbours: its figures are of the others"
+    )
+    assert said == [expected] * (percent > 0)
+
+
 def test_readings_beyond_the_plausible_range_are_counted_in_a_label(tmp_path):
     found = columns(4.0, None)
     found[SIGNAL][[100, 300]] = 1e6, 0.5
