@@ -35,6 +35,13 @@ RATE_READINGS = 200
 """Over so many the speed is a mean: one count is then a small share of the motion."""
 UNSEEN_SHARE = 0.02
 """Of the motion over a hole by the speeds around it: a line at one speed keeps within that."""
+FEWEST_RESTARTS = 3
+"""That are alike, and as far apart as each is large: two may be a counter that was set anew."""
+ALIKE_SHARE = 0.8
+"""Of the steps that jump: so many are alike where a count starts over early."""
+JUMP_STEPS, JUMP_SPREADS = 2.5, 12.0
+"""A step jumps that is off by more than so many steps, a late reading and the one after it, and
+so many medians of what steps are off by."""
 LATE_CYCLES = 2.0
 """By so much a reading may be older than its row: a scan of the PLC at either end of a step."""
 
@@ -55,22 +62,86 @@ class CountedAngle:
     part: Numbers
 
 
+def range_counts(channel: Section) -> int:
+    """Return the counts after which a site file says that a channel starts over; 0 where none."""
+    counts = WORD_COUNTS.get(str(channel.get("type")), 0)
+    after = channel.get("wraps_after")
+    if isinstance(after, int) and not isinstance(after, bool):
+        return after if LEAST_COUNTS <= after <= counts else counts
+    return counts
+
+
 def modulus_rad(channel: Section) -> float:
     """Return the range after which the counter of a site file's channel starts over, rad.
 
     Infinite where it does not, and on CAN, where the reader unfolds the count before it is
     recorded. What no site file may have as ``wraps_after`` is left out: its word says the range.
     """
-    counts = WORD_COUNTS.get(str(channel.get("type")))
-    if counts is None or channel.get("wraps") is not True:
+    counts = range_counts(channel)
+    if not counts or channel.get("wraps") is not True:
         return math.inf
-    after = channel.get("wraps_after")
-    if isinstance(after, int) and not isinstance(after, bool):
-        counts = after if LEAST_COUNTS <= after <= counts else counts
     try:
         return counts * abs(read_scale(channel.get("scale"), "rad")) or math.inf
     except UnitError:
         return math.inf
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EarlyRestart:
+    """A count that starts over before its range ends.
+
+    Attributes
+    ----------
+    range_rad : after which it does; ``off_rad`` : by which that may be off.
+    seen : how often it did.
+    """
+
+    range_rad: float
+    off_rad: float
+    seen: int
+
+    def words(self, modulus_rad: float, counts: int) -> str:
+        """Return what to write into its channel, which has ``counts`` in ``modulus_rad``."""
+        size_rad = modulus_rad / counts
+        turn, found = math.tau / size_rad, self.range_rad / size_rad
+        whole = round(found / turn) * turn
+        is_whole = whole > 0.0 and abs(whole - found) <= self.off_rad / size_rad < 0.5 * turn
+        after = round(whole if is_whole else found)
+        return (
+            f"its count starts over after {'' if is_whole else 'about '}{after} counts (seen "
+            f"{self.seen} times), not after {counts}, and the service loses its phase each time: "
+            f"write wraps_after: {after}"
+        )
+
+
+def early_restart(time_s: Array, count_rad: Array, modulus_rad: float) -> EarlyRestart | None:
+    """Return after what a count (rows,) starts over early, None where it does not, or who knows.
+
+    Each time it does, its step is off by the same, and from one to the next it counted that far.
+    """
+    known = np.flatnonzero(np.isfinite(count_rad))
+    if known.size <= FEWEST_RESTARTS or not math.isfinite(modulus_rad):
+        return None
+    steps = _steps(time_s[known], count_rad[known], modulus_rad, cycle_s_of(time_s))
+    followed = ~steps.is_hole
+    way = 1.0 if np.sum(steps.expected_rad) >= 0.0 else -1.0
+    off = way * (steps.moved_rad - steps.expected_rad)
+    usual = JUMP_STEPS * np.abs(steps.expected_rad)
+    usual += JUMP_SPREADS * float(np.median(np.abs(off[followed]))) if followed.any() else 0.0
+    jumps = np.flatnonzero(followed & (np.abs(off) > usual))
+    if jumps.size < FEWEST_RESTARTS:
+        return None
+    back = np.mod(-off[jumps], modulus_rad)
+    range_rad, off_rad = float(np.median(back)), float(np.median(usual[jumps]))
+    alike = np.abs(back - range_rad) <= off_rad
+    jumps, back = jumps[alike], back[alike]
+    true = way * np.where(np.abs(off) > usual, steps.expected_rad, steps.moved_rad)
+    apart = np.diff(np.cumsum(true)[jumps])
+    is_due = np.abs(apart - range_rad * np.round(apart / range_rad)) <= 2.0 * off_rad
+    enough = np.mean(alike) >= ALIKE_SHARE and 1 + np.sum(is_due) >= FEWEST_RESTARTS
+    if not enough or np.mean(is_due) < ALIKE_SHARE or range_rad < 4.0 * off_rad:
+        return None
+    return EarlyRestart(range_rad=range_rad, off_rad=off_rad, seen=int(jumps.size))
 
 
 def is_whole_turns(modulus_rad: float) -> bool:

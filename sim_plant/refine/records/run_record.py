@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from aff_runtime.base.counted_angle import early_restart
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.holes import BRIDGED_SHARE
@@ -89,6 +90,7 @@ def scanned_run(path: Path) -> ScannedRun:
     except PlantError as error:
         raise PlantError(f"{shown}: {error}") from error
     readings = {name: table.columns[name][scans.rows] for name in channels}
+    restarting = few([*_restarting(table.columns["time_s"][scans.rows], readings, site)])
     site = replace(site, count_sizes=counts_of(readings, site.count_sizes))
     series, unwrapped = _in_every_scan(table.columns["time_s"], site, scans, readings)
     pieces, breaks = pieces_of(table.columns, scans, series)
@@ -100,6 +102,7 @@ def scanned_run(path: Path) -> ScannedRun:
         *([guessed] if guessed else []),
         *scans.findings,
         *few(breaks),
+        *restarting,
         *unwrapped,
     ]
     return ScannedRun(
@@ -192,6 +195,15 @@ def _in_every_scan(
     turned, said = without_starts_over(readings, scans.taken_s, scans.step_s, site.registers_rad)
     row_s = time_s[scans.rows]
     return {n: filled(v, scans.taken_s, row_s, scans.step_s) for n, v in turned.items()}, said
+
+
+def _restarting(time_s: Array, readings: Mapping[str, Array], site: RunSite) -> Iterator[str]:
+    """Yield a sentence per count that starts over earlier than its site file says."""
+    for name, register_rad in site.registers_rad.items():
+        found = early_restart(time_s, readings[name], register_rad) if name in readings else None
+        if found is not None and site.count_sizes[name] > 0.0:
+            counts = round(register_rad / site.count_sizes[name])
+            yield f"{printable(name, 80)}: {found.words(register_rad, counts)}"
 
 
 def _other_pieces(piece: Piece, pieces: Sequence[Piece]) -> list[str]:

@@ -5,7 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from aff_runtime.base.counted_angle import counted_angle, is_whole_turns, modulus_rad
+from aff_runtime.base.counted_angle import (
+    counted_angle,
+    early_restart,
+    is_whole_turns,
+    modulus_rad,
+    range_counts,
+)
 from aff_runtime.base.yaml_section import Section
 
 TIME_S = np.arange(12_000) * 0.005
@@ -139,3 +145,49 @@ def test_a_count_that_starts_over_within_its_word_has_the_range_that_is_given():
 )
 def test_a_channel_that_does_not_say_its_range_has_none(given):
     assert modulus_rad(Section(given)) == math.inf
+
+
+def as_the_gateway_records_it(counts, whole):
+    """Return readings of a word, each step the short way round of ``whole`` counts."""
+    steps = np.mod(np.diff(counts) + whole / 2, whole) - whole / 2
+    return counts[0] + np.append(0.0, np.cumsum(steps))
+
+
+EARLY = [(3600, 64800), (4096, 4096), (3600, 3600), (5000, 40000)]
+
+
+@pytest.mark.parametrize(("per_turn", "after"), EARLY)
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("is_unfolded", [True, False])
+def test_of_a_count_that_starts_over_early_the_key_and_its_value_are_named(
+    per_turn, after, way, is_unfolded
+):
+    """A roll out of round by a hundredth, 1.9 turns a second; some readings are a cycle late."""
+    rng = np.random.default_rng(4)
+    turned = way * (1.9 * TIME_S + 0.01 / math.tau * np.sin(math.tau * 1.9 * TIME_S))
+    turned -= way * 1.9 * 0.005 * (rng.random(TIME_S.size) < 0.02)
+    counts = np.mod(np.floor(turned * per_turn + 17.0), after)
+    counts = as_the_gateway_records_it(counts, 65536) if is_unfolded else counts
+    channel = Section({"type": "u16", "wraps": True, "scale": f"{per_turn} counts/turn"})
+    modulus = modulus_rad(channel)
+    found = early_restart(TIME_S, counts / per_turn * math.tau, modulus)
+    times = math.floor(abs(turned[-1]) * per_turn / after)
+    assert found.seen == pytest.approx(times, abs=1 + 0.04 * times)
+    said = found.words(modulus, range_counts(channel))
+    assert said.startswith(f"its count starts over after {after} counts (seen ")
+    assert said.endswith(
+        f"not after 65536, and the service loses its phase each time: write wraps_after: {after}"
+    )
+
+
+@pytest.mark.parametrize("turns", TURNS.values(), ids=TURNS)
+def test_a_count_that_starts_over_where_it_should_is_not_said_to_do_it_early(turns):
+    """Set anew twice, and with a hole, it does not either."""
+    rng = np.random.default_rng(4)
+    angle = 12.0 * TIME_S + 0.05 * np.sin(12.0 * TIME_S) - 0.06 * (rng.random(TIME_S.size) < 0.02)
+    angle[4000:] -= 1.0
+    angle[8000:] -= 1.0
+    keep = (TIME_S < 30.0) | (TIME_S > 33.0)
+    modulus = turns * math.tau
+    count = np.mod(angle, modulus) if math.isfinite(modulus) else angle
+    assert early_restart(TIME_S[keep], count[keep], modulus) is None

@@ -14,6 +14,7 @@ from aff_runtime.app.report.comparison.lacking import (
     lacking_readings,
     share_of_numbers,
 )
+from aff_runtime.app.report.comparison.restarting import restarting_counts
 from aff_runtime.app.report.comparison.turns import Array, Flags
 from aff_runtime.base.counted_angle import Numbers, counted_angle, modulus_rad
 from aff_runtime.base.holes import cycle_s_of, holes_between
@@ -192,9 +193,8 @@ def _odd(window: Window) -> list[str]:
     if other := other_line(window.table.about, text_or(window.section("line").get("name"))):
         said.append(other)
     said += _other_cycle(window)
-    mapped = [
-        str(n) for n, _ in window.section("gateway").section("read").section("channels").items()
-    ]
+    channels = window.section("gateway").section("read").section("channels")
+    mapped = [str(name) for name, _ in channels.items()]
     missing = [name for name in mapped if name not in columns]
     if missing:
         named = printable(", ".join(missing), 200)
@@ -203,6 +203,7 @@ def _odd(window: Window) -> list[str]:
         )
     mapped_too = {name: columns[name][window.rows] for name in mapped if name in columns}
     said += lacking_readings(window.time_s, mapped_too)
+    said += few([*restarting_counts(window.time_s, mapped_too, channels)])
     if window.share_of_numbers(ROLL_ID) < 1.0:
         said.append("roll_id is no number in some of its rows: another roll is not told there")
     if window.time_s.size < FEWEST_READINGS:

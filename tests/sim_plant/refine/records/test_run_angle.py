@@ -60,8 +60,10 @@ def test_a_register_that_holds_no_whole_turns_starts_over_where_it_ends(tmp_path
 @pytest.mark.parametrize("turns", [1, 3])
 def test_a_plc_that_counts_turns_anew_in_such_a_register_is_told_by_its_steps(tmp_path, turns):
     columns, truth = run(-40.0, turns * TURN)
-    found = angle_of(tmp_path, columns, in_register(2500))
-    np.testing.assert_allclose(found, truth - truth[0], atol=1e-6)
+    record = read_record(recorded(tmp_path, columns, site_text=in_register(2500)))
+    np.testing.assert_allclose(record.columns[ANGLE], truth - truth[0], atol=1e-6)
+    (said,) = [text for text in record.findings if "wraps_after" in text]
+    assert said.endswith(f"write wraps_after: {2500 * turns}")
 
 
 @pytest.mark.parametrize("rate_rad_s", [160.0, -160.0, 6.0])

@@ -322,6 +322,21 @@ def test_readings_that_are_bridged_are_told_by_their_share(lacks, percent, tmp_p
     assert said == [expected] * (percent > 0)
 
 
+def test_of_a_counter_that_starts_over_early_the_key_and_its_value_are_named(tmp_path):
+    """64800 counts of a u16, 18 turns: each time the angle gains a fifth of a turn."""
+    found = columns(10.0, None)
+    turns = np.floor(8.0 * found["time_s"] * 3600.0) % 64800.0
+    steps = (np.diff(turns) + 32768.0) % 65536.0 - 32768.0
+    found[COUNT] = np.append(0.0, np.cumsum(steps)) * math.tau / 3600.0
+    word = "u16, scale: 3600 counts/turn, wraps: true"
+    path = recorded(tmp_path, found, site_text=site_text(None).replace(NEVER, word))
+    (said,) = [text for text in window_in(path).labels if "starts over" in text]
+    assert said == (
+        f"{COUNT}: its count starts over after 64800 counts (seen 4 times), not after 65536, and "
+        "the service loses its phase each time: write wraps_after: 64800"
+    )
+
+
 def test_readings_beyond_the_plausible_range_are_counted_in_a_label(tmp_path):
     found = columns(4.0, None)
     found[SIGNAL][[100, 300]] = 1e6, 0.5
