@@ -85,6 +85,26 @@ def test_what_is_neither_fresh_nor_good_changes_nothing() -> None:
     assert all(bench.see(0, outcome=Outcome.TIMEOUT) for _ in range(200))
 
 
+@pytest.mark.parametrize(("lost", "is_told"), [(15, True), (16, False), (40, False)])
+def test_an_echo_after_a_loss_longer_than_a_stale_plc_is_no_sign_of_anybody(
+    lost: int, is_told: bool
+) -> None:
+    """From echo to echo 15 lost ticks are 80 ms, 16 are 85: what was left is then anybody's."""
+    bench = Bench().settled()
+    assert not any(bench.see(0, outcome=Outcome.TIMEOUT) for _ in range(lost))
+    seen = [bench.see(40_000 + k) for k in range(4)]
+    assert seen == [False, False, is_told, True]
+
+
+@pytest.mark.parametrize(("lost", "later"), [(15, 0), (16, 16), (40, 16)])
+def test_how_long_no_echo_was_ours_is_judged_anew_after_such_a_loss(lost: int, later: int) -> None:
+    bench = Bench().settled()
+    assert not any(bench.see(40_000) for _ in range(3))
+    assert not any(bench.see(0, outcome=Outcome.TIMEOUT) for _ in range(lost))
+    seen = [bench.see(40_000) for _ in range(30)]
+    assert seen.index(True) == (later and later + 1)
+
+
 def test_without_the_word_nothing_is_ever_judged() -> None:
     judge = EchoCheck(PARAMS)
     for k in range(1000):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim_plant.base.signatures import Frequency
-from sim_plant.effects.catalogue import CATALOGUE
+from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.locations import candidate_locations
 from sim_plant.refine.fit.turning import turns_with
 from sim_plant.refine.model.hypotheses import hypothesis, turned
@@ -51,6 +51,36 @@ def started(effect, place):
         values[pair.cos] = effect.accepts[pair.cos].typical
         values[pair.sin] = 0.5 * effect.accepts[pair.sin].typical
     return values
+
+
+PARTS = [
+    # effect, what names its order, names of the two parts, order, against the angle
+    ("out_of_round_roll", {}, ("cos1_m", "sin1_m"), 1, False),
+    ("out_of_round_roll", {}, ("cos3_m", "sin3_m"), 3, False),
+    ("out_of_round_roll", {}, ("cos12_m", "sin12_m"), 12, False),
+    ("roll_bounce", {"order": 4.0}, ("cos1_kg_m", "sin1_kg_m"), 1, True),
+    ("roll_bounce", {"order": 4.0}, ("cosn_kg_m", "sinn_kg_m"), 4, True),
+    ("torque_ripple", {"order": 6.0}, ("cos_N_m", "sin_N_m"), 6, True),
+    ("encoder_eccentricity", {}, ("cos", "sin"), 1, True),
+]
+
+
+@pytest.mark.parametrize(("name", "given", "parts", "order", "against"), PARTS)
+def test_each_part_of_a_body_further_on_is_the_same_shape_seen_from_there(
+    name, given, parts, order, against
+):
+    """A part of order n alone is cos n x - sin n x around the body, or plus against the angle."""
+    further_rad, around_rad = 0.7, np.linspace(0.0, math.tau, 97)
+
+    def shape(at_rad, cos, sin):
+        sign = 1.0 if against else -1.0
+        return cos * np.cos(order * at_rad) + sign * sin * np.sin(order * at_rad)
+
+    values = {**given, parts[0]: 2.0, parts[1]: -0.5}
+    again = turned(BY_NAME[name], values, further_rad)
+    assert again.keys() == values.keys()
+    now = shape(around_rad, *(again[part] for part in parts))
+    np.testing.assert_allclose(now, shape(around_rad + further_rad, 2.0, -0.5), atol=1e-12)
 
 
 @pytest.mark.parametrize("effect", TRIED, ids=lambda effect: effect.name)
