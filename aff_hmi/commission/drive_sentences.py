@@ -51,6 +51,11 @@ WHY_NONE = (
         "probe.duration_s"
     ),
     N_(
+        "{all} tones were sent below {high} Hz, {least} are needed, and no louder ones help: name "
+        "{more} more frequencies or more below {limit} Hz, away from orders, under "
+        "probe.extra_frequencies_Hz, or probe at a lower line speed"
+    ),
+    N_(
         "no simple web path explains what was heard (misfit {misfit}, at most {most}): is "
         "line.speed that of the driven roller that ends this zone, and the tension this zone's? "
         "If so, probe again at a steady speed, or declare the drive"

@@ -142,6 +142,13 @@ def _clear(phasors: Phasors) -> npt.NDArray[np.bool_]:
 def _too_few(phasors: Phasors) -> str:
     """Return how many tones are heard and are needed, and which signal they are lacking in."""
     clear = _clear(phasors.below(BANDS_Hz[0]))
+    if len(clear) < FEWEST_TONES:
+        return (
+            f"{len(clear)} tones were sent below {BANDS_Hz[0]:g} Hz, {FEWEST_TONES} are needed, "
+            f"and no louder ones help: name {FEWEST_TONES - len(clear)} more frequencies or more "
+            f"below {BANDS_Hz[0]:g} Hz, away from orders, under probe.extra_frequencies_Hz, or "
+            "probe at a lower line speed"
+        )
     speed, tension = clear.sum(axis=0)
     both = clear.all(axis=1).sum()
     return (

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 
 from aff_hmi.commission.in_language import line_in
@@ -29,10 +30,10 @@ ENGLISH, GERMAN = say_in("en"), say_in("de")
 TONES_Hz = 0.5 * np.arange(1, 13)
 
 
-def faint() -> str:
-    """Return what a probe says whose tones drown in the noise."""
+def faint(tones_Hz: npt.NDArray[np.float64] = TONES_Hz) -> str:
+    """Return what a probe says whose tones drown in the noise, or are too few."""
     with pytest.raises(RefusedError) as refused:
-        fit_drive(LinearLine().phasors(TONES_Hz, 3.0), cycle_s=0.005, roll="unwind", radius_m=0.2)
+        fit_drive(LinearLine().phasors(tones_Hz, 3.0), cycle_s=0.005, roll="unwind", radius_m=0.2)
     return str(refused.value)
 
 
@@ -47,6 +48,7 @@ FOUND = {
     "declared": None,
     "none": probed(None),
     "why": probed(None, faint()),
+    "few": probed(None, faint(TONES_Hz[:7])),
     "identified": probed(drive()),
     "not shown": probed(drive(integral_time_s=UNSHOWN)),
     "not sure": probed(drive(inertia_kg_m2=estimate(0.4, 0.5))),

@@ -136,6 +136,20 @@ def test_tones_that_drown_in_noise_are_refused():
         found(LinearLine(), noise=2.0)
 
 
+@pytest.mark.parametrize("noise", [1e-3, 2.0])
+def test_where_too_few_tones_were_sent_more_are_asked_for_and_no_louder_ones(noise):
+    """Seven of them below 12 Hz, as where the first order of a fast line stands above."""
+    heard = LinearLine().phasors(np.append(np.geomspace(0.5, 8.0, 7), [13.0, 15.0, 18.0]), noise)
+    said = (
+        "7 tones were sent below 12 Hz, 10 are needed, and no louder ones help: name 3 more "
+        "frequencies or more below 12 Hz, away from orders, under probe.extra_frequencies_Hz, or "
+        "probe at a lower line speed"
+    )
+    with pytest.raises(RefusedError) as refused:
+        fit_drive(heard, cycle_s=CYCLE_S, roll="unwind", radius_m=0.2)
+    assert str(refused.value) == said
+
+
 def test_a_correction_that_acts_as_a_torque_is_refused():
     """Told from a dozen slow tones: of more, no path fits, and every one is tried on them all."""
     heard = LinearLine(as_torque=True).phasors(np.geomspace(0.4, 3.4, 12), 0.01)
