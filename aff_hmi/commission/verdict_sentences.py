@@ -256,6 +256,10 @@ VERDICT = (
     N_("{what} (one speed does not tell which)"),
     N_("{what}, or else {why}"),
     N_("something that repeats in time, {number} Hz at every speed"),
+    N_(
+        "something that repeats in time, {number} Hz at every speed, strongest in {channel}, in "
+        "{zone}"
+    ),
     N_("something that repeats in time, {number} Hz"),
     N_(
         "something that comes again every {number} s at every speed, strongest in {channel}, in "

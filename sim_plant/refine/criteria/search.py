@@ -244,6 +244,12 @@ class UnexplainedCriteria:
         "a slower spectral line may be that of a step",
         "the same as for an alias (spectra.alias_cycles)",
     )
+    zone_sd: float = criterion(
+        4.0,
+        "standard deviations",
+        "by so much the amplitude of a line in time has to be more in one zone to name that one",
+        "two amplitudes differ by chance by 1.4 of one phase: by 4 in one line of 200",
+    )
     ringing_share: float = criterion(
         0.5,
         "of what begins at a moment",

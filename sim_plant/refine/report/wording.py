@@ -354,16 +354,21 @@ def shift_text(number: str, change: float) -> str:
     return f"{100.0 * change:+.3g} %"
 
 
+def _strongest(where: Mapping[str, float | str]) -> str:
+    """Return how it goes on where something in time is strongest."""
+    zone = f", strongest in {where['channel']}, in {where['zone']}" if "zone" in where else ""
+    return f" at every speed{zone}"
+
+
 def _periodic_text(
     kind: str, where: Mapping[str, float | str], *, every_speed: bool = True
 ) -> str:
     if kind == "time" and "period_s" in where:
         text = f"something that comes again every {float(where['period_s']):.4g} s"
-        place = f" at every speed, strongest in {where['channel']}, in {where['zone']}"
-        return text + (place if every_speed else "")
+        return text + (_strongest(where) if every_speed else "")
     if kind == "time":
         text = f"something that repeats in time, {where['frequency_Hz']:.4g} Hz"
-        return f"{text} at every speed" if every_speed else text
+        return text + (_strongest(where) if every_speed else "")
     if kind == "angle":
         return f"something that repeats {where['order']:.4g} times per turn of {where['roll']}"
     wavenumber = float(where["wavenumber_1_m"])

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from sim_plant.line.build import cell_sensors
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.search.reading_direction import Sticking, sticking_cells
 from sim_plant.refine.search.recurring import Recurrence, recurrences, strongest_channel
 from sim_plant.refine.search.selection import Selection
+from sim_plant.refine.search.strongest_zone import channels_of_zones
 from sim_plant.refine.search.unexplained import Place, Unknown, where_on
 from sim_plant.refine.search.unknown_event import zone_of
 
@@ -65,9 +65,7 @@ def rhythm_of(objective: Objective, found: Selection) -> Unknown | None:
         if not seen or seen[0].axis != "time":
             continue
         names = [n for n, use in zip(twin.channels, noise.analogue, strict=True) if use]
-        # a drive between two zones answers to both
-        cells = {s.channel for s in cell_sensors(twin.declaration)} & {*names} or {*names}
-        own = [k for k, name in enumerate(names) if name in cells]
+        own = channels_of_zones(twin.declaration, names)
         at = strongest_channel(white[own], axes.time_s, 1.0 / seen[0].frequency)
         channel = names[own[at]]
         place = {"zone": zone_of(twin.declaration, channel), "channel": channel}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from sim_plant.refine.fit.whitening import Whitening
 from sim_plant.refine.search.coherence import Coupling, least_likely_coupling
 from sim_plant.refine.search.outside_prior import PriorConflict, joint_conflict
 from sim_plant.refine.search.spectral_line_in_noise import may_be_noise
+from sim_plant.refine.search.strongest_zone import Heard, strongest_zone
 from sim_plant.refine.search.unknown_event import event_left
 from sim_plant.refine.spectra.coordinates import RecordAxes, near
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
@@ -113,12 +114,35 @@ def event_or_spectral_line(
 ) -> Unknown | None:
     """Return what has a coordinate: an event first, for a step has slow spectral lines too."""
     event = event_left(objective, fit)
-    line = periodic_left(after, excess)
+    line = with_zone(periodic_left(after, excess), heard(objective, fit, record_axes))
     if line is not None and may_be_noise(objective, record_axes, *strongest_peak(after)[:2]):
         line = None
     if event is None or (line is not None and rings(after, event[1])):
         return line
     return Unknown(unknown_class="event", coordinate=event[0], chi2_reduction=event[1])
+
+
+def heard(objective: Objective, fit: Fit, record_axes: Sequence[RecordAxes]) -> list[Heard]:
+    """Return what a fit leaves in every record, of channels whose noise is known."""
+    pairs = zip(objective.pool.twins, objective.whitening.noise, strict=True)
+    parts = zip(pairs, objective.split(fit.residual), record_axes, strict=True)
+    return [
+        Heard(
+            line=twin.declaration,
+            names=[n for n, use in zip(twin.channels, noise.analogue, strict=True) if use],
+            left=left[noise.analogue],
+            time_s=axes.time_s,
+        )
+        for (twin, noise), left, axes in parts
+    ]
+
+
+def with_zone(found: Unknown | None, records: Sequence[Heard]) -> Unknown | None:
+    """Return a line in time with the zone in which it is strongest, all else as it is."""
+    if found is None or found.unknown_class != "time":
+        return found
+    where = strongest_zone(records, float(found.coordinate["frequency_Hz"]))
+    return replace(found, coordinate={**found.coordinate, **where})
 
 
 def rings(after: Sequence[Sequence[SpectralLines]], chi2_reduction: float) -> bool:

@@ -306,7 +306,12 @@ def test_what_stays_above_noise_is_named_but_no_sums():
 @pytest.mark.parametrize(
     ("kind", "where", "said"),
     [
-        ("time", {"frequency_Hz": 3.33}, "3.33 Hz"),
+        ("time", {"frequency_Hz": 3.33}, "3.33 Hz at every speed"),
+        (
+            "time",
+            {"frequency_Hz": 3.33, "zone": "rewind_zone", "channel": "rewind_tension_N"},
+            "3.33 Hz at every speed, strongest in rewind_tension_N, in rewind_zone",
+        ),
         # 1 / 4.18 m a turn, that over 2 pi as radius
         (
             "travel",

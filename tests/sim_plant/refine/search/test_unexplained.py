@@ -164,6 +164,31 @@ def test_what_a_speed_brings_to_sound_is_a_line_and_a_step_is_an_event(shape, ki
     assert [u.unknown_class in kinds for u in found] == [True]
 
 
+@pytest.mark.parametrize(
+    ("sizes", "where"),
+    [
+        ((0.5, 0.0, 0.2), {"zone": "unwind_zone", "channel": "unwind_tension_N"}),
+        ((0.2, 0.9, 0.5), {"zone": "rewind_zone", "channel": "rewind_tension_N"}),
+        ((0.5, 0.0, 0.5), {}),
+    ],
+    ids=["unwind", "rewind", "both alike"],
+)
+def test_a_line_in_time_names_the_zone_in_which_it_is_strongest(sizes, where):
+    """By load cells alone: a drive between two zones answers to both."""
+    speed_m_s = np.where(np.arange(JUDGED) < JUDGED // 2, 0.8, 1.3)
+    axes = axes_at(speed_m_s)
+    wave = np.cos(2.0 * np.pi * 6.2 * axes.time_s)
+    part = np.asarray(sizes)[:, None] * wave
+    part += white((3, JUDGED), seed=9)
+    residual = np.append(part.ravel(), np.zeros(len(OBJECTIVE.nuisances)))
+    fit = fit_of(residual=residual, cost=float(residual @ residual))
+    (found,) = what_is_left(OBJECTIVE, fit, fit, [axes], [spectra(axes, part)])
+    assert (found.unknown_class, found.also) == ("time", ())
+    coordinate = dict(found.coordinate)
+    assert coordinate.pop("frequency_Hz") == pytest.approx(6.2, rel=3e-3)
+    assert coordinate == where
+
+
 def left_of(wave, speed_m_s):
     """Return the spectra of what is left, a wave in noise, of a record at these speeds."""
     axes = axes_at(speed_m_s)
