@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -93,10 +94,13 @@ def rows_once(parts: Mapping[Path, NDArray[np.float64]]) -> tuple[NDArray[np.flo
             rows = rows[~again]
         if rows.size:
             taken[path] = rows
-    order = sorted(taken, key=lambda path: float(np.median(taken[path][:, 0])))
-    if order != list(taken):
-        names = ", ".join(path.name for path in order[:FEW_NAMES])
-        said.append(f"segments stand back in time: taken in the order of their rows ({names})")
+    middles = {path: float(np.median(rows[:, 0])) for path, rows in taken.items()}
+    said += [
+        f"{path.name}: its rows are before those of {before.name}; put in the order of time"
+        for before, path in itertools.pairwise(taken)
+        if middles[path] < middles[before]
+    ]
+    order = sorted(taken, key=lambda path: middles[path])
     return np.vstack([taken[path] for path in order]), said
 
 

@@ -201,9 +201,7 @@ def _odd(window: Window) -> list[str]:
         said.append(
             f"its site.yaml maps {named}, the run has no such column: is it of another run?"
         )
-    mapped_too = {name: columns[name][window.rows] for name in mapped if name in columns}
-    said += lacking_readings(window.time_s, mapped_too)
-    said += few([*restarting_counts(window.time_s, mapped_too, channels)])
+    said += said_of_readings(window)
     if window.share_of_numbers(ROLL_ID) < 1.0:
         said.append("roll_id is no number in some of its rows: another roll is not told there")
     if window.time_s.size < FEWEST_READINGS:
@@ -234,6 +232,18 @@ def _odd(window: Window) -> list[str]:
     return said + few(
         [f"the site file was changed at {r.get('time_s')} s: {r.get('text')}" for r in changes]
     )
+
+
+def said_of_readings(window: Window) -> list[str]:
+    """Return sentences about readings that lack, and about counts that start over early."""
+    channels = window.section("gateway").section("read").section("channels")
+    readings = {
+        str(name): window.table.columns[str(name)][window.rows]
+        for name, _ in channels.items()
+        if str(name) in window.table.columns
+    }
+    restarting = restarting_counts(window.time_s, readings, channels)
+    return [*lacking_readings(window.time_s, readings), *few([*restarting])]
 
 
 def _other_cycle(window: Window) -> list[str]:

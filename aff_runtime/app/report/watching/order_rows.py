@@ -105,9 +105,10 @@ def is_wound(roll: Section) -> bool:
 
 
 def _last_whole(window: Window, name: str) -> int:
-    """Return the last number of a column, 0 where there is none."""
+    """Return the last number of a column, 0 where there is none; a row without one has none."""
     column = window.table.columns.get(name, np.zeros(1))
-    return int(np.clip(np.nan_to_num(column[-1]), -(2.0**53), 2.0**53))
+    read = column[np.isfinite(column)]
+    return int(np.clip(read[-1], -(2.0**53), 2.0**53)) if read.size else 0
 
 
 def _noise(values: Array) -> float:

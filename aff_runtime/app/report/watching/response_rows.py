@@ -28,6 +28,7 @@ from aff_runtime.base.run_responses import (
     MOST_RESPONSES,
     RESPONSE_FILE,
     UNITS,
+    response_file,
 )
 from aff_runtime.base.yaml_section import Section
 from aff_runtime.core.response import Response
@@ -66,6 +67,12 @@ def measured_responses(folder: Path) -> tuple[tuple[MeasuredResponse, ...], tupl
             units = Section.of(yaml_values(text)).section(UNITS)
         except (ConfigError, ValueError, OverflowError):
             lost.append(f"{name}: is no response with the time at which it was measured; left out")
+            continue
+        if name != response_file(response.provenance.actuator, text):
+            lost.append(
+                f"{name}: is not the response that was measured, by the hash in its name, altered "
+                "since or under another name; left out, copy it anew from the gateway"
+            )
             continue
         at = at.astimezone(UTC) if at.tzinfo else at.replace(tzinfo=UTC)
         gain_unit = printable(text_or(units.get(GAIN)), 20)

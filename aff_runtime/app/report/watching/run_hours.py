@@ -12,7 +12,12 @@ import numpy as np
 
 from aff_runtime.app.report.comparison.comparing import percentiles
 from aff_runtime.app.report.comparison.turns import Array
-from aff_runtime.app.report.comparison.window import DEFAULT_SPEED_CHANNEL, Window, without_gaps
+from aff_runtime.app.report.comparison.window import (
+    DEFAULT_SPEED_CHANNEL,
+    Window,
+    said_of_readings,
+    without_gaps,
+)
 from aff_runtime.app.report.watching.drive_rows import drive_rows
 from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.response_rows import (
@@ -164,7 +169,10 @@ class RunHours:
             return None
         lost.update(dict.fromkeys(t for t in table.lost if t.startswith(OF_A_SEGMENT)))
         lost.update(dict.fromkeys(one.said for one in table.sites if one.said))
-        return steady(table, _speed_name(self.site))
+        stretch = steady(table, _speed_name(self.site))
+        if stretch is not None:
+            lost.update(dict.fromkeys(said_of_readings(stretch)))
+        return stretch
 
     def _read(self, one: RecordedHour, window: Window | None) -> HourRead:
         middle_s = 0.5 * (one.from_s + one.to_s)

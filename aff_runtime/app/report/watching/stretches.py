@@ -40,7 +40,9 @@ def steady(table: RunTable, speed_name: str) -> Window | None:
     time_s = table.columns["time_s"]
     second = np.floor((time_s - time_s[0]) / BIN_S).astype(np.int64)
     starts = np.flatnonzero(np.diff(second, prepend=second[0] - 1))
-    mean = _means(np.nan_to_num(speed), starts)
+    read = np.isfinite(speed)  # what lacks is no standstill; a second without a reading is one
+    mean = _means(np.where(read, speed, 0.0), starts)
+    mean /= np.maximum(_means(read.astype(np.float64), starts), np.finfo(float).tiny)
     corrected = _means(any_correction(table.columns).astype(np.float64), starts)
     good = (_means(_disturbed(table), starts) == 0.0) & (np.abs(mean) > SLOWEST_M_S)
     good &= (corrected >= WHOLLY) | (corrected <= 1.0 - WHOLLY)

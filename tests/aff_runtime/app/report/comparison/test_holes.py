@@ -357,6 +357,17 @@ def test_a_speed_that_is_no_number_is_no_standstill(tmp_path):
     assert angle.angle_rad[-1] == pytest.approx(steps * CYCLE_S * 1.0 / 0.1, rel=1e-6)
 
 
+def test_the_watch_says_what_share_of_the_readings_of_an_hour_is_bridged(tmp_path):
+    found = columns(21.0, None)
+    found[SIGNAL][::25] = math.nan
+    run = run_hours(recorded(tmp_path, found, site_text=site_text(None)))
+    said = run.read(run.hours[0])
+    assert said.hour.stretch_s > 20.0
+    assert [text.partition(" and ")[0] for text in said.lost] == [
+        f"{SIGNAL}: 4 % of its readings are no numbers"
+    ]
+
+
 def test_web_is_counted_over_a_speed_that_is_no_number_where_a_segment_begins(tmp_path):
     found = columns(20.0, None)
     for begins in (1000, 2000, 3000):

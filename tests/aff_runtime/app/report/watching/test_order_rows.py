@@ -67,6 +67,13 @@ def law(state, **columns):
     }
 
 
+def test_a_roll_whose_number_lacks_in_the_last_row_is_the_roll_of_the_rows_before():
+    lacks = np.where(TIME_S < 50.0, 12.0, 13.0)
+    lacks[-3:] = math.nan
+    assert {row.roll_id for row in rows(roll_id=lacks).values()} == {13}
+    assert {row.roll_id for row in rows(roll_id=math.nan * ONES).values()} == {0}
+
+
 def test_ripple_frequency_and_radius_are_those_of_the_record_and_set_points_are_no_signal():
     found = rows()
     assert set(found) == {("roller", 1), ("roller", 2), ("web", 1)}

@@ -14,7 +14,7 @@ import pytest
 from aff_runtime.app.report.parquet import table, write_parquet
 from aff_runtime.app.report.watching import sentences
 from aff_runtime.app.report.watching.findings import findings
-from aff_runtime.app.report.watching.response_rows import errors_at
+from aff_runtime.app.report.watching.response_rows import errors_at, measured_responses
 from aff_runtime.app.report.watching.run_hours import HourRead, run_hours
 from aff_runtime.app.report.watching.store import VERSION, Store, load_store, save_store
 from aff_runtime.app.report.watching.tables import HOUR_FIELDS, RESPONSE_FIELDS, ResponseRow
@@ -161,6 +161,22 @@ def test_add_takes_the_responses_of_a_run_once_and_others_read_them(tmp_path):
     schema = pyarrow.parquet.read_schema(path)
     units = {name: schema.field(name).metadata[b"unit"].decode() for name in ("gain", "phase_rad")}
     assert units == {"gain": "as gain_unit says", "phase_rad": "rad"}
+
+
+def test_a_response_of_a_run_that_was_altered_or_copied_is_named_and_left_out(tmp_path):
+    """Its name has the hash of its text: the gain of a copy had counted twice."""
+    text = with_units(response(datetime(2026, 1, 5, 6, 0, 30, tzinfo=UTC)).to_json(), "N/(m/s)")
+    name = response_file("unwind", text)
+    (tmp_path / name).write_text(text)
+    (tmp_path / name.replace("unwind", "rewind")).write_text(text)
+    found, lost = measured_responses(tmp_path)
+    assert len(found) == 1
+    assert [one.partition(": is not the response")[0] for one in lost] == [
+        name.replace("unwind", "rewind")
+    ]
+    (tmp_path / name).write_text(text.replace('"gain"', ' "gain"'))
+    found, lost = measured_responses(tmp_path)
+    assert (len(found), len(lost)) == (0, 2)
 
 
 def test_a_response_whose_hour_was_deleted_since_counts_once():

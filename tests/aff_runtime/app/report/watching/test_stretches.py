@@ -62,6 +62,13 @@ def test_what_disturbs_is_in_no_stretch(what):
     assert span(steady(table(**what), SPEED)) == pytest.approx((51.0, 171.0), abs=2.0 * CYCLE_S)
 
 
+def test_readings_of_the_speed_that_lack_are_no_standstill_and_a_second_of_none_is_one():
+    lacks = np.where(np.arange(TIME_S.size) % 31 < 4, np.nan, 1.0)
+    assert span(steady(table(**{SPEED: lacks}), SPEED)) == pytest.approx((0.0, LONGEST_S), abs=0.1)
+    lacks[(SINCE_S >= 50.0) & (SINCE_S < 51.0)] = np.nan
+    assert span(steady(table(**{SPEED: lacks}), SPEED)) == pytest.approx((51.0, 171.0), abs=0.1)
+
+
 def test_of_two_speeds_the_longer_is_taken_and_a_slow_ramp_is_none():
     two = table(**{SPEED: between(0.0, 90.0, 1.0, otherwise=1.02)})
     assert span(steady(two, SPEED)) == pytest.approx((90.0, 200.0), abs=2.0 * CYCLE_S)
