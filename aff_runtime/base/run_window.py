@@ -38,8 +38,8 @@ class RunWindow:
         """Return it as it would be written."""
         if self.from_s == 0.0 and math.isinf(self.to_s):
             return printable(str(self.folder))
-        end = "" if math.isinf(self.to_s) else f"{self.to_s:.10g}"
-        return f"{printable(str(self.folder))}@{self.from_s:.10g}..{end}"
+        end = "" if math.isinf(self.to_s) else f"{self.to_s:.13g}"
+        return f"{printable(str(self.folder))}@{self.from_s:.13g}..{end}"
 
 
 def names_a_run(path: str | Path) -> bool:

@@ -35,7 +35,7 @@ class SegmentWriter:
     ) -> None:
         self._folder = folder
         self._header = ",".join(columns) + "\n"
-        self._row = ",".join(["%.10g"] * len(columns)) + "\n"
+        self._row = ",".join(map(_format_of, columns)) + "\n"
         self._segment_s = segment_s
         self._file: io.BufferedWriter | None = None
         self._gzip: gzip.GzipFile | None = None
@@ -117,3 +117,12 @@ class SegmentWriter:
                     file.close()
         self._gzip = None
         self._file = None
+
+
+def _format_of(column: str) -> str:
+    """Return how a column is written; time and counted angles grow for as long as a process runs.
+
+    Ten digits part ticks of 10 ms after 115 days, and hundredths of a radian after a month.
+    """
+    grows = column == "time_s" or (column.endswith("_rad") and "." not in column)
+    return "%.13g" if grows else "%.10g"

@@ -76,3 +76,16 @@ def test_what_was_written_before_the_disk_was_full_stays(tmp_path: Path) -> None
     texts = [gzip.decompress(p.read_bytes()) for p in sorted(tmp_path.glob("*.csv.gz"))]
     assert [text.splitlines()[1:] for text in texts] == [[b"0,0", b"0.1,1", b"0.2,2"], [b"61,2"]]
     assert writer.rows_lost == 1
+
+
+def test_ticks_and_angles_of_a_process_that_runs_for_a_year_stay_apart(tmp_path: Path) -> None:
+    year_s, turned_rad = 365.0 * 86400.0, 4e8
+    writer = SegmentWriter(tmp_path, ["time_s", "roll_angle_rad"], segment_s=60)
+    ticks = [(year_s + 0.005 * k, turned_rad + 0.001 * k) for k in range(3)]
+    writer.append(ticks)
+    writer.close()
+    lines = gzip.decompress(writer.path.read_bytes()).decode().splitlines()[1:]
+    read = [tuple(map(float, line.split(","))) for line in lines]
+    for (time_s, angle_rad), tick in zip(read, ticks, strict=True):
+        assert time_s == pytest.approx(tick[0], abs=1e-4)
+        assert angle_rad == pytest.approx(tick[1], abs=1e-4)
