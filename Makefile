@@ -82,7 +82,7 @@ house: setup
 # everything that decides whether a change may land
 test: export PYTHONDONTWRITEBYTECODE =
 test: setup
-	@$(MAKE) --no-print-directory -j 3 check compiled compiled-campaign
+	@$(MAKE) --no-print-directory -j 2 check compiled
 	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder --durations 20 \
 		-m "not campaign and not browser"
 
@@ -95,14 +95,14 @@ compiled: setup
 	@$(BIN)/python -m pytest --collect-only -q >out/collected.txt \
 		|| { grep -a ERROR out/collected.txt; exit 1; }
 
-# the campaign's own generator of records, a second simulator
+# the campaign's own generator of records, a second simulator: no quick test runs it
 compiled-campaign: setup
 	@$(BIN)/python -c "from benchmarks.campaign.cases import case_number; \
 		from benchmarks.campaign.stage import stage; stage(case_number(1, 0), 'a').quiet()"
 
 # what `make test` leaves out: minutes of simulated line, whole sweeps, drawn inputs; half an hour
 test-long: export PYTHONDONTWRITEBYTECODE =
-test-long: setup
+test-long: setup compiled-campaign
 	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder \
 		--hypothesis-profile long -m "campaign or hypothesis"
 

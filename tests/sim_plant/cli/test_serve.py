@@ -16,14 +16,12 @@ pytestmark = pytest.mark.processes
 
 PROGRAM = """
 import sys
-import sim_plant.base.jit
-import sim_plant.line
-from tests.sim_plant.servers.fake_line import FakeLine
+from tests.sim_plant.servers.no_kernel import opened_by
 def open_line(path, *, seed, speed_m_s):
+    from tests.sim_plant.servers.fake_line import FakeLine
     assert (str(path), seed, speed_m_s) == ("line.yaml", 7, 1.5)
     return FakeLine(0.02)
-sim_plant.line.open_line = open_line
-sim_plant.base.jit.nothing_kept = lambda: False
+opened_by(open_line)
 from sim_plant.cli.main import main
 sys.exit(main(sys.argv[1:]))
 """

@@ -5,7 +5,6 @@ All of them are of the campaign; quick are one test of the plugin and what the p
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -167,25 +166,18 @@ def test_a_declaration_that_is_not_there_is_refused_before_any_test(tmp_path):
     assert "none.yaml: no such file" in done.stderr
 
 
-def test_the_declaration_that_is_named_is_the_one_that_is_served(tmp_path):
+def test_the_declaration_that_is_named_is_served_whatever_folder_a_test_goes_to(tmp_path):
     text = (ROOT / "config" / "lines" / "euclid.yaml").read_text()
     known = re.search(r"^sample_time_s: *([\d.]+)", text, re.MULTILINE)
     (tmp_path / "mine.yaml").write_text(text.replace(known[0], "sample_time_s: 0.010"))
     (tmp_path / "test_mine.py").write_text(
-        "def test_mine(web_line):\n    assert web_line.sample_time_s == 0.010\n"
-    )
-    assert float(known[1]) != 0.010
-    done = _pytest(tmp_path, "--web-line", "mine.yaml")
-    assert done.returncode == 0, done.stdout + done.stderr
-
-
-def test_the_declaration_is_found_whatever_folder_a_test_goes_to(tmp_path):
-    shutil.copy(ROOT / "config" / "lines" / "euclid.yaml", tmp_path / "mine.yaml")
-    (tmp_path / "test_mine.py").write_text(
         "def test_mine(tmp_path, monkeypatch, request):\n"
         "    monkeypatch.chdir(tmp_path)\n"
-        "    request.getfixturevalue('web_line').step()\n"
+        "    line = request.getfixturevalue('web_line')\n"
+        "    line.step()\n"
+        "    assert line.sample_time_s == 0.010\n"
     )
+    assert float(known[1]) != 0.010
     done = _pytest(tmp_path, "--web-line", "mine.yaml")
     assert done.returncode == 0, done.stdout + done.stderr
 

@@ -34,6 +34,7 @@ int aff_plc_scan(struct aff_plc_scan *scan)
     return 0;
 }
 """
+LOOKS_OFTEN = "from sim_plant.servers import code_watch; code_watch.LOOK_S = 0.1"
 BEGINS_NOT = CODE.replace("begin(void) {", "begin(void) { for (volatile int at = 0;;) at++; ")
 
 
@@ -110,7 +111,7 @@ def test_a_served_line_ends_by_itself_when_its_code_does_not_return(
     library = str(built(tmp_path, code))
     words = [*ARGUMENTS, "--modbus", "127.0.0.1:0", "--plc-code", library]
     with subprocess.Popen(
-        [sys.executable, "-c", PROGRAM, *words],
+        [sys.executable, "-c", f"{LOOKS_OFTEN}{PROGRAM}", *words],
         cwd=REPOSITORY,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
