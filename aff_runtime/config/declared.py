@@ -5,6 +5,8 @@ from __future__ import annotations
 import types
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
+from types import MappingProxyType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 import annotated_types
@@ -110,11 +112,18 @@ def declared_type(name: str, annotation: Any, info: FieldInfo | None) -> Declare
 
 def keys_of(section: type[Section]) -> dict[str, Declared]:
     """Return the keys of a section as they stand in the file."""
-    found = {}
-    for attribute, info in section.model_fields.items():
-        name = info.alias or attribute
-        found[name] = declared_type(name, info.annotation, info)
-    return found
+    return {declared.name: declared for declared in by_attribute(section).values()}
+
+
+@cache
+def by_attribute(section: type[Section]) -> Mapping[str, Declared]:
+    """Return the keys of a section by the attributes that hold them."""
+    return MappingProxyType(
+        {
+            attribute: declared_type(info.alias or attribute, info.annotation, info)
+            for attribute, info in section.model_fields.items()
+        }
+    )
 
 
 def declared_at(root: type[Section], path: KeyPath) -> Declared | None:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from aff_runtime.base.units import plain
-from aff_runtime.config.declared import Declared, declared_type, keys_of
+from aff_runtime.config.declared import Declared, by_attribute, declared_type
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Site
 from aff_runtime.config.quantity import Section, Unit
@@ -33,17 +33,13 @@ def leaves(site: Site) -> Iterator[Leaf]:
 
 
 def _of(value: object, declared: Declared, path: KeyPath, *, given: bool) -> Iterator[Leaf]:
-    item = declared.item
     if isinstance(value, Section):
-        for name, inner in keys_of(type(value)).items():
-            attribute = next(
-                known
-                for known, info in type(value).model_fields.items()
-                if name in (known, info.alias)
-            )
+        for attribute, inner in by_attribute(type(value)).items():
             was_given = given and attribute in value.model_fields_set
-            yield from _of(getattr(value, attribute), inner, (*path, name), given=was_given)
-    elif isinstance(value, Mapping) and item is not None:
+            yield from _of(getattr(value, attribute), inner, (*path, inner.name), given=was_given)
+        return
+    item = declared.item if isinstance(value, Mapping | tuple) else None
+    if isinstance(value, Mapping) and item is not None:
         for name, entry in value.items():
             yield from _of(entry, item, (*path, name), given=given)
     elif isinstance(value, tuple) and item is not None and item.section is not None:

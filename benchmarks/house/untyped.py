@@ -33,21 +33,21 @@ Imports = Sequence[ast.Import | ast.ImportFrom]
 Given = Sequence[tuple[str, ast.expr]]
 
 
-def untyped(trees: Trees) -> dict[str, int]:
+def untyped(trees: Trees, known: Known | None = None) -> dict[str, int]:
     """Return how often each module says a dict of anything; modules by dotted name."""
-    known = _known(trees)
-    return {name: sum(_uses(tree, known[name])) for name, tree in trees.items()}
+    names = known_names(trees) if known is None else known
+    return {name: sum(_uses(tree, names[name])) for name, tree in trees.items()}
 
 
-def other_names(trees: Trees) -> dict[str, set[str]]:
+def other_names(known: Known) -> dict[str, set[str]]:
     """Return the names that each module has for a dict of anything."""
     return {
         module: {name for name, of in names.items() if of is Kind.UNTYPED}
-        for module, names in _known(trees).items()
+        for module, names in known.items()
     }
 
 
-def _known(trees: Trees) -> Known:
+def known_names(trees: Trees) -> Known:
     """Return what every module calls such things, followed through imports to no more news."""
     known: Known = {name: {} for name in trees}
     made = [(name, _imports(tree), list(_given(tree))) for name, tree in trees.items()]

@@ -27,6 +27,8 @@ from tests.aff_runtime.core.plants import (
 )
 
 OMEGA = 5.0
+BEFORE_S = 12.0
+LATCHES_WITHIN_S = 15.0 * math.tau / OMEGA
 SIZE = {"blocks": "amplitude_m_s", "shape": "shape_mm"}
 
 
@@ -121,11 +123,11 @@ class Loop:
 
 def test_a_wrong_sign_fades_latches_and_is_forgotten() -> None:
     loop = Loop(-1.0)
-    loop.run(20.0)
+    loop.run(BEFORE_S)
     assert loop.guard.arm() == ""
     after_s = loop.run(30.0)
     assert loop.guard.state is State.FAULT
-    assert after_s < 15.0 * math.tau / OMEGA
+    assert after_s < LATCHES_WITHIN_S
     (said,) = (text for text in loop.said if "RIPPLE" in text)
     number = r"[\d.]+"
     assert re.fullmatch(
@@ -140,7 +142,7 @@ def test_a_wrong_sign_fades_latches_and_is_forgotten() -> None:
 
 def test_after_an_arm_it_does_not_latch_again_at_once() -> None:
     loop = Loop(-1.0)
-    loop.run(20.0)
+    loop.run(BEFORE_S)
     loop.guard.arm()
     first_s = loop.run(30.0)
     loop.run(0.5)  # the fade, and then the operator presses at once
@@ -154,7 +156,7 @@ def test_after_an_arm_it_does_not_latch_again_at_once() -> None:
 
 def test_a_right_sign_runs_on() -> None:
     loop = Loop(1.0)
-    loop.run(20.0)
+    loop.run(BEFORE_S)
     loop.guard.arm()
     assert loop.run(40.0) == 40.0
     assert loop.guard.state is State.ACTIVE

@@ -60,11 +60,16 @@ def frame_rad(line: Line) -> float:
 
 
 def listened(
-    text: str, *, seconds: float = LISTEN_S, restart_s: float = math.inf
+    text: str,
+    *,
+    seconds: float = LISTEN_S,
+    restart_s: float = math.inf,
+    said_s: list[float] | None = None,
 ) -> tuple[list[str], Line]:
     """Return what a service says of a saved shape while the roll turns that it belongs to.
 
     After ``restart_s`` nothing is read for 1 s, and the counter of the roll begins at zero then.
+    ``said_s`` is given the time of each text.
     """
     said: list[str] = []
     line = Line()
@@ -89,6 +94,8 @@ def listened(
             given["unwind_angle_rad"] = OMEGA_RAD_S * (since_s - 1.0)
         line.step(SHUT, fresh=fresh, **given)
         keeper.listen(line.law, line.values(**given), fresh=fresh, quiet=True)
+        if said_s is not None:
+            said_s += [tick * CYCLE_S] * (len(said) - len(said_s))
     return said, line
 
 

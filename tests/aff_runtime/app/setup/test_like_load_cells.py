@@ -113,7 +113,10 @@ def test_the_cell_that_is_moved_is_taken_by_enter_and_the_others_are_shown(
     assert told[0].startswith(f"  word {CELLS[pushed]:5} changed by 8.")
 
 
-def test_all_that_move_together_leave_it_open(tmp_path: Path) -> None:
+def test_all_that_move_together_leave_it_open(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(display_steps, "MOVE_S", 12.0)
     with pytest.raises(LeftOpenError, match=r"unwind_tension_N\.pick2"):
         at_work(tmp_path, "unwind_tension_N", dict.fromkeys(CELLS, 8.0))
 

@@ -12,7 +12,7 @@ from sim_plant.refine.without_line.pipeline import refine_records
 from sim_plant.refine.without_line.record_filter import record_declaration_in
 
 RATE_HZ = 1000.0
-SIZE = 30000
+SIZE = 16000
 DECLARATION = """\
 schema: record-declaration/1
 sample_time_s: 0.001
