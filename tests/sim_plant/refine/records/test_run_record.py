@@ -25,7 +25,7 @@ OUT_OF_ROUND = {
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    """A run of 56 s: off 25 s, on 20 s, a splice, off again; what the plant had beside it."""
+    """A run of 48 s: off 25 s, on 20 s, a splice, off again; what the plant had beside it."""
     folder = tmp_path_factory.mktemp("run")
     run = RecordedRun(files(folder, [OUT_OF_ROUND], cycle_ms=10), folder / "runs")
     truth = []
@@ -37,7 +37,7 @@ def made(tmp_path_factory):
     run.bench.run(25.0)
     run.bench.arm(20.0)
     run.bench.inject("splice")
-    run.bench.run(11.0)
+    run.bench.run(3.0)
     return run.end(), np.array(truth)
 
 
