@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import shutil
+from collections.abc import Callable, Mapping
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -34,8 +36,27 @@ BY_WORDS = [name for name, plant in PLANTS.items() if not plant.line]
 NAMES = {SECOND_CHANNEL: f"{SECOND}_tension_N"}
 
 
+MORE_WORDS = "more words"
+
+
 def stand(plant: UnusualPlant, folder: Path) -> Stand:
     return Stand(plant, VirtualLine(0.005), folder)
+
+
+Done = tuple[Stand, Technician, Path]
+
+
+@pytest.fixture(scope="module")
+def commissioned(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Done]:
+    """Commission a plant once for all tests that only look at it and its folder."""
+
+    @cache
+    def of(name: str) -> Done:
+        folder = tmp_path_factory.mktemp("commissioned")
+        made = stand(more_words() if name == MORE_WORDS else PLANTS[name], folder)
+        return made, made.commission(folder / "site.yaml"), folder
+
+    return of
 
 
 def assert_says_what_the_map_says(
@@ -75,13 +96,12 @@ def assert_says_what_the_map_says(
 @pytest.mark.parametrize("name", BY_WORDS)
 @pytest.mark.sweep(every=4)
 def test_setup_finds_the_words_of_an_unusual_plant_and_its_file_is_checked(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    name: str, commissioned: Callable[[str], Done], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    made = stand(PLANTS[name], tmp_path)
-    technician = made.commission(tmp_path / "site.yaml")
-    site = load_site(tmp_path / "site.yaml")
+    made, technician, folder = commissioned(name)
+    site = load_site(folder / "site.yaml")
     assert_says_what_the_map_says(site, made.map)
-    assert main(["check", str(tmp_path / "site.yaml"), "--state-dir", str(tmp_path)]) == 0
+    assert main(["check", str(folder / "site.yaml"), "--state-dir", str(folder)]) == 0
     capsys.readouterr()
     angles = [item.name for item in made.map.channels if item.wraps]
     assert technician.unasked == [f"{name}.pick" for name in angles]
@@ -125,16 +145,17 @@ def more_words(**answers: str) -> UnusualPlant:
     )
 
 
-def test_the_set_point_of_the_speed_and_further_words_are_found_and_mapped(tmp_path: Path) -> None:
-    made = stand(more_words(), tmp_path)
-    made.commission(tmp_path / "site.yaml")
-    site = load_site(tmp_path / "site.yaml")
+def test_the_set_point_of_the_speed_and_further_words_are_found_and_mapped(
+    commissioned: Callable[[str], Done],
+) -> None:
+    made, _, folder = commissioned(MORE_WORDS)
+    site = load_site(folder / "site.yaml")
     assert_says_what_the_map_says(site, made.map, {})
     assert site.line.speed_reference == "line_speed_ref_m_s"
     assert site.actuators[SECOND].error.signal == SECOND_CHANNEL
     assert list(site.gateway.read.channels)[-2:] == list(FURTHER)
     assert site.recorded_only >= {"line_speed_ref_m_s", *FURTHER}
-    read_by_refine = run_site((tmp_path / "site.yaml").read_text(), "site.yaml")
+    read_by_refine = run_site((folder / "site.yaml").read_text(), "site.yaml")
     assert read_by_refine.speed_reference == "line_speed_ref_m_s"
     assert read_by_refine.count_sizes["rewind_speed_rad_s"] == pytest.approx(0.01)
 
@@ -174,10 +195,10 @@ def test_a_name_that_no_further_channel_can_have_is_refused_with_what_to_do(
 
 
 def test_a_list_that_ends_earlier_the_second_time_leaves_nothing_of_the_first(
-    tmp_path: Path,
+    tmp_path: Path, commissioned: Callable[[str], Done]
 ) -> None:
-    stand(more_words(), tmp_path).commission(tmp_path / "site.yaml")
     path = tmp_path / "site.setup.json"
+    shutil.copy(commissioned(MORE_WORDS)[2] / path.name, path)
     kept = read_draft(path)
     assert kept.further == tuple(FURTHER)
     one_less = kept.without("further.2")  # as `--again further.2`
@@ -242,18 +263,17 @@ def test_a_torque_reference_is_told_why_not_and_what_to_do(tmp_path: Path) -> No
     assert not (tmp_path / "site.yaml").exists()
 
 
-def test_two_lines_on_one_gateway_have_a_site_file_each(tmp_path: Path) -> None:
-    sites = {}
-    for name, plant in (("film1", UnusualPlant()), ("film2", PLANTS["low words first"])):
-        folder = tmp_path / "lines" / name
-        folder.mkdir(parents=True)
-        made = stand(plant, folder)
-        made.commission(folder / "site.yaml")
-        sites[name] = load_site(folder / "site.yaml")
-        assert main(["check", str(folder / "site.yaml"), "--state-dir", str(folder)]) == 0
-        assert_says_what_the_map_says(sites[name], made.map)
-    orders = [site.gateway.word_order for site in sites.values()]
-    assert orders == ["high_first", "low_first"]
+def test_two_lines_on_one_gateway_have_a_site_file_each(
+    tmp_path: Path, commissioned: Callable[[str], Done]
+) -> None:
+    one = stand(UnusualPlant(), tmp_path)
+    one.commission(tmp_path / "site.yaml")
+    other, _, folder = commissioned("low words first")
+    sites = [load_site(at / "site.yaml") for at in (tmp_path, folder)]
+    for at, made, site in zip((tmp_path, folder), (one, other), sites, strict=True):
+        assert main(["check", str(at / "site.yaml"), "--state-dir", str(at)]) == 0
+        assert_says_what_the_map_says(site, made.map)
+    assert [site.gateway.word_order for site in sites] == ["high_first", "low_first"]
 
 
 @pytest.mark.parametrize(
