@@ -80,13 +80,15 @@ class RunSegments:
             if start is None or (start < to_s and (end > from_s or end < start)):
                 yield path
 
-    @property
-    def span(self) -> str:
-        """Return a sentence: when segments begin."""
-        starts = [start for start in self.starts_s if start is not None]
-        if not starts:
+    def span(self, names: Sequence[str]) -> str:
+        """Return a sentence: from when to when the run has rows, of columns ``names``."""
+        known = zip(self.starts_s, self.paths, strict=True)
+        begun = sorted((start, path) for start, path in known if start is not None)
+        if not begun:
             return "no segment of the run holds a row"
-        return f"the run's segments begin between {min(starts):g} s and {max(starts):g} s"
+        rows, _ = rows_of(begun[-1][1], names, [0])
+        end = rows[-1, 0] if rows.size else begun[-1][0]
+        return f"the run has rows from {begun[0][0]:.1f} s to {end:.1f} s"
 
 
 def segments_of(folder: Path) -> list[tuple[int, Path]]:

@@ -141,7 +141,7 @@ def read_table(
             raise AffError(f"{window}: holds too much to be read at once; give a shorter window")
         parts[path] = inside
     if held == 0:
-        why = "; ".join(few([*torn, f"{segments.span}; give times of the run"]))
+        why = "; ".join(few([*torn, f"{segments.span(names)}; give times of the run"]))
         raise AffError(f"{window}: holds no row; {why}")
     for path, said_of_it in of_another_cycle(parts, periods_s):
         del parts[path]
@@ -309,10 +309,12 @@ def _why_none(folder: Path) -> str:
         return "it is a file"
     try:
         inside = list(itertools.islice(folder.iterdir(), MOST_SAID))
-        runs = any((path / MARK).exists() for path in inside)
+        runs = sorted(path.name for path in inside if (path / MARK).exists())
     except OSError as error:
         return error.strerror or "it cannot be listed"
-    return "a folder of runs, name one of them" if runs else f"it has no {MARK}, or an empty one"
+    if runs:  # by their names in the order of time
+        return f"a folder of runs, name one of them, such as {runs[-1]}"
+    return f"it has no {MARK}, or an empty one"
 
 
 def _missing(numbers: Sequence[int]) -> Iterator[str]:

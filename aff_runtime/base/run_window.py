@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +15,8 @@ from aff_runtime.base.printable import printable
 MARK = "run.yaml"
 HOW_WRITTEN = "times of a run are written RUN_DIR@FROM..TO, such as RUN_DIR@2:00..12:00"
 MOST_OF_A_CLOCK = 60
+RIGHT_TO_S = 1.0
+"""A person who writes the times of a window reads them off to a second."""
 _TIME = re.compile(r"(?:(?:(?P<h>\d{1,9}):)?(?P<m>\d{1,9}):)?(?P<s>\d{1,9}(?:\.\d*)?)")
 
 
@@ -74,6 +77,14 @@ def run_window(text: str | Path) -> RunWindow:
             "give the earlier time first"
         )
     return window
+
+
+def not_recorded(window: RunWindow, first_s: float, last_s: float) -> Iterator[str]:
+    """Yield a sentence for each end of a window where a record has no rows, by its outer ones."""
+    if window.from_s > 0.0 and first_s - window.from_s > RIGHT_TO_S:
+        yield f"nothing is recorded from {window.from_s:g} s, where it begins, to {first_s:.1f} s"
+    if math.isfinite(window.to_s) and window.to_s - last_s > RIGHT_TO_S:
+        yield f"nothing is recorded from {last_s:.1f} s to {window.to_s:g} s, where it ends"
 
 
 def _has_mark(folder: Path) -> bool:

@@ -244,7 +244,7 @@ def test_a_site_file_of_another_line_is_told_by_its_name(by_run, by_site, said):
 
 def test_a_window_without_rows_says_where_there_are_some(run):
     with pytest.raises(
-        AffError, match=r"holds no row; the run's segments begin between 0 s .* give times"
+        AffError, match=r"holds no row; the run has rows from 0.0 s to .* s; give times"
     ):
         read(run, "@50..60")
 
@@ -275,7 +275,7 @@ def test_what_was_meant_is_said_of_a_folder_that_is_no_run(run):
     (run.parent / "empty").mkdir()
     for name, said in (
         ("nowhere", "it is not there"),
-        (".", "a folder of runs, name one of them"),
+        (".", "a folder of runs, name one of them, such as "),
         (f"{run.name}@20", r"times of a run are written RUN_DIR@FROM\.\.TO"),
         ("empty", "it has no run.yaml"),
     ):

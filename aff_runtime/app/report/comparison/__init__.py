@@ -1,3 +1,3 @@
 """Two windows of runs, before and after."""
 
-__all__ = ["comparing", "lacking", "page", "turns", "window"]
+__all__ = ["comparing", "lacking", "page", "steady_parts", "turns", "window"]

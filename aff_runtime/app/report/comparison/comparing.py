@@ -12,6 +12,7 @@ import numpy as np
 
 from aff_runtime.app.report.comparison.implausible import implausible_readings
 from aff_runtime.app.report.comparison.site_differences import site_differences
+from aff_runtime.app.report.comparison.steady_parts import longest_parts
 from aff_runtime.app.report.comparison.turns import (
     FEWEST_SAMPLES,
     FEWEST_TURNS,
@@ -35,7 +36,7 @@ from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.holes import cycle_s_of, holes_between
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.run_join import PERIODS
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.run_window import RunWindow, not_recorded
 from aff_runtime.base.signals import State
 from aff_runtime.base.site_in_force import NOTED_WITHIN_S
 from aff_runtime.base.yaml_section import Section
@@ -150,6 +151,8 @@ def _facts(window: Window, angles: Mapping[str, RollAngle]) -> Facts:
     columns, speed = window.table.columns, window.speed
     time_s = columns["time_s"]
     missed, rows_lost = _missed(columns)
+    said = [*not_recorded(window.table.window, float(time_s[0]), float(time_s[-1]))]
+    said += [*window.labels, *implausible_readings(window)]
     return Facts(
         name=printable(str(window.table.window)),
         seconds=float(time_s[-1] - time_s[0]),
@@ -161,7 +164,7 @@ def _facts(window: Window, angles: Mapping[str, RollAngle]) -> Facts:
         times_us={n: percentiles(columns[n]) for n in TIMES if n in columns},
         missed=missed,
         rows_lost=rows_lost,
-        labels=(*window.labels, *implausible_readings(window)),
+        labels=(*said, *(longest_parts(window.table, window.speed_name) if said else [])),
     )
 
 

@@ -9,6 +9,7 @@ from html import escape
 from typing import Any
 
 from aff_runtime.app.report.comparison.comparing import Comparison, Facts, OrderRow
+from aff_runtime.app.report.comparison.outcome import NO_CHANGE, change_text, outcome
 from aff_runtime.app.report.comparison.turns import Change, Estimate
 from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.base.printable import printable
@@ -24,8 +25,6 @@ HEAD = (
     *("order", "Hz", "before N", "95 %", "after N", "95 %", "change dB", "95 %"),
     *("noise N", "turns", ""),
 )
-NO_CHANGE = {"none": "both in the noise", "unknown": "change not known"}
-"""What is said of a change without a figure, by its ``bound``."""
 # of a chart, pixels: width of a bar, height of the axis, room at its left and above it
 BAR, AXIS, LEFT, TOP = 14, 120, 30, 10
 
@@ -54,7 +53,8 @@ def _plain(value: Any) -> Any:
 def page(comparison: Comparison) -> str:
     """Return a self-contained HTML page."""
     parts = [f"<h1>{_shown(comparison.line)}: before and after</h1>", _warnings(comparison.labels)]
-    parts += [_facts(comparison.windows), _differences(comparison.differences)]
+    parts += [_outcome(comparison), _facts(comparison.windows)]
+    parts.append(_differences(comparison.differences))
     parts += [
         f"<h2>{_shown(signal)}, orders of {_shown(roll)}</h2>{_chart(rows)}{_table(rows)}"
         for (signal, roll), rows in _groups(comparison.rows).items()
@@ -74,12 +74,7 @@ def page(comparison: Comparison) -> str:
 
 
 def lines(comparison: Comparison) -> Iterator[str]:
-    """Yield the comparison for a terminal."""
-    for label in comparison.labels:
-        yield f"not comparable: {label}"
-    for which, window in zip(("before", "after"), comparison.windows, strict=True):
-        for label in window.labels:
-            yield f"{which}: {label}"
+    """Yield the comparison for a terminal; what it comes to is last."""
     for row in comparison.rows:
         yield (
             f"{row.signal} {row.roll} {row.order}x: {_size(row.before)} -> {_size(row.after)} N, "
@@ -87,17 +82,12 @@ def lines(comparison: Comparison) -> Iterator[str]:
         )
     for text in comparison.differences:
         yield f"site file: {text}"
-
-
-def change_text(change: Change) -> str:
-    """Return a change with its interval, or the bound that it is."""
-    if change.bound in NO_CHANGE:
-        return NO_CHANGE[change.bound]
-    if change.bound:
-        return f"{'<=' if change.bound == 'at_most' else '>='} {change.value_dB:+.1f} dB"
-    if math.isnan(change.low_dB):
-        return f"{change.value_dB:+.1f} dB"
-    return f"{change.value_dB:+.1f} dB ({change.low_dB:+.1f} to {change.high_dB:+.1f})"
+    for label in comparison.labels:
+        yield f"not comparable: {label}"
+    for which, window in zip(("before", "after"), comparison.windows, strict=True):
+        for label in window.labels:
+            yield f"{which}: {label}"
+    yield from outcome(comparison)
 
 
 def _size(estimate: Estimate) -> str:
@@ -106,6 +96,10 @@ def _size(estimate: Estimate) -> str:
 
 def _warnings(labels: Sequence[str]) -> str:
     return "".join(f'<p class="odd">Not comparable: {_shown(text)}.</p>' for text in labels)
+
+
+def _outcome(comparison: Comparison) -> str:
+    return "<ul>" + "".join(f"<li>{_shown(text)}</li>" for text in outcome(comparison)) + "</ul>"
 
 
 def _groups(rows: Sequence[OrderRow]) -> dict[tuple[str, str], list[OrderRow]]:

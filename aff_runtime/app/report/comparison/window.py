@@ -114,7 +114,12 @@ class Window:
     @property
     def speed(self) -> Array | None:
         """Line speed, m/s."""
-        return self.readings(text_or(self.section("line").get("speed"), DEFAULT_SPEED_CHANNEL))
+        return self.readings(self.speed_name)
+
+    @property
+    def speed_name(self) -> str:
+        """Name of the channel with the line speed."""
+        return text_or(self.section("line").get("speed"), DEFAULT_SPEED_CHANNEL)
 
     def in_state(self, state: State) -> float:
         """Return the share of all rows in this state."""

@@ -296,6 +296,9 @@ def test_the_command_writes_page_and_json_and_prints_the_orders(made, tmp_path, 
     assert main(["compare", f"{made[0]}{OFF}", f"{made[0]}{ON}", "--out", str(out)]) == 0
     said = capsys.readouterr().out
     assert f"{SIGNAL} {ROLL} 1x: " in said
+    result = said.index(f"fell: {ROLL} 1x in {SIGNAL} from ")
+    assert result > said.rindex(f"{ROLL} 1x: ")  # at the end, where a terminal shows it
+    assert f"<li>fell: {ROLL} 1x in {SIGNAL}" in (out / "compare.html").read_text()
     assert (out / "compare.html").exists()
     assert json.loads((out / "compare.json").read_text())["line"] == "Euclid"
 
@@ -318,6 +321,17 @@ def test_a_roll_that_only_the_later_site_file_has_is_compared_by_it(made, run):
         follower = row(of(f"{made[0]}{OFF}", f"{made[0]}{ON}"))
         assert found.before.amplitude == pytest.approx(follower.before.amplitude, rel=0.05)
         assert found.change.value_dB < -10.0
+
+
+def test_a_window_that_reaches_beyond_the_record_says_so_and_one_of_two_states_names_its_parts(
+    made,
+):
+    before, after = of(f"{made[0]}@5..75", f"{made[0]}@50..90").windows
+    assert any("nothing is recorded from 75.0 s to 90 s" in text for text in after.labels)
+    assert (
+        "its longest parts at one speed and in one state: 5.0..35.0 (1 m/s, AFF off), "
+        "35.0..75.0 (1 m/s, AFF on)"
+    ) in before.labels
 
 
 def test_windows_that_were_swapped_are_named(made, run):
