@@ -12,7 +12,13 @@ from aff_runtime.base.refinement import Lacking, RecordLacks
 from sim_plant.base.arrays import Array
 from sim_plant.line.declaration import Declaration
 from sim_plant.refine.model.record_match import record_caveats, twin_of
-from sim_plant.refine.model.run_caveats import lines_of, rolls_of, run_caveats, shared
+from sim_plant.refine.model.run_caveats import (
+    lines_of,
+    rolls_of,
+    run_caveats,
+    shared,
+    site_of_other_line,
+)
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.records.read import read_record
@@ -20,10 +26,18 @@ from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.announce import holdout_caveats, shared_angle
 from sim_plant.refine.report.folder import given_twice
 from sim_plant.refine.report.outcome import Plan
+from sim_plant.refine.report.site_edit import SiteFile
 
 
 def lacking(plan: Plan, line: Declaration) -> Lacking:
-    """Return what the records of a plan lack; one that cannot be used is named with its reason."""
+    """Return what the records of a plan lack; one that cannot be used is named with its reason.
+
+    Raises
+    ------
+    PlantError
+        The site file of the plan is none.
+    """
+    site = SiteFile.read(plan.site) if plan.site is not None else None
     rows: list[RecordLacks] = []
     fitted: list[Recording] = []
     held: list[Recording] = []
@@ -47,6 +61,10 @@ def lacking(plan: Plan, line: Declaration) -> Lacking:
         *lines_of((*fitted, *held)),
         *rolls_of(fitted),
     ]
+    if site is not None:
+        name = printable(site.path.name)
+        of_other = site_of_other_line(site.names.name, (*fitted, *held))
+        together += [f"--site {name}: {text}" for text in of_other]
     return Lacking(records=tuple(rows), together=tuple(together))
 
 

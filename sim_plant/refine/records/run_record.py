@@ -17,7 +17,7 @@ from aff_runtime.base.printable import printable
 from aff_runtime.base.probe_columns import STAGE
 from aff_runtime.base.run_join import SAME_CYCLE_SHARE
 from aff_runtime.base.run_table import RunTable, few, other_line, read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.run_window import not_recorded, run_window
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recorded_only import Filled, filled
@@ -97,6 +97,7 @@ def scanned_run(path: Path) -> ScannedRun:
     said = [
         *_other_cycle(scans.cycle_s, site.cycle_s),
         *table.lost,
+        *not_recorded(table.window, *map(float, table.columns["time_s"][[0, -1]])),
         *_unknown_roll(table.columns["roll_id"][scans.rows]),
         *few(_edits(table)),
         *([guessed] if guessed else []),

@@ -64,10 +64,12 @@ def _of_effects(
     others = [e for e in effects if e not in ripples]
     said = []
     if ripples:
-        where = " and ".join(dict.fromkeys(by[e.place.location] for e in ripples))
+        places = dict.fromkeys(e.place.location for e in ripples)
+        where = " and ".join(dict.fromkeys(by[place] for place in places))
         paste = "paste the AFF block below into the site file, at the actuator of"
         if facts.is_proposed:
             paste = "try site_proposed.yaml with `aff-runtime settings try`: it has the block of"
+            where = " and ".join(places)
         said += [
             f"First at the machine: {_remedies(ripples)}.",
             f"Until that is done, {paste} {where}.",

@@ -99,3 +99,16 @@ def test_a_run_that_cannot_be_used_is_named_beside_what_the_others_lack(run, tmp
     assert [one["name"] for one in told] == [one.name for one in (nowhere, *unbroken_windows(run))]
     assert told[0]["refused"]
     assert f"{nowhere.name}: cannot be used: " in capsys.readouterr().out
+
+
+def test_before_the_work_the_ends_of_a_window_and_a_site_file_of_another_line_are_named(
+    run, tmp_path, capsys
+):
+    words = [str(shipped("lines/euclid.yaml")), f"{run}@43..95", "--lacking"]
+    words += ["--out", str(tmp_path), "--site"]
+    assert main(["refine", *words, str(shipped("film.yaml"))]) == 0
+    out = capsys.readouterr().out
+    assert "nothing is recorded from 80.0 s to 95 s, where it ends" in out
+    assert "--site film.yaml: this site file is of line Film, the runs are of Euclid" in out
+    assert main(["refine", *words, str(shipped("lines/euclid.yaml"))]) == 2
+    assert "expected the site file of the service" in capsys.readouterr().err

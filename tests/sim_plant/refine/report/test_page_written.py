@@ -161,6 +161,8 @@ def test_a_block_of_what_is_not_told_apart_has_to_wait(tmp_path, undrawn):
 def test_the_block_goes_to_the_actuators_beside_an_idler(tmp_path):
     one = outcome(tmp_path, [found()])
     assert "at the actuator of unwind or swrap_lead." in next_of(one, facts_of(one))
+    proposed = next_of(one, replace(facts_of(one), is_proposed=True))
+    assert "it has the block of R4." in proposed
 
 
 @pytest.mark.parametrize(("share", "is_outside"), [(0.98, False), (1.3, False), (1.6, True)])
