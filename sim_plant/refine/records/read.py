@@ -12,6 +12,7 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.files import CLOSED, is_closed
 from aff_runtime.base.printable import printable
+from aff_runtime.base.run_segment import segments_of
 from aff_runtime.base.run_table import no_run
 from aff_runtime.base.run_window import names_a_run
 from sim_plant.base.arrays import Array
@@ -51,6 +52,12 @@ def read_record(path: str | Path) -> Recording:
     path = Path(path)
     if names_a_run(path):
         return read_run_record(path)
+    if names_a_run(path.parent) and path in (segment for _, segment in segments_of(path.parent)):
+        run = printable(str(path.parent))
+        raise PlantError(
+            f"{printable(str(path))}: is one segment of a run, whose rows are not on the PLC's "
+            f"scans; give the run's folder, {run}, or a part of it, {run}@FROM..TO"
+        )
     kind = kind_of(path)
     payload = read_plain(path, FILE_BYTES)
     said: list[str] = []

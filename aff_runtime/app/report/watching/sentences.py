@@ -12,7 +12,7 @@ import numpy as np
 from aff_runtime.app.report.watching.findings import FRICTION, Finding, Readings
 from aff_runtime.app.report.watching.store import Taken
 from aff_runtime.app.report.watching.suppliers import MedianSize, SupplierRanking
-from aff_runtime.app.report.watching.trend import SIGMA, Slope
+from aff_runtime.app.report.watching.trend import FEWEST_READINGS, SIGMA, Slope
 from aff_runtime.app.report.watching.wound_rolls import Ranking
 from aff_runtime.base.confidence import TWO_SIDED_95
 from aff_runtime.base.numbers import finite_or_none
@@ -43,13 +43,17 @@ def table(findings: Sequence[Finding]) -> Iterator[str]:
     for one in findings:
         readings = one.readings
         count = readings.size.size
+        counted = "reading" if count == 1 else "readings"
         left = f"; {readings.left_out} hours at another speed" if readings.left_out else ""
         head = (
-            f"{_name(readings)} ({readings.signal}): {count} readings in "
+            f"{_name(readings)} ({readings.signal}): {count} {counted} in "
             f"{np.ptp(readings.days):.0f} days at {readings.at_m_s:.3g} m/s{left}"
         )
         if one.per_km is None:
-            told = f"{_shown(readings, float(readings.size[-1]))}, too few for a trend"
+            told = (
+                f"{_shown(readings, float(readings.size[-1]))}, too few for a trend: it takes "
+                f"{FEWEST_READINGS} readings and web that ran between them"
+            )
         else:
             told = f"{_size_now(readings, one.per_km)}, {_slope(readings, one.per_km)}"
         yield f"{head}; {told}{_sign(readings)}"

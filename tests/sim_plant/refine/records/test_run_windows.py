@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from aff_runtime.base.errors import PlantError
 from aff_runtime.base.signals import Status
 from sim_plant.base.shipped import shipped
 from sim_plant.cli.main import main
@@ -112,3 +113,8 @@ def test_before_the_work_the_ends_of_a_window_and_a_site_file_of_another_line_ar
     assert "--site film.yaml: this site file is of line Film, the runs are of Euclid" in out
     assert main(["refine", *words, str(shipped("lines/euclid.yaml"))]) == 2
     assert "expected the site file of the service" in capsys.readouterr().err
+
+
+def test_a_segment_alone_is_refused_with_the_folder_to_give(run):
+    with pytest.raises(PlantError, match=rf"is one segment of a run.* give .*{run}@FROM\.\.TO"):
+        read_record(run / "signals-0001.csv.gz")

@@ -168,3 +168,5 @@ def test_a_friction_below_0_tells_of_the_sign_of_the_torque(friction_N_m, is_tol
         store.drives = table(DRIVE_FIELDS, rows)
         (said,) = (one for one in sentences.table(findings(store)) if " friction " in one)
         assert said.endswith("; below 0: sign of torque") == is_told
+        assert ("1 reading in 0 days" in said) == (days == 1)
+        assert ("too few for a trend: it takes 8 readings and web" in said) == (days == 1)
