@@ -95,9 +95,41 @@ RIPPLE = record_type("drive", "order cos_N_m sin_N_m")
 # a number that changes while a line runs: what (below), whose index, by how much; it rises from
 # from_s over rise_s, stays until until_s, falls as it rose; put: the part that is in force now
 CHANGE = record_type("target place", "amount from_s rise_s until_s put")
-DRAG, FREE_STRAIN, SLIP, TRAVEL_SPEED = 0, 1, 2, 3
-"""Values of the field ``target`` of a change: friction of a body, N m; free strain of a span;
-share of speed lost per m/s on a body, s/m; speed reference of a carriage's drive, m/s."""
+CHANGEABLE = (
+    "bodies.friction_constant_N_m",
+    "bodies.slip_s_m",
+    "bodies.inertia_kg_m2",
+    "spans.free_strain",
+    "spans.EA_N",
+    "web.viscosity_s",
+    "web.density_kg_m3",
+    "web.thickness_m",
+    "web.supply_strain",
+    "web.expansion_1_K",
+    "drives.gain_rad_s",
+    "drives.damping",
+    "drives.draw",
+    "cells.corner_Hz",
+    "cells.gain",
+    "cells.offset_N",
+    "loops.gain_m_s_N",
+    "loops.corner_rad_s",
+    "loops.reference_m",
+    "heats.air_K",
+    "heats.time_s",
+    "carriages.speed_m_s",
+    "carriages.mass_kg",
+    "carriages.load_N",
+    "carriages.stiffness_N_m",
+    "carriages.damping_N_s_m",
+    "carriages.friction_N",
+)
+"""Numbers that may change during a run, table and field; the field ``target`` of a change is the
+index of one. What else a line is made from (radii, shapes) is read once, when the run begins."""
+DRAG = CHANGEABLE.index("bodies.friction_constant_N_m")
+FREE_STRAIN = CHANGEABLE.index("spans.free_strain")
+SLIP = CHANGEABLE.index("bodies.slip_s_m")
+TRAVEL_SPEED = CHANGEABLE.index("carriages.speed_m_s")
 
 # noisy 0: sensors answer with their mean, a run is noise-free
 TIMING = record_type("ticks_per_frame frames_per_loop substeps noisy", "drive_tick_s")
@@ -149,6 +181,11 @@ class LineState(NamedTuple):
 def copy_state(state: LineState) -> LineState:
     """Return an independent copy."""
     return LineState(**{name: part.copy() for name, part in state._asdict().items()})
+
+
+def copy_arrays(arrays: LineArrays) -> LineArrays:
+    """Return an independent copy."""
+    return LineArrays(*(part.copy() for part in arrays))
 
 
 def total_inertia_kg_m2(arrays: LineArrays, body: int) -> float:

@@ -10,6 +10,7 @@ _PATTERNS = (
     "base/arrays.py",
     "elements/*.py",
     "geometry/lookup.py",
+    "line/changing_numbers.py",
     "line/derivative.py",
     "line/kernel.py",
     "line/layout.py",

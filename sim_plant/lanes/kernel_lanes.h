@@ -1,6 +1,6 @@
 /* Made from the compiled functions of sim_plant by sim_plant.codegen; not by hand. */
 
-#define SOURCE "921329a552e4c017" /* of the files it was made from */
+#define SOURCE "8f97c8186236c29b" /* of the files it was made from */
 
 /* LANES lines side by side: one vector of doubles, or of integers, for each number of a line.
    Built several times, with other LANES and other instructions; see setup.py. */
@@ -505,6 +505,283 @@ typedef struct { floats part0; floats part1; double part2; double part3; } group
 
 typedef struct { floats part0; double part1; floats part2; } group_FfF;
 
+static inline floats k_level(double time_s, floats from_s, floats rise_s, floats until_s) {
+    floats risen = {0};
+    integers returned_ = each_bool(false);
+    floats result_ = {0};
+    const integers t1_ = ((integers)(each_float(time_s) < from_s));
+    const integers on2_ = t1_;
+    if (any(on2_)) {
+        result_ = choose_floats(on2_, each_float(0.0), result_);
+        returned_ |= on2_;
+    }
+    const integers on3_ = ~returned_;
+    if (any(on3_)) {
+        risen = choose_floats(((integers)(rise_s <= each_float(0.0))), each_float(1.0), least_floats(each_float(1.0), ((time_s - from_s) / rise_s)));
+        const integers t4_ = ((integers)(each_float(time_s) < until_s));
+        const integers on5_ = on3_ & t4_;
+        if (any(on5_)) {
+            result_ = choose_floats(on5_, risen, result_);
+            returned_ |= on5_;
+        }
+        const integers on6_ = on3_ & ~returned_;
+        if (any(on6_)) {
+            result_ = choose_floats(on6_, choose_floats(((integers)(rise_s <= each_float(0.0))), each_float(0.0), largest_floats(each_float(0.0), (risen - ((time_s - until_s) / rise_s)))), result_);
+            returned_ |= on6_;
+        }
+    }
+    return result_;
+}
+
+static inline void k_of_bodies(const LineArrays * p, integers target, integers place, floats more, const integers lanes_) {
+    const integers t1_ = ((integers)(target == each_int(INT64_C(0))));
+    const integers on2_ = lanes_ & t1_;
+    if (any(on2_)) {
+        scatter_floats(on2_, &((BODY_each){p->bodies.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->friction_constant_N_m, ((BODY_each){p->bodies.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats)), (gather_floats(&((BODY_each){p->bodies.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->friction_constant_N_m, ((BODY_each){p->bodies.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats))) + more));
+    }
+    const integers on3_ = lanes_ & ~t1_;
+    if (any(on3_)) {
+        const integers t4_ = ((integers)(target == each_int(INT64_C(1))));
+        const integers on5_ = on3_ & t4_;
+        if (any(on5_)) {
+            scatter_floats(on5_, &((BODY_each){p->bodies.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->slip_s_m, ((BODY_each){p->bodies.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats)), (gather_floats(&((BODY_each){p->bodies.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->slip_s_m, ((BODY_each){p->bodies.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats))) + more));
+        }
+        const integers on6_ = on3_ & ~t4_;
+        if (any(on6_)) {
+            const integers t7_ = ((integers)(target == each_int(INT64_C(2))));
+            const integers on8_ = on6_ & t7_;
+            if (any(on8_)) {
+                scatter_floats(on8_, &((BODY_each){p->bodies.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).at->inertia_kg_m2, ((BODY_each){p->bodies.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats)), (gather_floats(&((BODY_each){p->bodies.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).at->inertia_kg_m2, ((BODY_each){p->bodies.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats))) + more));
+            }
+        }
+    }
+}
+
+static inline void k_of_spans(const LineArrays * p, integers target, integers place, floats more, const integers lanes_) {
+    const integers t1_ = ((integers)(target == each_int(INT64_C(3))));
+    const integers on2_ = lanes_ & t1_;
+    if (any(on2_)) {
+        scatter_floats(on2_, &((SPAN_each){p->spans.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->free_strain, ((SPAN_each){p->spans.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(SPAN) / sizeof(floats)), (gather_floats(&((SPAN_each){p->spans.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->free_strain, ((SPAN_each){p->spans.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(SPAN) / sizeof(floats))) + more));
+    }
+    const integers on3_ = lanes_ & ~t1_;
+    if (any(on3_)) {
+        const integers t4_ = ((integers)(target == each_int(INT64_C(4))));
+        const integers on5_ = on3_ & t4_;
+        if (any(on5_)) {
+            scatter_floats(on5_, &((SPAN_each){p->spans.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->EA_N, ((SPAN_each){p->spans.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(SPAN) / sizeof(floats)), (gather_floats(&((SPAN_each){p->spans.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->EA_N, ((SPAN_each){p->spans.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(SPAN) / sizeof(floats))) + more));
+        }
+    }
+}
+
+static inline void k_of_web(const LineArrays * p, integers target, floats more, const integers lanes_) {
+    const integers t1_ = ((integers)(target == each_int(INT64_C(5))));
+    const integers on2_ = lanes_ & t1_;
+    if (any(on2_)) {
+        (&p->web.at[INT64_C(0)])->viscosity_s = choose_floats(on2_, ((&p->web.at[INT64_C(0)])->viscosity_s + more), (&p->web.at[INT64_C(0)])->viscosity_s);
+    }
+    const integers on3_ = lanes_ & ~t1_;
+    if (any(on3_)) {
+        const integers t4_ = ((integers)(target == each_int(INT64_C(6))));
+        const integers on5_ = on3_ & t4_;
+        if (any(on5_)) {
+            (&p->web.at[INT64_C(0)])->density_kg_m3 = choose_floats(on5_, ((&p->web.at[INT64_C(0)])->density_kg_m3 + more), (&p->web.at[INT64_C(0)])->density_kg_m3);
+        }
+        const integers on6_ = on3_ & ~t4_;
+        if (any(on6_)) {
+            const integers t7_ = ((integers)(target == each_int(INT64_C(7))));
+            const integers on8_ = on6_ & t7_;
+            if (any(on8_)) {
+                (&p->web.at[INT64_C(0)])->thickness_m = choose_floats(on8_, ((&p->web.at[INT64_C(0)])->thickness_m + more), (&p->web.at[INT64_C(0)])->thickness_m);
+            }
+            const integers on9_ = on6_ & ~t7_;
+            if (any(on9_)) {
+                const integers t10_ = ((integers)(target == each_int(INT64_C(8))));
+                const integers on11_ = on9_ & t10_;
+                if (any(on11_)) {
+                    (&p->web.at[INT64_C(0)])->supply_strain = choose_floats(on11_, ((&p->web.at[INT64_C(0)])->supply_strain + more), (&p->web.at[INT64_C(0)])->supply_strain);
+                }
+                const integers on12_ = on9_ & ~t10_;
+                if (any(on12_)) {
+                    const integers t13_ = ((integers)(target == each_int(INT64_C(9))));
+                    const integers on14_ = on12_ & t13_;
+                    if (any(on14_)) {
+                        (&p->web.at[INT64_C(0)])->expansion_1_K = choose_floats(on14_, ((&p->web.at[INT64_C(0)])->expansion_1_K + more), (&p->web.at[INT64_C(0)])->expansion_1_K);
+                    }
+                }
+            }
+        }
+    }
+}
+
+static inline void k_of_drives(const LineArrays * p, integers target, integers place, floats more, const integers lanes_) {
+    const integers t1_ = ((integers)(target == each_int(INT64_C(10))));
+    const integers on2_ = lanes_ & t1_;
+    if (any(on2_)) {
+        scatter_floats(on2_, &((DRIVE_each){p->drives.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->gain_rad_s, ((DRIVE_each){p->drives.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(DRIVE) / sizeof(floats)), (gather_floats(&((DRIVE_each){p->drives.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->gain_rad_s, ((DRIVE_each){p->drives.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(DRIVE) / sizeof(floats))) + more));
+    }
+    const integers on3_ = lanes_ & ~t1_;
+    if (any(on3_)) {
+        const integers t4_ = ((integers)(target == each_int(INT64_C(11))));
+        const integers on5_ = on3_ & t4_;
+        if (any(on5_)) {
+            scatter_floats(on5_, &((DRIVE_each){p->drives.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->damping, ((DRIVE_each){p->drives.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(DRIVE) / sizeof(floats)), (gather_floats(&((DRIVE_each){p->drives.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->damping, ((DRIVE_each){p->drives.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(DRIVE) / sizeof(floats))) + more));
+        }
+        const integers on6_ = on3_ & ~t4_;
+        if (any(on6_)) {
+            const integers t7_ = ((integers)(target == each_int(INT64_C(12))));
+            const integers on8_ = on6_ & t7_;
+            if (any(on8_)) {
+                scatter_floats(on8_, &((DRIVE_each){p->drives.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).at->draw, ((DRIVE_each){p->drives.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(DRIVE) / sizeof(floats)), (gather_floats(&((DRIVE_each){p->drives.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).at->draw, ((DRIVE_each){p->drives.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(DRIVE) / sizeof(floats))) + more));
+            }
+        }
+    }
+}
+
+static inline void k_of_cells(const LineArrays * p, integers target, integers place, floats more, const integers lanes_) {
+    const integers t1_ = ((integers)(target == each_int(INT64_C(13))));
+    const integers on2_ = lanes_ & t1_;
+    if (any(on2_)) {
+        scatter_floats(on2_, &((CELL_each){p->cells.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->corner_Hz, ((CELL_each){p->cells.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CELL) / sizeof(floats)), (gather_floats(&((CELL_each){p->cells.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->corner_Hz, ((CELL_each){p->cells.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CELL) / sizeof(floats))) + more));
+    }
+    const integers on3_ = lanes_ & ~t1_;
+    if (any(on3_)) {
+        const integers t4_ = ((integers)(target == each_int(INT64_C(14))));
+        const integers on5_ = on3_ & t4_;
+        if (any(on5_)) {
+            scatter_floats(on5_, &((CELL_each){p->cells.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->gain, ((CELL_each){p->cells.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CELL) / sizeof(floats)), (gather_floats(&((CELL_each){p->cells.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->gain, ((CELL_each){p->cells.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CELL) / sizeof(floats))) + more));
+        }
+        const integers on6_ = on3_ & ~t4_;
+        if (any(on6_)) {
+            const integers t7_ = ((integers)(target == each_int(INT64_C(15))));
+            const integers on8_ = on6_ & t7_;
+            if (any(on8_)) {
+                scatter_floats(on8_, &((CELL_each){p->cells.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).at->offset_N, ((CELL_each){p->cells.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CELL) / sizeof(floats)), (gather_floats(&((CELL_each){p->cells.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).at->offset_N, ((CELL_each){p->cells.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CELL) / sizeof(floats))) + more));
+            }
+        }
+    }
+}
+
+static inline void k_of_loops(const LineArrays * p, integers target, integers place, floats more, const integers lanes_) {
+    const integers t1_ = ((integers)(target == each_int(INT64_C(16))));
+    const integers on2_ = lanes_ & t1_;
+    if (any(on2_)) {
+        scatter_floats(on2_, &((LOOP_each){p->loops.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->gain_m_s_N, ((LOOP_each){p->loops.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(LOOP) / sizeof(floats)), (gather_floats(&((LOOP_each){p->loops.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->gain_m_s_N, ((LOOP_each){p->loops.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(LOOP) / sizeof(floats))) + more));
+    }
+    const integers on3_ = lanes_ & ~t1_;
+    if (any(on3_)) {
+        const integers t4_ = ((integers)(target == each_int(INT64_C(17))));
+        const integers on5_ = on3_ & t4_;
+        if (any(on5_)) {
+            scatter_floats(on5_, &((LOOP_each){p->loops.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->corner_rad_s, ((LOOP_each){p->loops.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(LOOP) / sizeof(floats)), (gather_floats(&((LOOP_each){p->loops.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->corner_rad_s, ((LOOP_each){p->loops.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(LOOP) / sizeof(floats))) + more));
+        }
+        const integers on6_ = on3_ & ~t4_;
+        if (any(on6_)) {
+            const integers t7_ = ((integers)(target == each_int(INT64_C(18))));
+            const integers on8_ = on6_ & t7_;
+            if (any(on8_)) {
+                scatter_floats(on8_, &((LOOP_each){p->loops.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).at->reference_m, ((LOOP_each){p->loops.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(LOOP) / sizeof(floats)), (gather_floats(&((LOOP_each){p->loops.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).at->reference_m, ((LOOP_each){p->loops.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(LOOP) / sizeof(floats))) + more));
+            }
+        }
+    }
+}
+
+static inline void k_of_heats(const LineArrays * p, integers target, integers place, floats more, const integers lanes_) {
+    const integers t1_ = ((integers)(target == each_int(INT64_C(19))));
+    const integers on2_ = lanes_ & t1_;
+    if (any(on2_)) {
+        scatter_floats(on2_, &((HEAT_each){p->heats.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->air_K, ((HEAT_each){p->heats.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(HEAT) / sizeof(floats)), (gather_floats(&((HEAT_each){p->heats.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->air_K, ((HEAT_each){p->heats.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(HEAT) / sizeof(floats))) + more));
+    }
+    const integers on3_ = lanes_ & ~t1_;
+    if (any(on3_)) {
+        const integers t4_ = ((integers)(target == each_int(INT64_C(20))));
+        const integers on5_ = on3_ & t4_;
+        if (any(on5_)) {
+            scatter_floats(on5_, &((HEAT_each){p->heats.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->time_s, ((HEAT_each){p->heats.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(HEAT) / sizeof(floats)), (gather_floats(&((HEAT_each){p->heats.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->time_s, ((HEAT_each){p->heats.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(HEAT) / sizeof(floats))) + more));
+        }
+    }
+}
+
+static inline void k_of_carriages(const LineArrays * p, integers target, integers place, floats more, const integers lanes_) {
+    const integers t1_ = ((integers)(target == each_int(INT64_C(21))));
+    const integers on2_ = lanes_ & t1_;
+    if (any(on2_)) {
+        scatter_floats(on2_, &((CARRIAGE_each){p->carriages.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->speed_m_s, ((CARRIAGE_each){p->carriages.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats)), (gather_floats(&((CARRIAGE_each){p->carriages.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).at->speed_m_s, ((CARRIAGE_each){p->carriages.at, choose_integers(on2_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats))) + more));
+    }
+    const integers on3_ = lanes_ & ~t1_;
+    if (any(on3_)) {
+        const integers t4_ = ((integers)(target == each_int(INT64_C(22))));
+        const integers on5_ = on3_ & t4_;
+        if (any(on5_)) {
+            scatter_floats(on5_, &((CARRIAGE_each){p->carriages.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->mass_kg, ((CARRIAGE_each){p->carriages.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats)), (gather_floats(&((CARRIAGE_each){p->carriages.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).at->mass_kg, ((CARRIAGE_each){p->carriages.at, choose_integers(on5_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats))) + more));
+        }
+        const integers on6_ = on3_ & ~t4_;
+        if (any(on6_)) {
+            const integers t7_ = ((integers)(target == each_int(INT64_C(23))));
+            const integers on8_ = on6_ & t7_;
+            if (any(on8_)) {
+                scatter_floats(on8_, &((CARRIAGE_each){p->carriages.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).at->load_N, ((CARRIAGE_each){p->carriages.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats)), (gather_floats(&((CARRIAGE_each){p->carriages.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).at->load_N, ((CARRIAGE_each){p->carriages.at, choose_integers(on8_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats))) + more));
+            }
+            const integers on9_ = on6_ & ~t7_;
+            if (any(on9_)) {
+                const integers t10_ = ((integers)(target == each_int(INT64_C(24))));
+                const integers on11_ = on9_ & t10_;
+                if (any(on11_)) {
+                    scatter_floats(on11_, &((CARRIAGE_each){p->carriages.at, choose_integers(on11_, place, each_int(INT64_C(0)))}).at->stiffness_N_m, ((CARRIAGE_each){p->carriages.at, choose_integers(on11_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats)), (gather_floats(&((CARRIAGE_each){p->carriages.at, choose_integers(on11_, place, each_int(INT64_C(0)))}).at->stiffness_N_m, ((CARRIAGE_each){p->carriages.at, choose_integers(on11_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats))) + more));
+                }
+                const integers on12_ = on9_ & ~t10_;
+                if (any(on12_)) {
+                    const integers t13_ = ((integers)(target == each_int(INT64_C(25))));
+                    const integers on14_ = on12_ & t13_;
+                    if (any(on14_)) {
+                        scatter_floats(on14_, &((CARRIAGE_each){p->carriages.at, choose_integers(on14_, place, each_int(INT64_C(0)))}).at->damping_N_s_m, ((CARRIAGE_each){p->carriages.at, choose_integers(on14_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats)), (gather_floats(&((CARRIAGE_each){p->carriages.at, choose_integers(on14_, place, each_int(INT64_C(0)))}).at->damping_N_s_m, ((CARRIAGE_each){p->carriages.at, choose_integers(on14_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats))) + more));
+                    }
+                    const integers on15_ = on12_ & ~t13_;
+                    if (any(on15_)) {
+                        const integers t16_ = ((integers)(target == each_int(INT64_C(26))));
+                        const integers on17_ = on15_ & t16_;
+                        if (any(on17_)) {
+                            scatter_floats(on17_, &((CARRIAGE_each){p->carriages.at, choose_integers(on17_, place, each_int(INT64_C(0)))}).at->friction_N, ((CARRIAGE_each){p->carriages.at, choose_integers(on17_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats)), (gather_floats(&((CARRIAGE_each){p->carriages.at, choose_integers(on17_, place, each_int(INT64_C(0)))}).at->friction_N, ((CARRIAGE_each){p->carriages.at, choose_integers(on17_, place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats))) + more));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+static inline void k_keep_changes(const LineArrays * p, double time_s) {
+    CHANGE * change = {0};
+    floats now = {0};
+    floats more = {0};
+    const int64_t t1_ = p->changes.n;
+    integers broken23_ = each_bool(false);
+    for (int64_t e = 0; e < t1_; e++) {
+        integers skipped23_ = each_bool(false);
+        const integers on2_ = ~broken23_ & ~skipped23_;
+        if (!any(on2_)) break;
+        change = (&p->changes.at[e]);
+        now = choose_floats(on2_, (change->amount * k_level(time_s, change->from_s, change->rise_s, change->until_s)), now);
+        more = choose_floats(on2_, (now - change->put), more);
+        const integers t3_ = ((integers)(more == each_float(0.0)));
+        const integers on4_ = on2_ & t3_;
+        if (any(on4_)) {
+            skipped23_ |= on4_;
+        }
+        const integers on5_ = on2_ & ~broken23_ & ~skipped23_;
+        if (any(on5_)) {
+            change->put = choose_floats(on5_, now, change->put);
+            k_of_bodies(p, change->target, change->place, more, on5_);
+            k_of_spans(p, change->target, change->place, more, on5_);
+            k_of_web(p, change->target, more, on5_);
+            k_of_drives(p, change->target, change->place, more, on5_);
+            k_of_cells(p, change->target, change->place, more, on5_);
+            k_of_loops(p, change->target, change->place, more, on5_);
+            k_of_heats(p, change->target, change->place, more, on5_);
+            k_of_carriages(p, change->target, change->place, more, on5_);
+        }
+    }
+}
+
 static inline group_FF k_tension_pi(floats gain_m_s_N, floats corner_rad_s, floats sign, floats error_N, floats integral_N_s, double period_s) {
     floats grown = {0};
     grown = (integral_N_s + (period_s * error_N));
@@ -536,88 +813,6 @@ static inline void k_run_loops(const LineArrays * p, const Layout * lay, const L
         last = s->loop_correction_m_s.at[loop];
         s->loop_correction_m_s.at[loop] = k_ramped(correction, last, (law->slew_m_s2 * period_s));
         s->loop_integral.at[loop] = integral;
-    }
-}
-
-static inline floats k_level(double time_s, floats from_s, floats rise_s, floats until_s) {
-    floats risen = {0};
-    integers returned_ = each_bool(false);
-    floats result_ = {0};
-    const integers t1_ = ((integers)(each_float(time_s) < from_s));
-    const integers on2_ = t1_;
-    if (any(on2_)) {
-        result_ = choose_floats(on2_, each_float(0.0), result_);
-        returned_ |= on2_;
-    }
-    const integers on3_ = ~returned_;
-    if (any(on3_)) {
-        risen = choose_floats(((integers)(rise_s <= each_float(0.0))), each_float(1.0), least_floats(each_float(1.0), ((time_s - from_s) / rise_s)));
-        const integers t4_ = ((integers)(each_float(time_s) < until_s));
-        const integers on5_ = on3_ & t4_;
-        if (any(on5_)) {
-            result_ = choose_floats(on5_, risen, result_);
-            returned_ |= on5_;
-        }
-        const integers on6_ = on3_ & ~returned_;
-        if (any(on6_)) {
-            result_ = choose_floats(on6_, choose_floats(((integers)(rise_s <= each_float(0.0))), each_float(0.0), largest_floats(each_float(0.0), (risen - ((time_s - until_s) / rise_s)))), result_);
-            returned_ |= on6_;
-        }
-    }
-    return result_;
-}
-
-static inline void k_keep_changes(const LineArrays * p, double time_s) {
-    CHANGE * change = {0};
-    floats now = {0};
-    floats more = {0};
-    const int64_t t1_ = p->changes.n;
-    integers broken104_ = each_bool(false);
-    for (int64_t e = 0; e < t1_; e++) {
-        integers skipped104_ = each_bool(false);
-        const integers on2_ = ~broken104_ & ~skipped104_;
-        if (!any(on2_)) break;
-        change = (&p->changes.at[e]);
-        now = choose_floats(on2_, (change->amount * k_level(time_s, change->from_s, change->rise_s, change->until_s)), now);
-        more = choose_floats(on2_, (now - change->put), more);
-        const integers t3_ = ((integers)(more == each_float(0.0)));
-        const integers on4_ = on2_ & t3_;
-        if (any(on4_)) {
-            skipped104_ |= on4_;
-        }
-        const integers on5_ = on2_ & ~broken104_ & ~skipped104_;
-        if (any(on5_)) {
-            change->put = choose_floats(on5_, now, change->put);
-            const integers t6_ = ((integers)(change->target == each_int(INT64_C(0))));
-            const integers on7_ = on5_ & t6_;
-            if (any(on7_)) {
-                scatter_floats(on7_, &((BODY_each){p->bodies.at, choose_integers(on7_, change->place, each_int(INT64_C(0)))}).at->friction_constant_N_m, ((BODY_each){p->bodies.at, choose_integers(on7_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats)), (gather_floats(&((BODY_each){p->bodies.at, choose_integers(on7_, change->place, each_int(INT64_C(0)))}).at->friction_constant_N_m, ((BODY_each){p->bodies.at, choose_integers(on7_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats))) + more));
-            }
-            const integers on8_ = on5_ & ~t6_;
-            if (any(on8_)) {
-                const integers t9_ = ((integers)(change->target == each_int(INT64_C(1))));
-                const integers on10_ = on8_ & t9_;
-                if (any(on10_)) {
-                    scatter_floats(on10_, &((SPAN_each){p->spans.at, choose_integers(on10_, change->place, each_int(INT64_C(0)))}).at->free_strain, ((SPAN_each){p->spans.at, choose_integers(on10_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(SPAN) / sizeof(floats)), (gather_floats(&((SPAN_each){p->spans.at, choose_integers(on10_, change->place, each_int(INT64_C(0)))}).at->free_strain, ((SPAN_each){p->spans.at, choose_integers(on10_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(SPAN) / sizeof(floats))) + more));
-                }
-                const integers on11_ = on8_ & ~t9_;
-                if (any(on11_)) {
-                    const integers t12_ = ((integers)(change->target == each_int(INT64_C(2))));
-                    const integers on13_ = on11_ & t12_;
-                    if (any(on13_)) {
-                        scatter_floats(on13_, &((BODY_each){p->bodies.at, choose_integers(on13_, change->place, each_int(INT64_C(0)))}).at->slip_s_m, ((BODY_each){p->bodies.at, choose_integers(on13_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats)), (gather_floats(&((BODY_each){p->bodies.at, choose_integers(on13_, change->place, each_int(INT64_C(0)))}).at->slip_s_m, ((BODY_each){p->bodies.at, choose_integers(on13_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(BODY) / sizeof(floats))) + more));
-                    }
-                    const integers on14_ = on11_ & ~t12_;
-                    if (any(on14_)) {
-                        const integers t15_ = ((integers)(change->target == each_int(INT64_C(3))));
-                        const integers on16_ = on14_ & t15_;
-                        if (any(on16_)) {
-                            scatter_floats(on16_, &((CARRIAGE_each){p->carriages.at, choose_integers(on16_, change->place, each_int(INT64_C(0)))}).at->speed_m_s, ((CARRIAGE_each){p->carriages.at, choose_integers(on16_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats)), (gather_floats(&((CARRIAGE_each){p->carriages.at, choose_integers(on16_, change->place, each_int(INT64_C(0)))}).at->speed_m_s, ((CARRIAGE_each){p->carriages.at, choose_integers(on16_, change->place, each_int(INT64_C(0)))}).index * (int64_t)(sizeof(CARRIAGE) / sizeof(floats))) + more));
-                        }
-                    }
-                }
-            }
-        }
     }
 }
 
@@ -2092,6 +2287,7 @@ static inline void k_advance_frame(const LineArrays * p, const Layout * lay, con
     double speed = 0;
     timing = (&p->timing.at[INT64_C(0)]);
     frame_s = (((double)(timing->ticks_per_frame[0])) * timing->drive_tick_s[0]);
+    k_keep_changes(p, s->time_s.at[INT64_C(0)]);
     if ((modulo_int(s->counters.at[INT64_C(0)], timing->frames_per_loop[0]) == INT64_C(0))) {
         k_run_loops(p, lay, s, tension_ref_N, (((double)(timing->frames_per_loop[0])) * frame_s));
     }

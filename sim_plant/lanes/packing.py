@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from sim_plant.base.arrays import CHANGE, RIPPLE, Array, LineArrays, LineState, Records
+from sim_plant.base.arrays import CHANGE, CHANGEABLE, RIPPLE, Array, LineArrays, LineState, Records
 from sim_plant.geometry.table import DEFAULT_POINTS
 from sim_plant.line.kernel import Work
 from sim_plant.line.simulation import LineSimulation
@@ -17,6 +17,8 @@ from sim_plant.line.simulation import LineSimulation
 SHARED_STATE = ("counters", "time_s")
 """Of the state: one for all lanes."""
 TABLES = ("shape_h_m", "shape_dh_m", "shape_rho_m")
+CHANGED = ("changes", *dict.fromkeys(number.split(".")[0] for number in CHANGEABLE))
+"""Of the parameters: those that a run may write."""
 _ALIGNMENT = 64
 Words = np.ndarray[Any, np.dtype[Any]]
 
@@ -125,7 +127,7 @@ class PackedLines:
     def put_back(self, p: LineArrays, state: LineState, work: Work) -> None:
         """Write parameters that changed, states and tensions into the lines."""
         for lane, line in enumerate(self.lines[: self._used]):
-            for name in ("bodies", "spans", "changes", "carriages"):
+            for name in CHANGED:
                 mine = words(getattr(line.arrays, name))
                 mine[:] = getattr(p, name)[: len(mine), :, lane]
             for name in LineState._fields:

@@ -5,20 +5,12 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from sim_plant.base.arrays import (
-    DRAG,
-    FREE_STRAIN,
-    SLIP,
-    TRAVEL_SPEED,
-    UNWIND,
-    Array,
-    LineArrays,
-    LineState,
-)
+from sim_plant.base.arrays import UNWIND, Array, LineArrays, LineState
 from sim_plant.base.jit import compiled, compiled_apart, compiled_inside
 from sim_plant.elements.drive import speed_pi
 from sim_plant.elements.load_cell import expected_quantise, quantise
 from sim_plant.elements.tension_loop import tension_pi
+from sim_plant.line.changing_numbers import keep_changes
 from sim_plant.line.derivative import derivative, mean_radius, roll_inertia
 from sim_plant.line.layout import Layout
 from sim_plant.line.log_layout import log_layout
@@ -85,37 +77,6 @@ def slope_with_more(
 ) -> None:
     """Write dy/dt of a line with carriages or warm spans."""
     derivative(p, lay, s, y, w.moving, w.contacts, w.tensions, dy, True)
-
-
-@compiled
-def level(time_s: float, from_s: float, rise_s: float, until_s: float) -> float:
-    """Return how much of a change is there, 0..1: a rise at ``from_s``, a fall at ``until_s``."""
-    if time_s < from_s:
-        return 0.0
-    risen = 1.0 if rise_s <= 0.0 else min(1.0, (time_s - from_s) / rise_s)
-    if time_s < until_s:
-        return risen
-    return 0.0 if rise_s <= 0.0 else max(0.0, risen - (time_s - until_s) / rise_s)
-
-
-@compiled_inside
-def keep_changes(p: LineArrays, time_s: float) -> None:
-    """Bring every number that changes with time to what it is now."""
-    for e in range(p.changes.size):
-        change = p.changes[e]
-        now = change.amount * level(time_s, change.from_s, change.rise_s, change.until_s)
-        more = now - change.put
-        if more == 0.0:
-            continue
-        change.put = now
-        if change.target == DRAG:
-            p.bodies[change.place].friction_constant_N_m += more
-        elif change.target == FREE_STRAIN:
-            p.spans[change.place].free_strain += more
-        elif change.target == SLIP:
-            p.bodies[change.place].slip_s_m += more
-        elif change.target == TRAVEL_SPEED:
-            p.carriages[change.place].speed_m_s += more
 
 
 @compiled_inside
@@ -279,6 +240,7 @@ def advance_frame(
     """
     timing = p.timing[0]
     frame_s = timing.ticks_per_frame * timing.drive_tick_s
+    keep_changes(p, s.time_s[0])
     if s.counters[0] % timing.frames_per_loop == 0:
         run_loops(p, lay, s, tension_ref_N, timing.frames_per_loop * frame_s)
     drives = p.drives.size

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.kernel import level
+from sim_plant.line.changing_numbers import level
 from tests.sim_plant.effects.running import effect, euclid, line, run, span
 
 SAMPLE_S = 0.005
