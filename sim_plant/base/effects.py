@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.profiles import Profiles
 from sim_plant.base.signatures import Onset, Orders, Signature
 
-PlaceKind = Literal["body", "drive", "cell", "web", "span", "loop"]
+PlaceKind = Literal["body", "drive", "cell", "web", "span", "loop", "number"]
 Candidates = Literal[
     "roll",
     "unwind",
@@ -28,9 +28,14 @@ Candidates = Literal[
     "cell",
     "web",
     "zone",
+    "number",
 ]
 Value = float | str
-Apply = Callable[[LineArrays, int, Mapping[str, Value]], LineArrays]
+Shift = Callable[[LineArrays, float], LineArrays]
+"""(arrays, change) -> those with a declared number moved by it, as the key ``corrections`` of a
+line file counts it: mostly a share of the number. Those given may be changed in place."""
+Apply = Callable[[LineArrays, Any, Mapping[str, Value]], LineArrays]
+"""(arrays, what a location names, all parameters) -> arrays with the effect."""
 Bounds = Callable[[LineArrays, int], Mapping[str, tuple[float, float]]]
 Beside = Callable[[Mapping[str, Value], Mapping[str, Value]], str]
 Refusal = Callable[[LineArrays, int, Mapping[str, Value]], str]
@@ -183,19 +188,21 @@ class Effect:
     Attributes
     ----------
     name : as in declarations and verdicts.
-    place : what a location names: a body, a drive, a load cell, the web, a span, a tension loop.
-        A span effect also takes a zone, a cell effect also takes ``all``.
+    place : what a location names: a body, a drive, a load cell, the web, a span, a tension loop,
+        a declared number. A span effect also takes a zone, a cell effect also takes ``all``.
     candidates : which locations are worth trying, see ``line/locations.py``: material rolls, the
         unwind, rollers that are no rolls, every turning body, driven rollers, those and S-wraps,
         every drive, drives that a tension loop trims, load cells (one by one, and
-        all), the web, zones.
+        all), the web, zones, declared numbers that may change during a run.
     accepts : every parameter; the keys are the only ones a declaration may give.
     fitted : the parameters tracing fits; others keep their default or one of their ``tries``.
     fitted_later : parameters fitted once the effect is there, where the record tells them.
     fitted_per_place : more of them where a location names several places (an S-wrap, ``all``),
         ``{k}`` standing for the number of each but the first.
-    apply : returns arrays with the effect added at the index of its place; the arrays given may
-        be changed in place.
+    apply : returns arrays with the effect added at the index of its place, or where that is a
+        declared number by the `Shift` of it; the arrays given may be changed in place.
+    shifted_by : where the place is a declared number, the parameter that says by how much; its
+        bounds and the size that a search begins at are those of the number.
     text : one sentence for a process engineer.
     shows : its signature in a record where it lasts; None: no line of its own.
     onset : its form that begins at a moment of the record; None: it has none.
@@ -258,6 +265,7 @@ class Effect:
     declared_as: tuple[DeclaredNumber, ...] = ()
     profiles: Profiles | None = None
     name_in_version_1: str = ""
+    shifted_by: str = ""
 
     @property
     def parameters(self) -> Mapping[str, Value]:

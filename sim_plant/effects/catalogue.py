@@ -5,6 +5,7 @@ from __future__ import annotations
 from sim_plant.base.effects import Effect
 from sim_plant.effects import (
     bearing_drag,
+    changed_number,
     eccentric_roller,
     encoder_eccentricity,
     load_cell_calibration,
@@ -53,5 +54,6 @@ CATALOGUE: tuple[Effect, ...] = (
     rate_limit.EFFECT,
     radius_error.EFFECT,
     encoder_eccentricity.EFFECT,
+    changed_number.EFFECT,
 )
 BY_NAME = {effect.name: effect for effect in CATALOGUE}

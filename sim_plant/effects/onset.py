@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from sim_plant.base.arrays import CHANGE, LineArrays
+from sim_plant.base.arrays import CHANGE, CHANGEABLE, LineArrays
 from sim_plant.base.effects import Parameter, Value
 from sim_plant.base.signatures import Onset
 
@@ -69,6 +69,34 @@ def with_change(
     hold_s = float(parameters.get(HOLD_S, FOREVER_S))
     row["until_s"] = from_s + hold_s if hold_s < FOREVER_S else math.inf
     return arrays._replace(changes=np.concatenate([arrays.changes, row]))
+
+
+def with_difference(
+    arrays: LineArrays, moved: LineArrays, parameters: Mapping[str, Value]
+) -> LineArrays:
+    """Return arrays whose numbers become those of ``moved`` at ``from_s`` of the record.
+
+    The state is carried over: nothing but numbers that the kernel reads at every step may differ
+    (`changes_only_numbers`).
+    """
+    for target, number in enumerate(CHANGEABLE):
+        table, field = number.split(".")
+        more = getattr(moved, table)[field] - getattr(arrays, table)[field]
+        for place in np.flatnonzero(more):
+            arrays = with_change(arrays, target, int(place), float(more[place]), parameters)
+    return arrays
+
+
+def changes_only_numbers(arrays: LineArrays, moved: LineArrays) -> bool:
+    """Return whether lines differ, and in nothing but numbers that may change during a run."""
+    differ = set()
+    for table in LineArrays._fields:
+        mine, other = getattr(arrays, table), getattr(moved, table)
+        for field in mine.dtype.names or ("",):
+            one, two = (mine[field], other[field]) if field else (mine, other)
+            if not np.array_equal(one, two):
+                differ.add(f"{table}.{field}")
+    return bool(differ) and differ <= set(CHANGEABLE)
 
 
 def begins_later(parameters: Mapping[str, Value]) -> bool:

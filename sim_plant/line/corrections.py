@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
+
+import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.suggest import hint
-from sim_plant.base.arrays import DRIVEN, IDLER, LineArrays
+from sim_plant.base.arrays import CHANGEABLE, DRIVEN, IDLER, LineArrays, copy_arrays
+from sim_plant.base.effects import Shift
+from sim_plant.effects.onset import changes_only_numbers
 from sim_plant.effects.shape_rows import add_mean
-from sim_plant.line.build import cell_sensors
+from sim_plant.line.build import build_arrays, cell_sensors, timing_of
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.declared_bodies import carriage_numbers, section_of
 from sim_plant.line.laws import draws
@@ -28,7 +32,11 @@ BOUNDS = {"offset": 1e4, "draw": 0.5, "travel": 10.0, "radius": 0.5, "effective_
 (a drive that believes a wrong one is an effect, to a quarter)."""
 MOST_SHARE = 99.0
 """A number a hundred times as declared is another machine."""
-Shift = Callable[[LineArrays, float], LineArrays]
+
+WOUND_IN = "web.supply_strain"
+"""What the line is made of where the declaration says the tension that the roll was wound at."""
+TRIED_SHIFT = 1e-3
+"""Any that is not 0: which numbers of a line a shift touches does not depend on its size."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -142,6 +150,31 @@ def declared_numbers(line: Declaration) -> list[Number]:
         rows.append((f"sensors.{sensor.channel}.gain", "gain", _scale("cells", "gain", c)))
         rows.append((f"sensors.{sensor.channel}.offset", "offset", _add("cells", "offset_N", c)))
     return [Number(name=name, kind=kind, shift=shift) for name, kind, shift in rows]
+
+
+def changeable_numbers(line: Declaration) -> list[Number]:
+    """Return every declared number that may become another one while a line runs.
+
+    None that a run reads once, when it begins: a radius, a shape.
+    """
+    arrays = build_arrays(line, timing_of(line, line.sample_time_s))
+    rows = [(n, n.shift(copy_arrays(arrays), TRIED_SHIFT)) for n in declared_numbers(line)]
+    return [number for number, moved in rows if changes_only_numbers(arrays, moved)]
+
+
+def value_of(line: Declaration, number: Number, change: float = 0.0) -> float:
+    """Return what a number that may change during a run is, SI, moved by ``change``.
+
+    Of a number that several things share (the inertia of all idlers) that of the first.
+    """
+    arrays = build_arrays(line, timing_of(line, line.sample_time_s))
+    tried = number.shift(copy_arrays(arrays), TRIED_SHIFT)
+    moved = number.shift(copy_arrays(arrays), change)
+    for table, field in (name.split(".") for name in CHANGEABLE if name != WOUND_IN):
+        own = np.flatnonzero(getattr(tried, table)[field] != getattr(arrays, table)[field])
+        if own.size:
+            return float(getattr(moved, table)[field][own[0]])
+    return line.web.wound_in_tension_N * (1.0 + change)
 
 
 def apply_corrections(

@@ -8,6 +8,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.suggest import hint
 from sim_plant.base.effects import Effect
 from sim_plant.line.build import cell_sensors
+from sim_plant.line.corrections import changeable_numbers, declared_numbers
 from sim_plant.line.declaration import Declaration
 
 
@@ -56,24 +57,31 @@ def places_of(declaration: Declaration, effect: Effect, location: str, where: st
     PlantError
         When there is no such location; the message offers the nearest name.
     """
-    names = [roller.name for roller in declaration.rollers]
-    drives = [drive.roller for drive in declaration.control.drives]
-    if effect.place == "web":
-        return [_index(["web"], location, where)]
     if effect.place == "span":
         return _spans(declaration, location, where)
-    if effect.place == "cell":
-        cells = [sensor.roller for sensor in cell_sensors(declaration)]
-        return list(range(len(cells))) if location == "all" else [_index(cells, location, where)]
-    if effect.place == "loop":
-        loops = [loop.acts_on for loop in declaration.control.tension_pi]
-        return [_index(loops, location, where)]
     if effect.place == "body":
+        names = [roller.name for roller in declaration.rollers]
         return bridles(declaration).get(location) or [_index(names, location, where)]
-    _index(names, location, where)
-    if location not in drives:
-        raise PlantError(f"{where}: roller {location!r} has no drive")
-    return [drives.index(location)]
+    names = _names(declaration, effect)
+    if effect.place == "cell" and location == "all":
+        return list(range(len(names)))
+    if effect.place == "drive":
+        _index([roller.name for roller in declaration.rollers], location, where)
+        if location not in names:
+            raise PlantError(f"{where}: roller {location!r} has no drive")
+    return [_index(names, location, where)]
+
+
+def _names(declaration: Declaration, effect: Effect) -> list[str]:
+    """Return what locations are called where each names one place."""
+    if effect.place == "number":
+        return [number.name for number in declared_numbers(declaration)]
+    return {
+        "web": ["web"],
+        "cell": [sensor.roller for sensor in cell_sensors(declaration)],
+        "loop": [loop.acts_on for loop in declaration.control.tension_pi],
+        "drive": [drive.roller for drive in declaration.control.drives],
+    }[effect.place]
 
 
 def _spans(declaration: Declaration, location: str, where: str) -> list[int]:
@@ -96,8 +104,9 @@ def candidate_locations(declaration: Declaration, effect: Effect) -> list[str]:
     """Return the locations at which tracing should try ``effect``, in web order."""
     rollers = declaration.rollers
     kind = effect.candidates
-    if kind == "web":
-        return ["web"]
+    if kind in ("web", "number"):
+        numbers = [number.name for number in changeable_numbers(declaration)]
+        return ["web"] if kind == "web" else numbers
     if kind == "gripping":
         return [*[r.name for r in rollers if r.kind == "driven"], *bridles(declaration)]
     if kind == "zone":

@@ -11,6 +11,7 @@ from aff_runtime.base.suggest import hint
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Value
 from sim_plant.effects.catalogue import BY_NAME
+from sim_plant.line.corrections import declared_numbers
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.locations import places_of
 
@@ -39,7 +40,8 @@ def apply_effects(
             ones = there.setdefault((effect.name, place), [])
             _not_twice(effect, ones, values, f"{where}: {effect.name} at {entry.location}")
             ones.append(values)
-            arrays = effect.apply(arrays, place, values)
+            at = declared_numbers(declaration)[place].shift if effect.shifted_by else place
+            arrays = effect.apply(arrays, at, values)
     return arrays
 
 

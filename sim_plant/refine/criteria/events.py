@@ -42,6 +42,12 @@ class EventCriteria:
         "step between moments at which an effect that lasts is tried",
         "a zone's time constant",
     )
+    known_apart_s: float = criterion(
+        3.0,
+        "s",
+        "least distance of two moments at which declared numbers are tried",
+        "one response, shifted, serves what is nearer: a zone's time constant",
+    )
     ends_step_s: float = criterion(
         1.5,
         "s",

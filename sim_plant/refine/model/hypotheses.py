@@ -6,20 +6,25 @@ import itertools
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from fnmatch import fnmatchcase
 
 from sim_plant.base.effects import Demand, Effect, Value
 from sim_plant.base.signatures import Frequency
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.build import build_arrays, timing_of
+from sim_plant.line.corrections import declared_numbers
 from sim_plant.line.declaration import Declaration
 from sim_plant.line.locations import candidate_locations, places_of
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.effect_at import EffectAt
+from sim_plant.refine.model.nuisances import tolerance_of
 from sim_plant.refine.model.twin import Added
 
 StartValues = tuple[float, ...]
 """Of a hypothesis: its numbers in the order of ``names``."""
-STEPS = CRITERIA.model.steps
+Choice = tuple[tuple[str, Value], ...]
+MODEL = CRITERIA.model
+STEPS = MODEL.steps
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -223,16 +228,53 @@ def onset_hypotheses(
             names = (*form, onset.moment)
             library += [
                 replace(
-                    hypothesis(effect, location, (*choice, (onset.moment, 0.0)), names, line),
+                    hypothesis(
+                        effect, location, (*choice, *size, (onset.moment, 0.0)), names, line
+                    ),
                     record_index=record_index,
                 )
-                for location in candidate_locations(line, effect)
+                for location, size in _begun_at(line, effect)
             ]
     return library
 
 
+def _begun_at(
+    line: Declaration, effect: Effect
+) -> list[tuple[str, tuple[tuple[str, Value], ...]]]:
+    """Return where an effect may begin, and the size to start from that the place asks for.
+
+    A declared number starts from its tolerance: a share of one is newtons of another. None that
+    another effect which may begin is the name of.
+    """
+    places = candidate_locations(line, effect)
+    if not effect.shifted_by:
+        return [(location, ()) for location in places]
+    told = _told_by_onsets()
+    kinds = {number.name: number.kind for number in declared_numbers(line)}
+    sizes = {name: tolerance_of(line, name, kind) for name, kind in kinds.items()}
+    return [
+        (name, ((effect.shifted_by, sizes[name] or MODEL.default_tolerance[kinds[name]]),))
+        for name in places
+        if not any(fnmatchcase(name, pattern) for pattern in told)
+    ]
+
+
+def _told_by_onsets() -> list[str]:
+    """Return patterns of declared numbers that an effect which may begin is the name of."""
+    return [
+        row.number.format(place="*")
+        for effect in CATALOGUE
+        if effect.onset is not None
+        for row in effect.declared_as
+        if any(row.parameter in form for form in effect.onset.forms)
+    ]
+
+
 def bounds_at(line: Declaration, effect: Effect, location: str) -> dict[str, tuple[float, float]]:
     """Return the bounds that this place of this line sets, the tightest of all it names."""
+    if effect.shifted_by:
+        number = next(n for n in declared_numbers(line) if n.name == location)
+        return {effect.shifted_by: (number.low, number.high)}
     if effect.bounds is None:
         return {}
     arrays = build_arrays(line, timing_of(line, line.sample_time_s))

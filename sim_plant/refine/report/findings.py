@@ -10,6 +10,7 @@ import numpy as np
 
 from sim_plant.base.effects import Value
 from sim_plant.line.build import cell_sensors
+from sim_plant.line.corrections import declared_numbers, value_of
 from sim_plant.line.declaration import RollAngle
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
@@ -23,6 +24,7 @@ from sim_plant.refine.report.verdict import (
     ChannelError,
     EffectFinding,
     Moment,
+    NumberChange,
     UnknownFinding,
     Verdict,
 )
@@ -130,7 +132,8 @@ def effect_findings(
         amplitude_sd = {pair.amplitude: spread for pair, spread in phasors(fit, h, at)}
         own_sd = sd[at : at + len(values)]
         found = _finding(accepted, h, values, own_sd, amplitude_sd, known)
-        findings.append(replace(found, cells=cells, begins=_onset(h, found.parameters, fitted)))
+        begins, becomes = _onset(h, found.parameters, fitted), _becomes(h, found, fitted)
+        findings.append(replace(found, cells=cells, begins=begins, becomes=becomes))
         at += len(values)
     return tuple(findings)
 
@@ -152,6 +155,18 @@ def _onset(h: Hypothesis, values: Mapping[str, Value], fitted: Sequence[Fitted])
     times_s = np.arange(axis_m.size) * twin.declaration.sample_time_s
     time_s = float(np.interp(float(moment), axis_m, times_s))
     return Moment(record=name, time_s=time_s, record_index=record_index)
+
+
+def _becomes(h: Hypothesis, found: EffectFinding, fitted: Sequence[Fitted]) -> NumberChange | None:
+    """Return what a declared number was and became; None of any other effect."""
+    name, line = h.effect.shifted_by, fitted[0][1].declaration if fitted else None
+    if not name or line is None:
+        return None
+    number = next(n for n in declared_numbers(line) if n.name == h.location)
+    change = float(found.parameters[name])
+    ends = found.interval95.get(name, (change, change))
+    before, after, low, high = (value_of(line, number, by) for by in (0.0, change, *ends))
+    return NumberChange(before=before, after=after, low=low, high=high)
 
 
 def _beginning(where: Mapping[str, float | str], fitted: Sequence[Fitted]) -> Moment | None:

@@ -48,6 +48,8 @@ class Marks:
 def marks_of(line: Declaration, place: EffectAt) -> Marks:
     """Return where an effect sits: at bodies, or along spans."""
     effect = BY_NAME[place.effect]
+    if effect.place == "number":
+        return _marks_of_number(line, place.location)
     found = places_of(line, effect, place.location, "verdict")
     if effect.place == "web":
         return Marks(spans=frozenset(range(len(line.spans))))
@@ -62,6 +64,16 @@ def marks_of(line: Declaration, place: EffectAt) -> Marks:
     else:
         rollers = [drive.roller for drive in line.control.drives]
     return Marks(bodies=frozenset(line.body(rollers[k]) for k in found))
+
+
+def _marks_of_number(line: Declaration, number: str) -> Marks:
+    """Return what a declared number is of, by its path: a roller, a cell's, or the web."""
+    words = number.split(".")
+    if words[0] == "web":
+        return Marks(spans=frozenset(range(len(line.spans))))
+    named = {s.roller for s in cell_sensors(line) if s.channel in words}
+    bodies = (k for k, r in enumerate(line.rollers) if r.name in words or r.name in named)
+    return Marks(bodies=frozenset(bodies))
 
 
 def marks_of_verdict(line: Declaration, verdict: Verdict) -> tuple[Marks, Marks]:

@@ -35,6 +35,16 @@ class Moment:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class NumberChange:
+    """What a declared number was and became, with the ends of its interval, in its own unit."""
+
+    before: float
+    after: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class EffectFinding:
     """One effect that was traced.
 
@@ -52,6 +62,7 @@ class EffectFinding:
     cells : channels of the line's load cells, in the order in which it declares them; a file of
         version 1 has none.
     begins : when an effect that begins at a moment does; not in a file of version 1 either.
+    becomes : of a declared number that changes, its values; not in a file of version 1 either.
     runner_up_rms : error by channel on the record judged with the runner-up in its place, all else
         fitted again; empty where that was not judged.
     """
@@ -66,6 +77,7 @@ class EffectFinding:
     text: str
     cells: tuple[str, ...] = ()
     begins: Moment | None = None
+    becomes: NumberChange | None = None
     runner_up_rms: Mapping[str, float] = field(default_factory=dict)
 
 

@@ -12,7 +12,7 @@ from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.along_web import listed
-from sim_plant.refine.report.verdict import EffectFinding, Moment
+from sim_plant.refine.report.verdict import EffectFinding, Moment, NumberChange
 
 SMALL_M, SMALL_S = 0.1, 1.0
 """A smaller length is written in mm, a shorter time in ms."""
@@ -53,6 +53,8 @@ def label(parameter: str, unit: str) -> str:
 
 def location_words(location: str) -> str:
     """Return a location as text."""
+    if "." in location:
+        return declared_words(location)
     return "all load cells" if location == "all" else location
 
 
@@ -118,7 +120,27 @@ def number_rows(finding: EffectFinding) -> list[NumberRow]:
         for key, value in finding.parameters.items()
         if key not in in_cells
     ]
+    if finding.becomes is not None:
+        own = BY_NAME[finding.place.effect].shifted_by
+        rows = [_becoming(finding, finding.becomes) if r.key == own else r for r in rows]
     return [*rows, *cells, *_moment_rows(finding)]
+
+
+def _becoming(finding: EffectFinding, change: NumberChange) -> NumberRow:
+    """Return from what to what a declared number changed, in its own unit."""
+    location, ends = finding.place.location, (change.low, change.high)
+    unit = "N" if location.endswith(".offset") else unit_of_name(location.rpartition(".")[2])
+    places = _decimals(1.0, ends)
+    low, high = (f"{end:{places}}" for end in ends)
+    before = " ".join(filter(None, (f"{change.before:.4g}", unit)))
+    return NumberRow(
+        key=BY_NAME[finding.place.effect].shifted_by,
+        name=f"from {before} to",
+        value=f"{change.after:{places}}",
+        unit=unit,
+        low=low,
+        high=high,
+    )
 
 
 def called(finding: EffectFinding, parameter: str) -> str:

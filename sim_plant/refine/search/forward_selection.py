@@ -18,7 +18,7 @@ from sim_plant.refine.model.parameter_effects import equivalents
 from sim_plant.refine.search.added_effect import rolling_only
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.completeness import remaining_spectra, sure_excess
-from sim_plant.refine.search.events import event_candidates, placed_anew
+from sim_plant.refine.search.events import event_candidates
 from sim_plant.refine.search.exchange import exchanged, joined, pruned, with_rivals_at_own_line
 from sim_plant.refine.search.free_terms import (
     PERIODIC_CLASSES,
@@ -30,6 +30,7 @@ from sim_plant.refine.search.number_ranges import with_number_ranges
 from sim_plant.refine.search.one_more import best_of, explains_own_lines, looked_from
 from sim_plant.refine.search.one_thing import told_as, whole_of
 from sim_plant.refine.search.outside_prior import fit_conflicts, joint_conflict, total_shifts
+from sim_plant.refine.search.placed_events import placed_anew, with_moment_refined
 from sim_plant.refine.search.profile_detail import joint_refit
 from sim_plant.refine.search.remainder import classified, shown_before
 from sim_plant.refine.search.screening import by_periodic_chi2
@@ -159,7 +160,8 @@ def select(
         if not extensions:
             break
         progress("all numbers together, at the declared drive tick")
-        objective, fit = joint_refit(objective, extensions[-1].fit)
+        extended = with_moment_refined(objective, extensions[-1].fit)
+        objective, fit = joint_refit(objective, extended)
         if selection.accepted:
             objective, fit = _with_events_placed_anew(objective, fit, progress)
         selection = replace(

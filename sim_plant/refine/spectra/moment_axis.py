@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -21,10 +22,12 @@ class MomentAxis:
     ----------
     moments : per judged sample (samples,).
     grid : equal steps between the first and the last of them.
+    looked_at : moments at which responses are simulated; empty: the middles of equal parts.
     """
 
     moments: Array
     grid: Array
+    looked_at: tuple[float, ...] = ()
 
     @property
     def step(self) -> float:
@@ -55,6 +58,12 @@ class Part:
 
 def parts_of(axis: MomentAxis) -> list[Part]:
     """Return the parts of a record for which a response is simulated."""
+    if axis.looked_at:
+        at = sorted(axis.looked_at)
+        between = [0.5 * (one + two) for one, two in pairwise(at)]
+        lows, highs = (float(axis.grid[0]), *between), (*between, float(axis.grid[-1]))
+        rows = zip(lows, at, highs, strict=True)
+        return [Part(low=low, middle=middle, high=high) for low, middle, high in rows]
     ends = np.linspace(axis.grid[0], axis.grid[-1], EVENTS.response_moments + 1)
     return [
         Part(low=low, middle=0.5 * (high + low), high=high)

@@ -62,6 +62,7 @@ def test_an_effect_at_its_neutral_value_is_exactly_absent(effect):
         "loop": "unwind",
         "span": "R1-R2",
         "web": "web",
+        "number": "web.EA_N",
     }[effect.place]
     bare = run(declared("euclid"), 2, samples=100)
     neutral = run(with_effect(declared("euclid"), effect.name, location), 2, samples=100)

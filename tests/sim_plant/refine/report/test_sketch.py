@@ -50,6 +50,8 @@ def test_the_web_drawn_touches_every_body_at_a_right_angle_and_is_as_long_as_dec
         ("eccentric_roller", "R4", Marks(bodies=bodies("R4"))),
         ("loop_delay", "unwind", Marks(bodies=bodies("unwind"))),
         ("load_cell_filter", "R9", Marks(bodies=bodies("R9"))),
+        ("changed_number", "control.drives.pull_roll.zeta", Marks(bodies=bodies("pull_roll"))),
+        ("changed_number", "sensors.r3_tension_N.gain", Marks(bodies=bodies("R3"))),
         ("splice", "web", Marks(spans=frozenset(range(len(NAMES) - 1)))),
         ("thermal_strain", "R4-R5", Marks(spans=frozenset({NAMES.index("R4")}))),
     ],

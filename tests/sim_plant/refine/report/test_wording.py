@@ -3,11 +3,12 @@ import math
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.refine.report.verdict import Moment
+from sim_plant.refine.report.verdict import Moment, NumberChange
 from sim_plant.refine.report.wording import (
     coordinate_text,
     label,
     number_rows,
+    place_words,
     scaled,
     size_of,
     tells_size,
@@ -208,3 +209,17 @@ def test_a_rhythm_and_a_reading_that_sticks_are_told_with_their_place():
     said = coordinate_text("state", sticks)
     assert said.startswith("r3_tension_N (and rewind_tension_N alike) depends on which way")
     assert "0.87 N apart" in said
+
+
+def test_a_number_that_became_another_one_is_told_in_its_own_unit_from_what_to_what():
+    found = finding(
+        "changed_number",
+        "control.drives.pull_roll.K_ref_rad_s",
+        {"change": -0.25, "from_s": 37.3},
+        begins=Moment(record="a.csv", time_s=37.3),
+        becomes=NumberChange(before=40.0, after=30.0, low=29.75, high=30.25),
+    )
+    said = "from 40 rad/s to 30.0 rad/s (95 %: 29.8 to 30.2), in a.csv from 37.3 s"
+    assert size_of(found) == said
+    where = "K ref of pull_roll (control.drives.pull_roll.K_ref_rad_s)"
+    assert place_words(found.place) == f"changed number at {where}"

@@ -2,9 +2,12 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
+from sim_plant.refine.model.effect_at import EffectAt
+from sim_plant.refine.model.hypotheses import onset_hypotheses
 from sim_plant.refine.model.twin import Added, Case
-from sim_plant.refine.search.events import event_candidates, placed_anew
-from tests.sim_plant.refine.small import STEP_S, formula_twin, objective_of, quiet, white
+from sim_plant.refine.search.events import event_candidates
+from sim_plant.refine.search.placed_events import placed_anew, with_moment_refined
+from tests.sim_plant.refine.small import LINE, STEP_S, formula_twin, objective_of, quiet, white
 
 CHANNELS = ("unwind_tension_N", "r3_tension_N")
 SAMPLES = 6000
@@ -119,3 +122,50 @@ def test_an_event_that_stands_seconds_off_is_placed_anew():
     assert found["from_s"] + 0.5 * found["rise_s"] == pytest.approx(31.5, abs=0.05)
     assert found["hold_s"] == pytest.approx(15.2, abs=0.1)
     assert placed_anew(objective, anew) is anew
+
+
+PULLED = "control.pull_roll_draw"
+"""The number of the formula line that pulls at both cells, unlike any drag."""
+
+
+def pulled_of(case):
+    """A drag that begins pulls at one cell, a draw that is another one from a moment on at two."""
+    both = drag_of(case)
+    for added in case.effects:
+        if added.effect == "changed_number" and added.location == PULLED:
+            given = dict(added.parameters)
+            both += 1e5 * given["change"] * (given["from_s"] <= TIME_S)
+    return both
+
+
+def test_a_declared_number_is_found_at_the_moment_from_which_it_is_another_one():
+    measured = white((2, SAMPLES), 4) + 1e5 * 2e-5 * (TIME_S >= 32.84)
+    objective = objective_of(formula_twin(pulled_of, CHANNELS, SAMPLES), measured)
+    best = event_candidates(objective, nominal_fit(objective, {}), (), quiet)[0]
+    found = dict(zip(best.hypothesis.names, best.start, strict=True))
+    assert (best.hypothesis.effect.name, best.hypothesis.location) == ("changed_number", PULLED)
+    assert found["from_s"] == pytest.approx(32.84, abs=0.03)
+    assert found["change"] == pytest.approx(2e-5, rel=0.05)
+
+
+def test_no_declared_number_is_tried_in_a_record_in_which_nothing_begins():
+    tried = set()
+
+    def seen(case):
+        tried.update(added.effect for added in case.effects)
+        return pulled_of(case)
+
+    objective = objective_of(formula_twin(seen, CHANNELS, SAMPLES), white((2, SAMPLES), 4))
+    event_candidates(objective, nominal_fit(objective, {}), (), quiet)
+    assert "bearing_drag" in tried
+    assert "changed_number" not in tried
+
+
+def test_a_fitted_moment_a_few_samples_off_is_put_where_it_explains_most():
+    measured = white((2, SAMPLES), 4)
+    measured[1] -= PULL_N * 0.05 * (TIME_S >= 30.0)
+    objective = objective_of(formula_twin(drag_of, CHANNELS, SAMPLES), measured)
+    (h,) = (h for h in onset_hypotheses(LINE, 0) if h.key == EffectAt("bearing_drag", "R4"))
+    stopped = gauss_newton_fit(objective, [h], [(0.05, 30.12)], {}, rounds=0)
+    (found,) = with_moment_refined(objective, stopped).values
+    assert found[h.names.index("from_s")] == pytest.approx(30.0, abs=0.025)  # a step of the grid
