@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from aff_runtime.base.holes import LONGEST_GAP_CYCLES
+from aff_runtime.base.holes import LONGEST_GAP_CYCLES, cycle_s_of
 
 LONGEST_RUN_S = 1e9
 """No run lasts 30 years: a later time is no time of a row."""
@@ -109,9 +109,7 @@ def _recorded_before(
 ) -> NDArray[np.bool_]:
     """Return per row whether its time is one of earlier rows, or between two without a hole."""
     seen = np.sort(np.concatenate(earlier_s))
-    steps = np.diff(seen)
-    steps = steps[steps > 0.0]
-    longest_s = LONGEST_GAP_CYCLES * float(np.median(steps)) if steps.size else 0.0
+    longest_s = LONGEST_GAP_CYCLES * cycle_s_of(seen)
     at = np.searchsorted(seen, time_s)
     after, before = seen[np.minimum(at, seen.size - 1)], seen[np.maximum(at - 1, 0)]
     again = (after == time_s) | ((before < time_s) & (time_s < after))
