@@ -12,6 +12,14 @@ from aff_runtime.base.run_table import read_table
 from aff_runtime.base.run_window import run_window
 from sim_plant.refine.records.read import read_record
 from tests.doubles.recorded_run import RecordedRun, files
+from tests.sim_plant.refine.records.altered_run import (
+    at_cycle,
+    blank,
+    blank_some,
+    cut,
+    halve_scans,
+    rename,
+)
 
 STEP_S = 0.01
 APPLIED = "correction_unwind_m_s"
@@ -287,16 +295,6 @@ def test_a_run_of_another_cycle_than_its_site_file_is_named(run):
     assert said_of(read_record(run), "a tick takes 10 ms, its site.yaml says 5 ms")
 
 
-def at_cycle(run, name, by):
-    """Let the rows of a segment come at another cycle, from where it begins on."""
-    head, *rows = gzip.decompress((run / name).read_bytes()).decode().splitlines()
-    begin_s = float(rows[0].partition(",")[0])
-    for k, row in enumerate(rows):
-        at, _, rest = row.partition(",")
-        rows[k] = f"{begin_s + by * (float(at) - begin_s):.10g},{rest}"
-    (run / name).write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode()))
-
-
 def test_what_is_no_record_is_refused_with_what_was_meant(run):
     for name, said in (
         (f"{run}@20", r"times of a run are written RUN_DIR@FROM\.\.TO"),
@@ -315,38 +313,6 @@ def test_no_last_digit_of_a_filled_hole_is_said_to_be_a_resolution(run):
     cut(run, 1, 500, 800)
     for said in said_of(read_record(f"{run}@3..45"), "is read in steps of"):
         assert "e-1" not in said
-
-
-def rename(run, column, other):
-    """Rename a column in run.yaml and all segments."""
-    about = run / "run.yaml"
-    about.write_text(about.read_text().replace(f"- {column}\n", f"- {other}\n"))
-    for segment in run.glob("signals-*"):
-        head, _, body = gzip.decompress(segment.read_bytes()).partition(b"\n")
-        head = b",".join(
-            other.encode() if name == column.encode() else name for name in head.split(b",")
-        )
-        segment.write_bytes(gzip.compress(head + b"\n" + body, 1))
-
-
-def halve_scans(run):
-    """Let the PLC scan in every second cycle: heartbeat and freshness of the rows say so."""
-    for segment in run.glob("signals-*"):
-        head, *rows = gzip.decompress(segment.read_bytes()).decode().splitlines()
-        beat, fresh = (head.split(",").index(name) for name in ("plc_heartbeat", "fresh"))
-        cells = [row.split(",") for row in rows]
-        for row in cells:
-            counted = int(float(row[beat]))
-            row[beat], row[fresh] = str(counted // 2), str(1 - counted % 2)
-        lines = [head, *(",".join(row) for row in cells), ""]
-        segment.write_bytes(gzip.compress("\n".join(lines).encode(), 1))
-
-
-def cut(run, number, first, end):
-    """Take rows out of one segment."""
-    segment = run / f"signals-000{number}.csv.gz"
-    lines = gzip.decompress(segment.read_bytes()).splitlines(keepends=True)
-    segment.write_bytes(gzip.compress(b"".join([*lines[: first + 1], *lines[end + 1 :]]), 1))
 
 
 def test_a_channel_for_the_record_alone_that_is_missing_for_long_is_left_out_and_ends_no_piece(
@@ -368,17 +334,6 @@ def test_of_a_channel_for_the_record_alone_the_share_that_is_bridged_is_said(run
     assert said.endswith(
         ": 30 % of its readings are no numbers and bridged between their neighbours"
     )
-
-
-def blank_some(path, column, which, of):
-    """Let readings of a segment be no numbers: these of every so many rows."""
-    head, *rows = gzip.decompress(path.read_bytes()).decode().splitlines()
-    at = head.split(",").index(column)
-    for k, row in enumerate(rows):
-        if k % of in which:
-            cells = row.split(",")
-            rows[k] = ",".join([*cells[:at], "nan", *cells[at + 1 :]])
-    path.write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode(), 1))
 
 
 def test_a_reading_that_the_correction_waits_for_and_is_missing_for_long_ends_a_piece(run):
@@ -410,15 +365,3 @@ def test_a_site_file_in_the_middle_that_no_live_edit_makes_is_named(run, old, ne
         file.write(f'0.1,,,CONFIG_APPLIED,,"a1: site {"b" * 12}; began"\n')
         file.write(f'12.0,,,CONFIG_APPLIED,,"b1: site {later}; by hand"\n')
     assert said_of(read_record(run), f"from 12.0 s on the run has {said}")
-
-
-def blank(run, name, first, end):
-    """Take the readings of a channel out of some rows of the first segment."""
-    segment = sorted(run.glob("signals-*"))[0]
-    head, *rows = gzip.decompress(segment.read_bytes()).decode().splitlines()
-    at = head.split(",").index(name)
-    for k in range(first, end):
-        cells = rows[k].split(",")
-        cells[at] = "nan"
-        rows[k] = ",".join(cells)
-    segment.write_bytes(gzip.compress("\n".join([head, *rows, ""]).encode()))
