@@ -31,6 +31,7 @@ from aff_runtime.app.report.comparison.window import (
     number,
     orders_of,
     roll_angle,
+    speed_channel,
 )
 from aff_runtime.base.channel_units import unit_of_channel
 from aff_runtime.base.holes import cycle_s_of, holes_between
@@ -164,7 +165,7 @@ def _facts(window: Window, angles: Mapping[str, RollAngle]) -> Facts:
         times_us={n: percentiles(columns[n]) for n in TIMES if n in columns},
         missed=missed,
         rows_lost=rows_lost,
-        labels=(*said, *(longest_parts(window.table, window.speed_name) if said else [])),
+        labels=(*said, *(longest_parts(window.table, speed_channel(window.site)) if said else [])),
     )
 
 

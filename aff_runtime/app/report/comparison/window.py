@@ -114,12 +114,7 @@ class Window:
     @property
     def speed(self) -> Array | None:
         """Line speed, m/s."""
-        return self.readings(self.speed_name)
-
-    @property
-    def speed_name(self) -> str:
-        """Name of the channel with the line speed."""
-        return text_or(self.section("line").get("speed"), DEFAULT_SPEED_CHANNEL)
+        return self.readings(speed_channel(self.site))
 
     def in_state(self, state: State) -> float:
         """Return the share of all rows in this state."""
@@ -152,6 +147,11 @@ def window_of(table: RunTable) -> Window:
         time_s=time_s,
         good=_goes_on(columns, shows, time_s),
     )
+
+
+def speed_channel(site: Section) -> str:
+    """Return the name of the channel with the line speed."""
+    return text_or(site.section("line").get("speed"), DEFAULT_SPEED_CHANNEL)
 
 
 def number(value: object, unit: str) -> float:

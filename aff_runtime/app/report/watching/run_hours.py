@@ -13,9 +13,9 @@ import numpy as np
 from aff_runtime.app.report.comparison.comparing import percentiles
 from aff_runtime.app.report.comparison.turns import Array
 from aff_runtime.app.report.comparison.window import (
-    DEFAULT_SPEED_CHANNEL,
     Window,
     said_of_readings,
+    speed_channel,
     without_gaps,
 )
 from aff_runtime.app.report.watching.drive_rows import drive_rows
@@ -169,7 +169,7 @@ class RunHours:
             return None
         lost.update(dict.fromkeys(t for t in table.lost if t.startswith(OF_A_SEGMENT)))
         lost.update(dict.fromkeys(one.said for one in table.sites if one.said))
-        stretch = steady(table, _speed_name(self.site))
+        stretch = steady(table, speed_channel(self.site))
         if stretch is not None:
             lost.update(dict.fromkeys(said_of_readings(stretch)))
         return stretch
@@ -212,7 +212,7 @@ def run_hours(folder: Path) -> RunHours:
     site = _site(folder)
     segments = RunSegments.known(folder, {one.number: one.values["time_s"] for one in rows})
     sites = run_sites(folder)
-    times, speeds, lost = _speeds(folder, segments, sites, begins, _speed_name(site))
+    times, speeds, lost = _speeds(folder, segments, sites, begins, speed_channel(site))
     segment_s = _segment_s(about)
     responses, no_responses = measured_responses(folder)
     if other := other_line(about, text_or(site.section("line").get("name"))):
@@ -303,10 +303,6 @@ def _site(folder: Path) -> Section:
         return Section.of(yaml_values(text_of(folder / "site.yaml", _LARGEST)))
     except ValueError:
         return Section()
-
-
-def _speed_name(site: Section) -> str:
-    return text_or(site.section("line").get("speed"), DEFAULT_SPEED_CHANNEL)
 
 
 def _start(shown: str, about: Section) -> datetime:
