@@ -150,7 +150,7 @@ fuzz: setup
 		|| echo "atheris cannot be had: inputs by chance"
 	$(BIN)/python -m tests.fuzz --seconds $(SECONDS) --out out/fuzz
 
-# speed, as ratios measured in one run; about two minutes, writes docs/results/bench.md
+# speed, as ratios measured in one run; about three minutes, writes docs/results/bench.md
 bench: setup
 	$(BIN)/python -m benchmarks.runtime
 
@@ -196,7 +196,7 @@ campaign: setup
 
 # the example of a fleet, LINES virtual lines: drawn, refined, beside what they hide. Some 1.5 hours of a core for
 # 200, goes on where it was stopped (out/fleet), writes docs/results/fleet.md. EXTRA="--most 4" for four looks
-# of them, "--scaling 6" or "--lost 4" for that part alone (on a quiet machine)
+# of them, "--scaling 6" or "--lost 3" for that part alone (on a quiet machine)
 fleet: setup
 	nice -n 19 $(BIN)/python -m benchmarks.fleet --lines $(LINES) --docs $(EXTRA)
 

@@ -30,3 +30,14 @@ def test_a_decision_has_status_date_and_its_parts(path):
 def test_the_index_names_every_decision():
     index = text(FOLDER / "README.md")
     assert [p.name for p in PAGES if f"]({p.name})" not in index] == []
+
+
+def test_index_and_page_name_the_same_later_decision():
+    index = text(FOLDER / "README.md")
+    of_index = dict(re.findall(r"^\| \[(\d{4})\].*changed by (\d{4}) \|", index, re.MULTILINE))
+    of_page = {}
+    for page in PAGES:
+        changed = re.search(r"^- Status: .*changed by \[(\d{4})\]", text(page), re.MULTILINE)
+        if changed:
+            of_page[page.name[:4]] = changed.group(1)
+    assert of_index == of_page != {}
