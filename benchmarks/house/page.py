@@ -56,7 +56,7 @@ def page(revisions: Sequence[Revision], proofs: Sequence[Proof]) -> str:
         f"# The house\n\nWritten by `make house EXTRA=--docs` on `{now.name}`.\n\n{NOTE}",
         f"## Packages\n\n{_packages(revisions)}",
         f"Dicts of anything in the product, all packages but `benchmarks`: "
-        f"{_product(before)} before, {_product(now)} now; at most {MOST_UNTYPED} are asked, "
+        f"{_product(before)} before, {_product(now)} now; at most {MOST_UNTYPED} may be, "
         f"{'met' if _product(now) <= MOST_UNTYPED else 'missed'}.\n",
         f"## Rooms\n\n{_side_by_side(before, now)}",
         f"## What a recipe costs\n\nFiles of the commit that proves each of the [recipes]"
