@@ -16,8 +16,8 @@ QUESTIONS = (
         "yes, no"
     ),
     N_("Scan time of the PLC, ms"),
-    N_("Which signal, that AFF reads, is the {what}?"),
-    N_("Which signal, that AFF sends, is the {what}?"),
+    N_("Which signal, that AFF reads, is this: {what}?"),
+    N_("Which signal, that AFF sends, is this: {what}?"),
     N_("counter that the PLC raises each scan (heartbeat)"),
     N_("status bits of the PLC, in AFF's own order"),
     N_("counter of splices (a new roll)"),

@@ -197,7 +197,7 @@ def _tells_scale(value: float) -> bool:
 def which_signal(role: Role) -> str:
     """Return what is asked of a role."""
     way = "AFF sends" if role.written else "AFF reads"
-    return f"Which signal, that {way}, is the {role.asked}?"
+    return f"Which signal, that {way}, is this: {role.asked}?"
 
 
 def _read_display(text: str, unit: str) -> str:
