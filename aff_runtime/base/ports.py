@@ -1,4 +1,4 @@
-"""The seams between rooms: what the cycle needs of a law, a guard, a gateway and a clock."""
+"""The ports between rooms: what the cycle needs of a law, a guard, a gateway and a clock."""
 
 from __future__ import annotations
 

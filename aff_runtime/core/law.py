@@ -1,4 +1,4 @@
-"""The seam for laws of one actuator: what a law is built from, what it sees, what it answers."""
+"""The port for laws of one actuator: what a law is built from, what it sees, what it answers."""
 
 from __future__ import annotations
 

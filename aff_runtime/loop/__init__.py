@@ -1,3 +1,3 @@
 """Time: absolute deadlines, real-time rights, the cycle, jitter statistics."""
 
-__all__ = ["cycle", "messages", "realtime", "record", "seams", "watchdog"]
+__all__ = ["cycle", "messages", "ports", "realtime", "record", "watchdog"]

@@ -24,8 +24,8 @@ from aff_runtime.base.signals import (
     StateBits,
 )
 from aff_runtime.loop.inbox import Inbox
+from aff_runtime.loop.ports import GuardPort, OutsidePort
 from aff_runtime.loop.record import TickTiming, build_record
-from aff_runtime.loop.seams import GuardPort, Outside
 from aff_runtime.loop.ticker import Ticker
 
 _OK = Outcome.OK
@@ -88,7 +88,7 @@ class Cycle:
         gateway: Gateway,
         guard: GuardPort,
         law: Law,
-        outside: Outside,
+        outside: OutsidePort,
     ) -> None:
         self._settings = settings
         self._clock = clock

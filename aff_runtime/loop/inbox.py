@@ -6,7 +6,7 @@ from collections import deque
 
 from aff_runtime.base.ports import Law
 from aff_runtime.loop.messages import Arm, Bypass, Message, Shadow, Stop, SupervisorLost, Swap
-from aff_runtime.loop.seams import GuardPort, Outside
+from aff_runtime.loop.ports import GuardPort, OutsidePort
 
 
 class Inbox:
@@ -21,7 +21,7 @@ class Inbox:
     """
 
     def __init__(
-        self, *, guard: GuardPort, law: Law, outside: Outside, advice_every_ticks: int
+        self, *, guard: GuardPort, law: Law, outside: OutsidePort, advice_every_ticks: int
     ) -> None:
         self.law = law
         self.config_revision = 0

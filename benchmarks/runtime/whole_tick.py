@@ -20,8 +20,8 @@ from aff_runtime.base.ports import Law
 from aff_runtime.base.python_child import module_command
 from aff_runtime.base.signals import Outcome, State
 from aff_runtime.loop.messages import Arm, Message, Stop
+from aff_runtime.loop.ports import Advice
 from aff_runtime.loop.realtime import RealtimeRequest, ask
-from aff_runtime.loop.seams import Advice
 from benchmarks.runtime.child import environment
 from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
 from benchmarks.runtime.paced import PERIOD_NS, own_processor

@@ -1,4 +1,4 @@
-"""The seam between a simulated line and whatever serves it."""
+"""The port between a simulated line and whatever serves it."""
 
 from __future__ import annotations
 

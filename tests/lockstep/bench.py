@@ -26,7 +26,7 @@ from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.fieldbus.modbus.registers import RegisterMap
 from aff_runtime.loop.cycle import Cycle, CycleSettings
 from aff_runtime.loop.messages import Arm, Message
-from aff_runtime.loop.seams import Advice
+from aff_runtime.loop.ports import Advice
 from aff_runtime.safety.guard import Guard
 from aff_runtime.safety.params import GuardParams
 from sim_plant.line import open_line

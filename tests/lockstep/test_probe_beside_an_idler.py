@@ -16,7 +16,7 @@ from aff_runtime.core.controller import Controller
 from aff_runtime.core.probe.probe import Probe, ProbeResult, Stage
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Provenance
 from aff_runtime.loop.messages import Arm, Bypass, Swap
-from aff_runtime.loop.seams import Advice
+from aff_runtime.loop.ports import Advice
 from sim_plant.base.order_tracking import order_amplitudes, reduction_dB
 from sim_plant.demo.loop.drawn import Files, Hidden, write_files
 from sim_plant.line.frequency import response

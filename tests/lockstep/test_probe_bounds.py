@@ -14,7 +14,7 @@ from aff_runtime.config.loader import load_site
 from aff_runtime.core.probe.probe import WITHDRAWN_S, Probe, Stage
 from aff_runtime.core.response import Provenance
 from aff_runtime.loop.messages import Arm, Swap
-from aff_runtime.loop.seams import Advice
+from aff_runtime.loop.ports import Advice
 from tests.lockstep.bench import SITE, Bench, Setup
 from tests.lockstep.fault_table import ZERO_WITHIN_S, peak, zero_after_s
 from tests.lockstep.known_response import SPEED_M_S

@@ -9,7 +9,7 @@ from aff_runtime.base.signals import State
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.probe.probe import Probe, Stage
 from aff_runtime.loop.messages import Arm, SupervisorLost, Swap
-from aff_runtime.loop.seams import Advice
+from aff_runtime.loop.ports import Advice
 from tests.lockstep.bench import SITE, Bench, Setup
 from tests.lockstep.fault_table import ZERO_WITHIN_S, peak, zero_after_s
 

@@ -21,7 +21,7 @@ from aff_runtime.config.models import Site
 from aff_runtime.core.probe.probe import Probe, Stage
 from aff_runtime.core.response import Provenance
 from aff_runtime.loop.messages import Arm, Swap
-from aff_runtime.loop.seams import Advice
+from aff_runtime.loop.ports import Advice
 from sim_plant.base.order_tracking import order_amplitudes
 from sim_plant.servers.modbus_device import ModbusDevice
 from tests.lockstep.bench import Bench, Setup, settled

@@ -21,7 +21,7 @@ from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
 from aff_runtime.loop.cycle import Cycle, CycleSettings
 from aff_runtime.loop.messages import Arm, Bypass, Message, SupervisorLost
-from aff_runtime.loop.seams import Advice
+from aff_runtime.loop.ports import Advice
 from aff_runtime.safety.guard import Guard
 from aff_runtime.safety.params import AppliedParams
 from sim_plant.servers.can_catalogue import can_node

@@ -15,7 +15,7 @@ from aff_runtime.core.controller import Controller
 from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.order_status import OrderStatus
 from aff_runtime.core.ripple_watch import RippleWatch
-from aff_runtime.loop.seams import Advice
+from aff_runtime.loop.ports import Advice
 
 STEADY_ASKS = 10  # looks that must agree before a block counts as held, or as free again
 EVENT_OF = {

@@ -1,6 +1,6 @@
 """The control process's side of everything around it: ring, link, signals, watchdog.
 
-Implements ``loop.seams.Outside``: every call returns at once. The link carries JSON; reading a
+Implements ``loop.ports.OutsidePort``: every call returns at once. The link carries JSON; reading a
 command costs some ten microseconds, reading a parameter record a millisecond, once per edit.
 """
 
@@ -30,8 +30,8 @@ from aff_runtime.base.ports import Clock, Law
 from aff_runtime.base.printable import printable
 from aff_runtime.base.signals import LATCHED_STATES, State
 from aff_runtime.loop.messages import Arm, Bypass, Message, Shadow, Stop, SupervisorLost, Swap
+from aff_runtime.loop.ports import Advice
 from aff_runtime.loop.record import HEAD, record_columns
-from aff_runtime.loop.seams import Advice
 from aff_runtime.loop.watchdog import ServiceNotifier
 from aff_runtime.safety.params import GuardParams
 from aff_runtime.telemetry.header import RunMeta

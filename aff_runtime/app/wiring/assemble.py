@@ -24,7 +24,7 @@ from aff_runtime.config.models import Site
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.response import Response
 from aff_runtime.loop.cycle import Cycle, CycleSettings
-from aff_runtime.loop.seams import Outside
+from aff_runtime.loop.ports import OutsidePort
 from aff_runtime.safety.guard import Guard
 
 ADVICE_S = 0.1  # between two looks of `LawWatch` at the law
@@ -60,7 +60,7 @@ def assemble(parameters: ParameterRecord, clock: Clock) -> Assembly:
     )
 
 
-def cycle_of(assembly: Assembly, outside: Outside) -> Cycle:
+def cycle_of(assembly: Assembly, outside: OutsidePort) -> Cycle:
     """Return the cycle over the wired rooms."""
     site = assembly.site
     settings = CycleSettings(

@@ -18,7 +18,7 @@ class LawSlot:
     """Steps a controller, and a probe in its place while there is one.
 
     Columns of telemetry change with the orders, the cycle's do not; so the cycle learns of no
-    columns, and its ``loop.seams.Outside`` asks for ``law_telemetry`` instead.
+    columns, and its ``loop.ports.OutsidePort`` asks for ``law_telemetry`` instead.
 
     Parameters
     ----------

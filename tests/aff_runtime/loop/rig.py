@@ -19,8 +19,8 @@ from aff_runtime.base.signals import (
 )
 from aff_runtime.loop.cycle import Cycle, CycleSettings
 from aff_runtime.loop.messages import Arm, Message
+from aff_runtime.loop.ports import Advice
 from aff_runtime.loop.record import record_columns
-from aff_runtime.loop.seams import Advice
 from aff_runtime.safety.guard import Guard
 from aff_runtime.safety.params import ActuatorLimits, GuardParams
 from tests.doubles.virtual_clock import VirtualClock

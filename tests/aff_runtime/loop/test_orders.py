@@ -8,7 +8,7 @@ import pytest
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State, StateBits
 from aff_runtime.loop.messages import Arm, Bypass, Shadow, Stop, SupervisorLost, Swap
-from aff_runtime.loop.seams import Advice
+from aff_runtime.loop.ports import Advice
 from tests.aff_runtime.loop.rig import FADE_TICKS, PARAMS, Hum, Rig
 
 

@@ -94,7 +94,7 @@ class Advice:
     ripple_rose: bool = False
 
 
-class Outside(Protocol):
+class OutsidePort(Protocol):
     """Everything around the control process, as calls that never block and return at once."""
 
     def publish(self, record: Sequence[float]) -> None:
