@@ -27,12 +27,12 @@ from aff_runtime.app.wiring import assemble as assembling
 from aff_runtime.app.wiring import wires
 from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.base.ports import Law
+from aff_runtime.fieldbus.modbus.byte_stream import Connecting
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
-from aff_runtime.fieldbus.modbus.tcp_wire import Connecting
 from aff_runtime.loop import cycle as cycle_module
 from aff_runtime.loop.cycle import Cycle
-from aff_runtime.loop.seams import Advice
+from aff_runtime.loop.ports import Advice
 from aff_runtime.safety.guard import Guard
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.slots import SlotWriter

@@ -74,7 +74,7 @@ class ServeOptions:
     idle_timeout_s: float = 60.0
 
 
-class Wire(Protocol):
+class PlantWire(Protocol):
     """What a plant is served on."""
 
     wire_faults: WireFaults
@@ -107,7 +107,7 @@ class Wire(Protocol):
         ...
 
 
-def _wire(plant: Plant, options: ServeOptions) -> Wire:
+def _wire(plant: Plant, options: ServeOptions) -> PlantWire:
     later: Later = PlantTimers(plant).later if options.stepped else in_real_time
     if options.can:
         from sim_plant.servers.can_catalogue import can_server  # noqa: PLC0415 (needs the can extra)

@@ -15,11 +15,11 @@ from aff_runtime.app.setup.questions import Question
 from aff_runtime.app.setup.reading import WordReader
 from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.config.models import Site
+from aff_runtime.fieldbus.modbus.byte_stream import Connecting
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.connections import modbus
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
-from aff_runtime.fieldbus.modbus.tcp_wire import Connecting
 from sim_plant.base.ports import SteppedLine
 from sim_plant.demo.unusual_plants import PLANTS as ALL
 from sim_plant.demo.unusual_plants import UnusualPlant

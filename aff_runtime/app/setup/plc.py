@@ -10,8 +10,8 @@ from aff_runtime.app.setup.reading import Watched, WordBlock, WordReader
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.units import read_number, read_scale
+from aff_runtime.fieldbus.modbus.byte_stream import ByteStream
 from aff_runtime.fieldbus.modbus.connections import tcp_wire
-from aff_runtime.fieldbus.modbus.tcp_wire import Wire
 from aff_runtime.fieldbus.modbus.udp_wire import UdpWire
 
 _ADVICE_BY_WIRE = {
@@ -33,7 +33,7 @@ def reader_of(draft: Draft, clock: Clock) -> WordReader:
     kind, host, port = answers["wire"], answers["host"], int(answers["port"])
     if kind in _ADVICE_BY_WIRE:
         raise ConfigError(_ADVICE_BY_WIRE[kind])
-    wire: Wire = tcp_wire(host, port) if kind == "modbus_tcp" else UdpWire(host, port)
+    wire: ByteStream = tcp_wire(host, port) if kind == "modbus_tcp" else UdpWire(host, port)
     return WordReader(
         wire, device_id=int(answers["device_id"]), clock=clock, where=f"{host}:{port}"
     )

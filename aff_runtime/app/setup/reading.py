@@ -8,10 +8,10 @@ from dataclasses import dataclass
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import Outcome
+from aff_runtime.fieldbus.modbus.byte_stream import ByteStream
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames
 from aff_runtime.fieldbus.modbus.probe_map import open_read_only
 from aff_runtime.fieldbus.modbus.registers import MAX_READ_WORDS
-from aff_runtime.fieldbus.modbus.tcp_wire import Wire
 
 PATIENCE_S = 3.0  # without an answer, until the PLC counts as gone
 REPLY_S = 0.5  # for one answer
@@ -65,7 +65,7 @@ class WordReader:
     where : names the PLC in errors.
     """
 
-    def __init__(self, wire: Wire, *, device_id: int, clock: Clock, where: str) -> None:
+    def __init__(self, wire: ByteStream, *, device_id: int, clock: Clock, where: str) -> None:
         self._device_id = device_id
         self._clock = clock
         self._where = where

@@ -11,11 +11,11 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock, Gateway
 from aff_runtime.config.can_wire import can_map_of, network_of
 from aff_runtime.config.models import Site
+from aff_runtime.fieldbus.modbus.byte_stream import ByteStream
 from aff_runtime.fieldbus.modbus.codec import WordCodec
 from aff_runtime.fieldbus.modbus.connections import CONNECTIONS, Connection, modbus
 from aff_runtime.fieldbus.modbus.frames import WireFunction
 from aff_runtime.fieldbus.modbus.gateway import WordGateway
-from aff_runtime.fieldbus.modbus.tcp_wire import Wire as ByteStream
 from aff_runtime.fieldbus.modbus.transport import silence_before_reconnect
 from aff_runtime.fieldbus.scan_edge import ScanEdge
 
@@ -47,7 +47,7 @@ class Wiring:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Wire:
+class WireRow:
     """One row.
 
     Attributes
@@ -117,13 +117,13 @@ def _words(wiring: Wiring) -> Gateway:
     )
 
 
-def _on_modbus(key: str, row: Connection) -> Wire:
+def _on_modbus(key: str, row: Connection) -> WireRow:
     """Return the row of one way to carry Modbus words."""
 
     def stream(site: Site, folder: Path) -> ByteStream:
         return row.wire(site.gateway.modbus, folder)
 
-    return Wire(key=key, text=row.text, gateway=_words, stream=stream)
+    return WireRow(key=key, text=row.text, gateway=_words, stream=stream)
 
 
 def _dbc(wiring: Wiring) -> Gateway:
@@ -162,7 +162,7 @@ def _canopen(wiring: Wiring) -> Gateway:
 
 _ROWS = (
     *(_on_modbus(key, row) for key, row in CONNECTIONS.items()),
-    Wire(key="can_dbc", text="CAN by the signals of a DBC file", gateway=_dbc),
-    Wire(key="canopen_402", text="CANopen, drives of CiA 402", gateway=_canopen),
+    WireRow(key="can_dbc", text="CAN by the signals of a DBC file", gateway=_dbc),
+    WireRow(key="canopen_402", text="CANopen, drives of CiA 402", gateway=_canopen),
 )
-WIRES: Mapping[str, Wire] = {row.key: row for row in _ROWS}
+WIRES: Mapping[str, WireRow] = {row.key: row for row in _ROWS}

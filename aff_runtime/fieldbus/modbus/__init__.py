@@ -1,6 +1,7 @@
 """Modbus: TCP, TLS and RTU."""
 
 __all__ = [
+    "byte_stream",
     "codec",
     "connections",
     "frames",
@@ -8,7 +9,6 @@ __all__ = [
     "probe_map",
     "registers",
     "serial_time",
-    "tcp_wire",
     "transport",
     "udp_wire",
 ]

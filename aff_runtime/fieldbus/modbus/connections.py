@@ -9,10 +9,11 @@ from typing import Any, Protocol
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
+from aff_runtime.fieldbus.modbus.byte_stream import ByteStream
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
 from aff_runtime.fieldbus.modbus.registers import RegisterMap
 from aff_runtime.fieldbus.modbus.rtu_tcp_wire import RtuTcpWire
-from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire, Wire
+from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire
 from aff_runtime.fieldbus.modbus.tls_wire import TlsWire, client_context
 from aff_runtime.fieldbus.modbus.transport import ModbusTransport
 from aff_runtime.fieldbus.modbus.udp_wire import UdpWire
@@ -31,7 +32,7 @@ class Connection:
     """
 
     text: str
-    wire: Callable[[Any, Path], Wire]
+    wire: Callable[[Any, Path], ByteStream]
 
 
 class TlsNames(Protocol):
@@ -64,7 +65,7 @@ class TlsNames(Protocol):
 
 
 def modbus(
-    wire: Wire,
+    wire: ByteStream,
     *,
     device_id: int,
     register_map: RegisterMap,
@@ -95,7 +96,9 @@ def modbus(
     )
 
 
-def tcp_wire(host: str, port: int, tls: TlsNames | None = None, folder: Path = Path()) -> Wire:
+def tcp_wire(
+    host: str, port: int, tls: TlsNames | None = None, folder: Path = Path()
+) -> ByteStream:
     """Return a TCP connection, in TLS when its files are named; not connected yet.
 
     Raises
@@ -116,7 +119,7 @@ def tcp_wire(host: str, port: int, tls: TlsNames | None = None, folder: Path = P
     return TlsWire(host, port, context, tls.server_name or host)
 
 
-def rtu_wire(device: str, *, baud: int, parity: str, stop_bits: int) -> Wire:
+def rtu_wire(device: str, *, baud: int, parity: str, stop_bits: int) -> ByteStream:
     """Return a serial line, not opened yet; parity none, even or odd.
 
     Raises

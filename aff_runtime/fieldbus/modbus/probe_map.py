@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.ports import Clock, WordTransport
 from aff_runtime.base.signals import Outcome
+from aff_runtime.fieldbus.modbus.byte_stream import ByteStream
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
-from aff_runtime.fieldbus.modbus.tcp_wire import Wire
 from aff_runtime.fieldbus.modbus.transport import ModbusTransport
 
 BYTE_ORDERS: tuple[tuple[str, tuple[int, int, int, int]], ...] = (
@@ -61,7 +61,7 @@ def open_read_only(
     read_start: int,
     read_count: int,
     clock: Clock,
-    wire: Wire,
+    wire: ByteStream,
     patience_s: float = 0.05,
 ) -> ModbusTransport:
     """Return a transport on ``wire`` that can only ask FC3.

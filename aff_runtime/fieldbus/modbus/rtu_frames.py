@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Final
 
-from aff_runtime.fieldbus.modbus.tcp_wire import DOUBTED, LATE, SPOILT, UNHEARD
+from aff_runtime.fieldbus.modbus.byte_stream import DOUBTED, LATE, SPOILT, UNHEARD
 
 MOST_BYTES: Final = 256
 _MOST_PLACES: Final = 8

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from typing import Final
 
+from aff_runtime.fieldbus.modbus.byte_stream import CLOSED, Connecting
 from aff_runtime.fieldbus.modbus.rtu_frames import MOST_BYTES, RtuFraming
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting, TcpWire
+from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire
 
 _MOST_READS: Final = 16
 """Of a server that says more than this unasked no reply can be told."""
 
 
 class RtuTcpWire:
-    """``Wire`` over a TCP connection that carries serial frames (device id, PDU, CRC).
+    """``ByteStream`` over a TCP connection that carries serial frames (device id, PDU, CRC).
 
     The bytes of a reply come in any pieces. A server may still send what a lost request had asked
     for: what is there when a request leaves is thrown away, and what comes later is told by its

@@ -10,14 +10,14 @@ from typing import Final
 
 import serial
 
+from aff_runtime.fieldbus.modbus.byte_stream import CLOSED, Connecting
 from aff_runtime.fieldbus.modbus.rtu_frames import MOST_BYTES, RtuFraming
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting
 
 _FAULTS: Final = (serial.SerialException, OSError, ValueError)
 
 
 class RtuWire:
-    """``Wire`` over a serial line.
+    """``ByteStream`` over a serial line.
 
     Parameters
     ----------

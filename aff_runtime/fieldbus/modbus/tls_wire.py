@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Final
 
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting, TcpWire
+from aff_runtime.fieldbus.modbus.byte_stream import CLOSED, Connecting
+from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire
 
 _NS_PER_MS: Final = 1_000_000
 _OTHER_NAME: Final = (62, 64)  # of OpenSSL: host name and IP address mismatch
@@ -53,7 +54,7 @@ def client_context(
 
 
 class TlsWire:
-    """``Wire`` over TLS; connecting is TCP first, then the handshake, a step each tick.
+    """``ByteStream`` over TLS; connecting is TCP first, then the handshake, a step each tick.
 
     Parameters
     ----------

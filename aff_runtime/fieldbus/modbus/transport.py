@@ -8,6 +8,15 @@ from typing import Final
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import Outcome
+from aff_runtime.fieldbus.modbus.byte_stream import (
+    CLOSED,
+    DOUBTED,
+    LATE,
+    SPOILT,
+    UNHEARD,
+    ByteStream,
+    Connecting,
+)
 from aff_runtime.fieldbus.modbus.frames import (
     READ,
     READ_WRITE,
@@ -17,15 +26,6 @@ from aff_runtime.fieldbus.modbus.frames import (
     exception_text,
     frame_length,
     transaction_id,
-)
-from aff_runtime.fieldbus.modbus.tcp_wire import (
-    CLOSED,
-    DOUBTED,
-    LATE,
-    SPOILT,
-    UNHEARD,
-    Connecting,
-    Wire,
 )
 
 _LAST_TID: Final = 0xFFFF
@@ -74,10 +74,10 @@ class ModbusTransport:
     - A reply that came SPOILT ends its request: the next tick asks anew. A request that is
       UNHEARD or DOUBTED (serial frames) is given up for a question whose reply has another
       function: a read after a write, or the next write after a read.
-    - On a wire that may lose frames (``Wire.lossy``) an unanswered request counts as lost when its
-      tick is over: the next tick asks anew, under the next id. There a reply that nobody asked
-      for is thrown away instead of ending the connection. The time of silence counts from the
-      first request without an answer.
+    - On a wire that may lose frames (``ByteStream.lossy``) an unanswered request counts as lost
+      when its tick is over: the next tick asks anew, under the next id. There a reply that nobody
+      asked for is thrown away instead of ending the connection. The time of silence counts from
+      the first request without an answer.
     - Reconnecting moves one step per tick and waits for nothing. After a connection that gave
       ten good replies the first attempt comes at once; the pause before the others doubles from
       ``backoff_min_s`` to ``backoff_max_s`` until a good reply. The tick that starts an attempt
@@ -111,7 +111,7 @@ class ModbusTransport:
         self,
         *,
         frames: ModbusFrames,
-        wire: Wire,
+        wire: ByteStream,
         clock: Clock,
         function: WireFunction = WireFunction.FC23,
         silence_before_reconnect_s: float = 0.05,

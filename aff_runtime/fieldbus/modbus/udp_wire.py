@@ -8,8 +8,9 @@ import select
 import socket
 from typing import Final
 
+from aff_runtime.fieldbus.modbus.byte_stream import CLOSED, Connecting
 from aff_runtime.fieldbus.modbus.frames import frame_length
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting, resolved
+from aff_runtime.fieldbus.modbus.tcp_wire import resolved
 
 _MORE_THAN_A_FRAME: Final = 512  # a frame has 260 bytes at most; a longer datagram is cut here
 _SELECT_LIMIT: Final = 1024
@@ -17,7 +18,7 @@ _MOST_WAITING: Final = 64
 
 
 class UdpWire:
-    """``Wire`` over UDP datagrams.
+    """``ByteStream`` over UDP datagrams.
 
     The socket is connected: the kernel takes datagrams from the server's address and port alone,
     and reports a port on which nobody listens. A connection attempt is a new socket with a new

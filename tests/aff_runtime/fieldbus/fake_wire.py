@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting
+from aff_runtime.fieldbus.modbus.byte_stream import CLOSED, Connecting
 from tests.doubles.virtual_clock import VirtualClock
 
 # what a request provokes: (delay in ns, bytes), bytes None for the end of the connection

@@ -15,8 +15,8 @@ import pytest
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.models import Site
 from aff_runtime.fieldbus.modbus import connections, rtu_tcp_wire, rtu_wire
+from aff_runtime.fieldbus.modbus.byte_stream import CLOSED, Connecting
 from aff_runtime.fieldbus.modbus.rtu_frames import rtu_of
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting
 from tests.aff_runtime.app import fake_plc
 from tests.aff_runtime.app.fake_plc import Plc
 from tests.aff_runtime.fieldbus.fake_wire import Arrivals, FakeWire

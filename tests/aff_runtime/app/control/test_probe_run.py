@@ -25,7 +25,8 @@ from aff_runtime.base.signals import State
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.probe.probe import Stage
 from aff_runtime.core.response import Response
-from aff_runtime.fieldbus.modbus.tcp_wire import Connecting, TcpWire
+from aff_runtime.fieldbus.modbus.byte_stream import Connecting
+from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingReader, RingWriter
 from tests.aff_runtime.core.plants import measured

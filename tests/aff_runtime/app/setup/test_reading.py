@@ -9,7 +9,7 @@ import pytest
 
 from aff_runtime.app.setup.reading import WordBlock, WordReader
 from aff_runtime.base.errors import WireError
-from aff_runtime.fieldbus.modbus.tcp_wire import Connecting
+from aff_runtime.fieldbus.modbus.byte_stream import Connecting
 from tests.doubles.virtual_clock import VirtualClock
 
 Refuses = Callable[[int, int], int]

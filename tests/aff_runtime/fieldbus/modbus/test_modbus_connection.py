@@ -7,7 +7,7 @@ import itertools
 import pytest
 
 from aff_runtime.base.signals import Outcome
-from aff_runtime.fieldbus.modbus.tcp_wire import Connecting
+from aff_runtime.fieldbus.modbus.byte_stream import Connecting
 from tests.aff_runtime.fieldbus.fake_wire import Arrivals
 from tests.aff_runtime.fieldbus.modbus_bytes import (
     exception_reply,

@@ -9,7 +9,8 @@ import pytest
 
 from aff_runtime.base.errors import WireError
 from aff_runtime.fieldbus.modbus import tcp_wire
-from aff_runtime.fieldbus.modbus.tcp_wire import CLOSED, Connecting, TcpWire
+from aff_runtime.fieldbus.modbus.byte_stream import CLOSED, Connecting
+from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire
 
 
 def test_a_name_that_means_nothing_is_refused_at_start() -> None:

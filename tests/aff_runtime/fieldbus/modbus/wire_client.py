@@ -9,9 +9,10 @@ from pymodbus.simulator import SimDevice
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome
+from aff_runtime.fieldbus.modbus.byte_stream import ByteStream
 from aff_runtime.fieldbus.modbus.connections import modbus
 from aff_runtime.fieldbus.modbus.frames import WireFunction
-from aff_runtime.fieldbus.modbus.transport import ModbusTransport, Wire
+from aff_runtime.fieldbus.modbus.transport import ModbusTransport
 from tests.aff_runtime.fieldbus.euclid_map import euclid_map
 from tests.aff_runtime.fieldbus.modbus.strange_server import StrangeServer
 
@@ -21,7 +22,7 @@ GENEROUS_NS = 2_000_000_000  # for replies that must come, on a busy machine
 SHORT_NS = 15_000_000  # for replies that must not
 
 
-def client(wire: Wire, function: WireFunction = WireFunction.FC23) -> ModbusTransport:
+def client(wire: ByteStream, function: WireFunction = WireFunction.FC23) -> ModbusTransport:
     """Return a client of device 1 on a wire."""
     return modbus(
         wire, device_id=1, register_map=euclid_map(), clock=MonotonicClock(), function=function
