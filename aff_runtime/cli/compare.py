@@ -9,7 +9,7 @@ from typing import Any
 
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.cli.terminal import say
 
 PAGE, DATA = "compare.html", "compare.json"

@@ -12,7 +12,7 @@ from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.files import CLOSED
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_window import names_a_run
+from aff_runtime.base.runs.window import names_a_run
 from aff_runtime.base.units import UnitError, read_number
 from aff_runtime.cli.terminal import complain, say
 

@@ -11,6 +11,7 @@ import hashlib
 import json
 from collections.abc import Mapping
 
+from aff_runtime.base.text_digest import text_digest
 from aff_runtime.config.findings import dotted
 from aff_runtime.config.leaves import leaves
 from aff_runtime.config.models import Site
@@ -29,18 +30,13 @@ def site_hash_of(site: Site) -> str:
     return hashlib.sha256(text.encode("ascii")).hexdigest()
 
 
-def file_digest(text: str) -> str:
-    """Return the sha256 of a learned file, as ``sha256sum`` prints it for the file itself."""
-    return hashlib.sha256(text.encode("utf-8")).hexdigest()
-
-
 def learned_digests(
     responses: Mapping[str, str], shapes: Mapping[str, str]
 ) -> dict[str, dict[str, str]]:
     """Return the digests of learned files by actuator and kind, from their texts by actuator."""
     return {
         name: {
-            kind: file_digest(texts[name])
+            kind: text_digest(texts[name])
             for kind, texts in (("response", responses), ("shape", shapes))
             if name in texts
         }

@@ -12,7 +12,7 @@ import re
 import stat
 from pathlib import Path
 
-from aff_runtime.base.run_responses import RESPONSE_FILE
+from aff_runtime.base.runs.responses import RESPONSE_FILE
 
 MARK = "run.yaml"
 _RUN_NAME = re.compile(r"\d{8}T\d{6}Z_")

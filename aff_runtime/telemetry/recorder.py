@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from aff_runtime.base.clock import MonotonicClock
-from aff_runtime.base.run_table import RECORDER_DIED
+from aff_runtime.base.runs.table import RECORDER_DIED
 from aff_runtime.telemetry.recorder_messages import RecorderReport, RunContext, context_of, note_of
 from aff_runtime.telemetry.ring import RingReader
 from aff_runtime.telemetry.run_folder import RunFolder

@@ -9,7 +9,8 @@ from typing import Any
 import yaml
 
 from aff_runtime.base.printable import printable
-from aff_runtime.base.site_in_force import SITE_SHA256, text_digest
+from aff_runtime.base.runs.site_in_force import SITE_SHA256
+from aff_runtime.base.text_digest import text_digest
 from aff_runtime.base.yaml_places import SafeLoader
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
@@ -35,7 +36,8 @@ class RunAbout:
             del said[name]
         said = _printable({**said, **self.meta.to_json()})
         said["start_utc"] = self.start_utc
-        said[SITE_SHA256] = text_digest(self.context.site_text)
+        site_text = self.context.site_text
+        said[SITE_SHA256] = text_digest(site_text) if site_text else ""
         said["columns"] = list(self.columns)
         return yaml.safe_dump(said, sort_keys=False, allow_unicode=True)
 

@@ -13,14 +13,14 @@ from pathlib import Path
 
 from aff_runtime.base.events import BY_CODE
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_responses import (
+from aff_runtime.base.runs.responses import (
     LARGEST_RESPONSE,
     MOST_RESPONSES,
     RESPONSE_FILE,
     response_file,
 )
+from aff_runtime.base.runs.site_in_force import file_of
 from aff_runtime.base.signals import State
-from aff_runtime.base.site_in_force import file_of
 from aff_runtime.telemetry.disk_bound import delete_oldest, free_bytes, used_bytes
 from aff_runtime.telemetry.header import RingHeader
 from aff_runtime.telemetry.recorder_messages import NOT_SAID, RunContext

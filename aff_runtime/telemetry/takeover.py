@@ -15,10 +15,10 @@ from pathlib import Path
 import yaml
 
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.run_files import open_plain
-from aff_runtime.base.run_segment import segments_of
-from aff_runtime.base.run_table import first_rows, read_table
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.files import open_plain
+from aff_runtime.base.runs.segment import segments_of
+from aff_runtime.base.runs.table import first_rows, read_table
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.telemetry.header import RingHeader
 from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_about import RunAbout

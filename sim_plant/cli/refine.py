@@ -218,7 +218,7 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
 
 def pieces_in(records: Sequence[Path]) -> list[Path]:
     """Return records, each run in its unbroken pieces; says which where there are several."""
-    from aff_runtime.base.run_window import names_a_run  # noqa: PLC0415
+    from aff_runtime.base.runs.window import names_a_run  # noqa: PLC0415
     from sim_plant.refine.records.run_windows import unbroken_windows  # noqa: PLC0415 - heavy imports
 
     found: list[Path] = []

@@ -17,8 +17,8 @@ from aff_runtime.app.commission.refine_views import AskedOf
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.hand.messages import Welcome
-from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.base.signals import State
+from aff_runtime.base.text_digest import text_digest
 from tests.aff_hmi.commission.serving import Serving
 from tests.aff_hmi.pressed import PASSWORD, Browser, Pressed, quick
 from tests.hil.live_line import LiveLine
@@ -63,7 +63,7 @@ class Stand:
         return str(self.line.status().get("trying", ""))
 
     def press_try(self, measured: str = "") -> tuple[int, str]:
-        said = {"number": 1, "measured": measured or digest(self.text), "seconds": 300}
+        said = {"number": 1, "measured": measured or text_digest(self.text), "seconds": 300}
         reply = self.carl.post("/refine/try", {**said, "reason": REASON})
         return reply.status, str(reply.said["text"])
 
@@ -71,7 +71,7 @@ class Stand:
         """Press keep or undo, as of a frame that shows the try."""
         self.at.tries(True)
         tried = self.line.status()["tried"]
-        assert tried == digest(self.text)
+        assert tried == text_digest(self.text)
         said = {"do": do, "step": 0, "measured": tried, "seconds": 0, "reason": REASON}
         reply = self.carl.post("/card/settings", said)
         assert reply.status == 200, reply.said
@@ -108,7 +108,7 @@ def test_a_proposal_is_tried_taken_back_tried_again_and_kept(stand: Stand) -> No
 
     assert stand.press_try() == (200, "done")
     until("it is tried", lambda: bool(stand.tried), PATIENCE_S)
-    assert digest(stand.text)[:12] in stand.tried
+    assert text_digest(stand.text)[:12] in stand.tried
     assert site.read_text() == stand.former
     until("the job has ended", stand.rests, PATIENCE_S)
     stand.end("undo")

@@ -6,7 +6,7 @@ import math
 import pytest
 
 from aff_runtime.app.report.comparison import comparing, page
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.cli import compare as cli_compare
 from aff_runtime.cli.main import main
 from tests.security.run_folder_rows import write_rows

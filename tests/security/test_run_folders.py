@@ -18,12 +18,14 @@ import pytest
 from aff_runtime.app.report.comparison import comparing, page
 from aff_runtime.app.report.comparison.site_differences import _leaves
 from aff_runtime.app.report.comparison.window import load_window
-from aff_runtime.base import run_files, run_segment, run_table
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.run_files import yaml_values
-from aff_runtime.base.run_segment import RunSegments
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs import files as run_files
+from aff_runtime.base.runs import segment as run_segment
+from aff_runtime.base.runs import table as run_table
+from aff_runtime.base.runs.files import yaml_values
+from aff_runtime.base.runs.segment import RunSegments
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from sim_plant.refine.records import run_record
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.run_record import NEEDED

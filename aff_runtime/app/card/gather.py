@@ -21,11 +21,12 @@ from aff_runtime.app.report.comparison.window import Window, load_window
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.machine import Machine, machine_name
-from aff_runtime.base.run_table import last_event_s
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.table import last_event_s
+from aff_runtime.base.runs.window import RunWindow
+from aff_runtime.base.text_digest import text_digest
 from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.config.models import Site
-from aff_runtime.config.revision import SHORT, file_digest
+from aff_runtime.config.revision import SHORT
 from aff_runtime.core.response import Response
 from aff_runtime.telemetry.header import Right, RunMeta
 
@@ -92,7 +93,7 @@ def inputs_of(sources: Sources) -> Inputs:
         config_hash=config_hash,
         plc=sources.plc,
         roll_id=roll_id,
-        responses={name: file_digest(text) for name, text in parameters.responses.items()},
+        responses={name: text_digest(text) for name, text in parameters.responses.items()},
         machine=machine_name(sources.machine) if sources.machine is not None else "",
         parts=parts_of(_as_written(parameters), parameters.wire_digests),
         shapes=learned_of(answer.learned if answer is not None else ())[1],
@@ -233,6 +234,6 @@ def _probed_here(sources: Sources) -> Iterator[str]:
     """Yield actuators of whose response the service says that its own probe wrote it."""
     said = sources.answer.learned if sources.answer is not None else ()
     for name, text in sources.parameters.responses.items():
-        beginning = f"{name}: response {file_digest(text)[:SHORT]} (probed here)"
+        beginning = f"{name}: response {text_digest(text)[:SHORT]} (probed here)"
         if any(sentence.startswith(beginning) for sentence in said):
             yield name

@@ -10,9 +10,9 @@ from pathlib import Path
 from aff_runtime.app.card.entries import RecordWindow, Segment
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_files import open_plain
-from aff_runtime.base.run_table import FirstRow, first_rows
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.files import open_plain
+from aff_runtime.base.runs.table import FirstRow, first_rows
+from aff_runtime.base.runs.window import RunWindow
 
 MOST_SEGMENTS = 1_000
 _CHUNK = 1 << 20

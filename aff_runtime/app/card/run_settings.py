@@ -13,9 +13,9 @@ from dataclasses import dataclass, field
 
 from aff_runtime.app.report.comparison.window import Window
 from aff_runtime.base.errors import RefusedError
-from aff_runtime.base.run_table import events_of
-from aff_runtime.base.run_window import RunWindow
-from aff_runtime.base.site_in_force import APPLIED, EDIT, time_of
+from aff_runtime.base.runs.site_in_force import APPLIED, EDIT, time_of
+from aff_runtime.base.runs.table import events_of
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.config.revision import SHORT, site_hash_of
 

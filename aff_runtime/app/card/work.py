@@ -40,8 +40,9 @@ from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.files import replace_text
 from aff_runtime.base.printable import printable
 from aff_runtime.base.release import release_text
-from aff_runtime.base.run_table import few
-from aff_runtime.config.revision import SHORT, file_digest
+from aff_runtime.base.runs.table import few
+from aff_runtime.base.text_digest import text_digest
+from aff_runtime.config.revision import SHORT
 
 LONGEST_SENTENCE = 600  # characters; so are the bounds of reason and name
 SHORTEST_REASON, LONGEST_REASON, SHORTEST_NAME, LONGEST_NAME = 8, 500, 2, 80
@@ -115,7 +116,7 @@ def begin(folder: Path, site: Path, parameters: ParameterRecord) -> str:
     begun = Begun(
         line=printable(parameters.site.line.name),
         site=str(site.absolute()),
-        site_sha256=file_digest(parameters.site_text),
+        site_sha256=text_digest(parameters.site_text),
         site_hash=parameters.site_hash,
         release=release_text(),
         machine=" ".join((os.uname().sysname, os.uname().release, os.uname().machine)),

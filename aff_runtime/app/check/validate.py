@@ -29,6 +29,7 @@ from aff_runtime.app.wiring.wires import gateway_of
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, ConfigError, WireError
 from aff_runtime.base.release import commit
+from aff_runtime.base.text_digest import text_digest
 from aff_runtime.config.can_wire import counter_ranges_rad, wire_files
 from aff_runtime.config.findings import SiteFileError
 from aff_runtime.config.identified_drive import with_identified
@@ -38,7 +39,7 @@ from aff_runtime.config.learned_responses import (
     response_files,
 )
 from aff_runtime.config.loader import Reading, read_site
-from aff_runtime.config.revision import file_digest, learned_digests, revision_with, site_hash_of
+from aff_runtime.config.revision import learned_digests, revision_with, site_hash_of
 from aff_runtime.config.site_paths import STATE_DIRECTORY, shape_path
 from aff_runtime.config.yaml_marks import MAX_BYTES
 from aff_runtime.core.compiled.binary import arithmetic_name
@@ -109,7 +110,7 @@ def parameter_record(
     ranges_rad = counter_ranges_rad(site, described)
     controller_of(site, responses, loops, ranges_rad)
     learned = learned_digests(responses, {})
-    wire_digests = {name: file_digest(text) for name, text in described.items()}
+    wire_digests = {name: text_digest(text) for name, text in described.items()}
     parameters = ParameterRecord(
         site=site,
         site_text=reading.tree.raw.decode("utf-8"),

@@ -18,8 +18,8 @@ from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
+from aff_runtime.base.text_digest import text_digest
 from aff_runtime.config.plain_file import read_plain
-from aff_runtime.config.revision import file_digest
 from aff_runtime.config.yaml_marks import MAX_BYTES
 
 LOOK_S = 1.0  # between two looks at the service
@@ -85,7 +85,7 @@ class Looking:
         if fingerprint != self._site[0]:
             digest = ""
             with contextlib.suppress(OSError, ValueError):
-                digest = file_digest(read_plain(path, MAX_BYTES).decode("utf-8"))
+                digest = text_digest(read_plain(path, MAX_BYTES).decode("utf-8"))
             self._site = (fingerprint, digest)
         return SiteView(path=str(path), there=bool(fingerprint), sha256=self._site[1])
 
@@ -118,7 +118,7 @@ class Looking:
         if asked.do in VIEWS_OF_CARD and not (self._where.card / CARD).exists():
             return Refusal(why=Why.REFUSED, name=NO_CARD)
         named = (asked.do, asked.paper, str(asked.number), asked.base, asked.edits)
-        texts = (file_digest(asked.site_text), file_digest(asked.former))
+        texts = (text_digest(asked.site_text), text_digest(asked.former))
         key = " ".join((*named, str(asked.back), *texts))
         longest_ns = MOST_AGE_OF_RUNS_NS if asked.do in VIEWS_OF_RUNS else math.inf
         async with self._one_at_a_time:

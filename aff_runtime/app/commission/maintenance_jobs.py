@@ -43,7 +43,7 @@ from aff_runtime.app.supervisor.settings.history import kept_folder
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.numbers import finite_or_none
-from aff_runtime.base.run_window import names_a_run
+from aff_runtime.base.runs.window import names_a_run
 
 MOST_READINGS = 120
 """Points of a trend on the screen; where there are more readings, each is a mean of neighbours."""

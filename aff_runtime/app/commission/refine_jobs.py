@@ -31,11 +31,11 @@ from aff_runtime.app.commission.settings_form import lines_between
 from aff_runtime.app.commission.settings_jobs import ask_settings, by_screen, try_text
 from aff_runtime.app.commission.sources import Paths, status_of
 from aff_runtime.app.commission.talk import Talk
-from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.base.files import replace_text
 from aff_runtime.base.signals import State
+from aff_runtime.base.text_digest import text_digest
 from aff_runtime.config.plain_file import read_plain
 from aff_runtime.config.yaml_marks import MAX_BYTES
 
@@ -155,7 +155,7 @@ def try_refined(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Have the service run what a refinement proposes for a while; it takes it back by itself."""
     folder = Shelf(where.site, where.state).of(asked.number)
     text = text_in(folder / OUT, PROPOSED)
-    if not text or digest(text) != asked.measured:
+    if not text or text_digest(text) != asked.measured:
         return Refusal(why=Why.CHANGED)  # it is another text than the person has seen
     if _text(where.site) != text_in(folder, SITE_AT_BEGIN):
         raise RefusedError(OTHER_SITE)
@@ -269,7 +269,7 @@ def _proposal(where: Paths, site: str, text: str, base: str) -> ProposalView:
         except AffError as error:
             against = str(error)
     return ProposalView(
-        sha256=digest(text),
+        sha256=text_digest(text),
         changes=changes,
         remarks=remarks,
         lines=lines_between(site, text),

@@ -9,8 +9,8 @@ from aff_runtime.app.commission.refine_views import RunRow
 from aff_runtime.app.commission.sources import Paths, parameters_of
 from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_glance import glance
-from aff_runtime.base.run_window import names_a_run, run_window
+from aff_runtime.base.runs.glance import glance
+from aff_runtime.base.runs.window import names_a_run, run_window
 
 MOST_RUNS = 100
 MOST_WINDOWS = 8

@@ -25,7 +25,7 @@ from aff_runtime.app.report.status_answer import StatusAnswer, read_answer
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.ports import Clock
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.signals import State
 
 LEAST_S, WRITTEN_S, LOOK_NS = 10.0, 1.0, 500_000_000

@@ -31,9 +31,9 @@ from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.hand.may import WORDS, Code
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.settings_answer import SAVED_MEANWHILE, SettingsAnswer, Version
-from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.base.errors import AffError, ConfigError, RefusedError
+from aff_runtime.base.text_digest import text_digest
 
 MOST_VERSIONS = 100  # newest of the history
 NOT_WHAT_RUNS = "the site file is not what runs: look at the alarms, or wait"
@@ -55,7 +55,7 @@ def form(where: Paths, asked: Request, talk: Talk) -> Answer:
         record, said = result.checked(), said_in(result.findings)
     except ConfigError as error:
         said = said_in(str(error).splitlines())
-    sha256 = digest(record.site_text) if record is not None else ""
+    sha256 = text_digest(record.site_text) if record is not None else ""
     if not against and sha256 != answer.running and not answer.trying:
         against = WAITS_SAVED if sha256 == answer.waiting != "" else NOT_WHAT_RUNS
     view = SettingsView(
@@ -84,7 +84,7 @@ def difference(where: Paths, asked: Request, talk: Talk) -> Answer:
 def try_edited(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Have the service run an edit for a while; it takes it back by itself."""
     edited = _edited(where, asked)
-    if edited is None or digest(edited[1]) != asked.measured:
+    if edited is None or text_digest(edited[1]) != asked.measured:
         return Refusal(why=Why.CHANGED)  # it is another text than the person has seen
     return try_text(where, asked, talk, edited[1], by_screen(asked), asked.base)
 
@@ -92,11 +92,11 @@ def try_edited(where: Paths, asked: Request, talk: Talk) -> Answer:
 def save_edited(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Save an edit as the site file: what waits for bypass can be tried by nobody."""
     edited = _edited(where, asked)
-    if edited is None or digest(edited[1]) != asked.measured:
+    if edited is None or text_digest(edited[1]) != asked.measured:
         return Refusal(why=Why.CHANGED)
     why = by_screen(asked)
     answer = ask_settings(where, act="save", text=edited[1], why=why, base=asked.base)
-    if digest(answer.text) != asked.measured:
+    if text_digest(answer.text) != asked.measured:
         return Refusal(why=Why.CHANGED)
     return Done(text=SAVED if save_handed_out(where, answer) else WAITS_SAVED)
 
@@ -104,7 +104,7 @@ def save_edited(where: Paths, asked: Request, talk: Talk) -> Answer:
 def _edited(where: Paths, asked: Request) -> tuple[str, str] | None:
     """Return the site file's text and the edited one; None where it is not the file edited."""
     record = parameters_of(where.site, where.state)
-    if digest(record.site_text) != asked.base:
+    if text_digest(record.site_text) != asked.base:
         return None
     return record.site_text, pending(where, record, asked)
 
@@ -155,11 +155,11 @@ def go_back(where: Paths, asked: Request, talk: Talk) -> Answer:
         return Refusal(why=Why.CHANGED)
     why = by_screen(asked)
     text = ask_settings(where, act="history", version=asked.number).text
-    if digest(text) != asked.measured:
+    if text_digest(text) != asked.measured:
         return Refusal(why=Why.CHANGED)
     _refuse_what_cannot_run(_difference(where, text, text, asked.base))
     answer = ask_settings(where, act="undo", version=asked.number, why=why, base=asked.base)
-    if digest(answer.text) != asked.measured:
+    if text_digest(answer.text) != asked.measured:
         return Refusal(why=Why.CHANGED)
     if save_handed_out(where, answer):
         return Done(text=f"version {asked.number} is saved as the site file, and runs")
@@ -188,7 +188,7 @@ def _difference(where: Paths, former: str, text: str, running: str = "") -> Diff
             raise
         refused, said = True, said_in(lines)
     return DifferenceView(
-        sha256=digest(text),
+        sha256=text_digest(text),
         changes=changes,
         said=said,
         refused=refused,

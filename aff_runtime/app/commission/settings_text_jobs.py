@@ -15,15 +15,15 @@ from aff_runtime.app.commission.site_lines import Clash, as_in_file, not_shown, 
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.link.parameter_record import ParameterRecord
-from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.text_digest import text_digest
 
 
 def text(where: Paths, asked: Request, talk: Talk) -> Answer:
     """Return the site file's text with what is edited in it, and the same as a form."""
     file_text = raw(where.site).decode("utf-8", "replace")
-    if digest(file_text) != asked.base:
+    if text_digest(file_text) != asked.base:
         return Refusal(why=Why.CHANGED)
     file = shown(file_text)
     typed = _with_edits(where, file_text, asked)

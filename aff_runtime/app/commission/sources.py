@@ -23,7 +23,7 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError, RefusedError, WireError
 from aff_runtime.base.machine import machine
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.config.check import check_site
 
 __all__ = [

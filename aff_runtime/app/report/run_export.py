@@ -9,9 +9,9 @@ from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.order_columns import RESPONSE_RATIO, is_part
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import PROGRESS
-from aff_runtime.base.run_files import yaml_values
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.files import yaml_values
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.yaml_section import Section
 
 RATIOS = ("share", RESPONSE_RATIO)

@@ -66,7 +66,7 @@ def write_notes(store: Path, notes: WatchNotes) -> None:
 
 def read_notes(store: Path) -> WatchNotes | None:
     """Return the notes of a store; None where there are none that can be read."""
-    from aff_runtime.base.run_files import text_of  # noqa: PLC0415 - yaml, half of a status
+    from aff_runtime.base.runs.files import text_of  # noqa: PLC0415 - yaml, half of a status
 
     try:
         said: Any = json.loads(text_of(store / FILE, _LARGEST))

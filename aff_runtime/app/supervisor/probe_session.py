@@ -11,7 +11,7 @@ from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.files import replace_text
-from aff_runtime.base.run_responses import with_units
+from aff_runtime.base.runs.responses import with_units
 
 
 class ProbeSession:

@@ -21,7 +21,7 @@ from aff_runtime.app.supervisor.shape_shelf import ShapeShelf
 from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.printable import printable
-from aff_runtime.base.site_in_force import text_words
+from aff_runtime.base.runs.site_in_force import text_words
 from aff_runtime.config.revision import SHORT
 from aff_runtime.telemetry.recorder_messages import RecorderReport, RunContext
 from aff_runtime.telemetry.ring import RingReader

@@ -16,7 +16,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from aff_runtime.app.link.parameter_record import ParameterRecord
-from aff_runtime.config.revision import SHORT, file_digest
+from aff_runtime.base.text_digest import text_digest
+from aff_runtime.config.revision import SHORT
 
 NAME = ".probed.json"
 """The list in each folder of responses: file names and digests."""
@@ -40,12 +41,12 @@ class ResponseLedger:
     def knows(self, path: Path, text: str) -> bool:
         """Return whether ``text`` is what our newest probe wrote to ``path``."""
         self._look_into(path.parent)
-        return self._digests.get(path) == file_digest(text)
+        return self._digests.get(path) == text_digest(text)
 
     def add(self, path: Path, text: str) -> None:
         """Keep that a probe of ours writes ``text`` to ``path``."""
         self._look_into(path.parent)
-        self._digests[path] = file_digest(text)
+        self._digests[path] = text_digest(text)
         mine = {p.name: d for p, d in self._digests.items() if p.parent == path.parent}
         try:
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from aff_runtime.base.counted_angle import WORD_COUNTS
+from aff_runtime.base.runs.counted_angle import WORD_COUNTS
 from aff_runtime.config.quantity import (
     Few,
     Flag,

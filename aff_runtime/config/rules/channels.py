@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from aff_runtime.base.channel_units import ENDINGS, suffix_of_unit, unit_of_channel
-from aff_runtime.base.counted_angle import WORD_COUNTS
+from aff_runtime.base.runs.counted_angle import WORD_COUNTS
 from aff_runtime.base.suggest import meant
 from aff_runtime.config.findings import KeyPath
 from aff_runtime.config.models import Channel, PlausibleRange, Site

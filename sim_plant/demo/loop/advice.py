@@ -6,7 +6,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from aff_runtime.base.run_files import yaml_values
+from aff_runtime.base.runs.files import yaml_values
 from sim_plant.demo.loop.correcting import Decision
 from sim_plant.refine.report.next_step import next_step
 from sim_plant.refine.report.verdict import EffectFinding, Verdict

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from aff_runtime.base.run_table import RECORDER_DIED, RunTable, first_rows, read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.table import RECORDER_DIED, RunTable, first_rows, read_table
+from aff_runtime.base.runs.window import run_window
 
 RECORDER = b"telemetry.recorder"
 GOES_ON = "another one goes on"

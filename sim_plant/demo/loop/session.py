@@ -10,8 +10,8 @@ from pathlib import Path
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import PlantError
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import RunWindow
 from sim_plant.base.arrays import Array
 from sim_plant.base.order_tracking import order_amplitudes
 from sim_plant.demo.loop.correcting import Decision, correct

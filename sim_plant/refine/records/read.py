@@ -12,9 +12,9 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.files import CLOSED, is_closed
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_segment import segments_of
-from aff_runtime.base.run_table import no_run
-from aff_runtime.base.run_window import names_a_run
+from aff_runtime.base.runs.segment import segments_of
+from aff_runtime.base.runs.table import no_run
+from aff_runtime.base.runs.window import names_a_run
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import read_plain
 from sim_plant.refine.criteria.criteria import CRITERIA

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from aff_runtime.base.errors import PlantError
-from aff_runtime.base.roll_changes import roll_changes
+from aff_runtime.base.runs.roll_changes import roll_changes
 from aff_runtime.base.signals import Outcome, Status
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA

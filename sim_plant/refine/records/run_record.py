@@ -9,15 +9,15 @@ from pathlib import Path
 
 import numpy as np
 
-from aff_runtime.base.counted_angle import early_restart
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, PlantError
-from aff_runtime.base.holes import BRIDGED_SHARE
 from aff_runtime.base.printable import printable
 from aff_runtime.base.probe_columns import STAGE
-from aff_runtime.base.run_join import SAME_CYCLE_SHARE
-from aff_runtime.base.run_table import RunTable, few, other_line, read_table
-from aff_runtime.base.run_window import not_recorded, run_window
+from aff_runtime.base.runs.counted_angle import early_restart
+from aff_runtime.base.runs.holes import BRIDGED_SHARE
+from aff_runtime.base.runs.join import SAME_CYCLE_SHARE
+from aff_runtime.base.runs.table import RunTable, few, other_line, read_table
+from aff_runtime.base.runs.window import not_recorded, run_window
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recorded_only import Filled, filled

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from aff_runtime.base.channel_units import unit_of_name
-from aff_runtime.base.counted_angle import modulus_rad
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable, text_or
-from aff_runtime.base.run_files import yaml_values
+from aff_runtime.base.runs.counted_angle import modulus_rad
+from aff_runtime.base.runs.files import yaml_values
 from aff_runtime.base.units import UnitError, read_scale
 from aff_runtime.base.yaml_section import Section
 

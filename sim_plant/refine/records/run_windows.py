@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.window import run_window
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.run_record import scanned_run
 

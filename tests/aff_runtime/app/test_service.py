@@ -16,8 +16,8 @@ import pytest
 from aff_runtime.app.door.client import DoorClient
 from aff_runtime.app.door.messages import DoorMessage, Facts, RingPassed
 from aff_runtime.base.errors import RefusedError
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.ring import RingReader
 from tests.aff_runtime.app.fake_plc import GAIN_N_PER_M_S, READY_STATUS

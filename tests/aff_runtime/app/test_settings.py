@@ -20,9 +20,9 @@ import pytest
 
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import AffError, RefusedError
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
-from aff_runtime.base.site_in_force import SiteInForce
+from aff_runtime.base.runs.site_in_force import SiteInForce
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.cli.main import main
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.base.files import CLOSED
-from aff_runtime.base.run_window import MARK
+from aff_runtime.base.runs.window import MARK
 from aff_runtime.cli.main import main
 from tests.aff_runtime.config.shipped import EUCLID
 from tests.closed_folder import closed

@@ -16,9 +16,9 @@ from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.report.watch_notes import FILE, notes_of, read_notes
 from aff_runtime.app.wiring.law_slot import LawSlot
 from aff_runtime.app.wiring.site_to_law import site_params
-from aff_runtime.base.run_files import yaml_values
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.files import yaml_values
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.base.yaml_section import Section
 from aff_runtime.cli.main import main
 from aff_runtime.cli.status import watch_lines

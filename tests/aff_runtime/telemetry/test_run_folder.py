@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.base.run_responses import (
+from aff_runtime.base.runs.responses import (
     LARGEST_RESPONSE,
     MOST_RESPONSES,
     RESPONSE_FILE,

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.base.run_table import RECORDER_DIED, read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.table import RECORDER_DIED, read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.telemetry.header import RingHeader, RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import RunFolder

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from aff_runtime.app.report.comparison.window import Window, any_correction
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.signals import State
 
 SHORTEST_S = 5.0  # of a stretch; shorter ones are left out

@@ -24,7 +24,7 @@ from aff_runtime.app.report.comparison.comparing import compare
 from aff_runtime.app.report.comparison.turns import order_per_turn
 from aff_runtime.app.report.comparison.window import Window, roll_angle
 from aff_runtime.base.order_columns import RESPONSE_RATIO, is_part, order_columns
-from aff_runtime.base.run_table import read_table
+from aff_runtime.base.runs.table import read_table
 from aff_runtime.config.models import Actuator
 
 TURNS = 10.0  # of its roll, that a shape law is given to settle

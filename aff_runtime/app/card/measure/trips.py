@@ -15,7 +15,7 @@ from aff_runtime.app.card.figures import NAN, Figure, Sample, StepResult, at_mos
 from aff_runtime.app.card.typed_values import NotTypedError
 from aff_runtime.app.report.comparison.window import Window, any_correction
 from aff_runtime.base.errors import RefusedError
-from aff_runtime.base.roll_changes import roll_changes
+from aff_runtime.base.runs.roll_changes import roll_changes
 from aff_runtime.base.signals import State
 
 COMES_BACK = {

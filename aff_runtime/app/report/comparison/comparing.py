@@ -34,12 +34,12 @@ from aff_runtime.app.report.comparison.window import (
     speed_channel,
 )
 from aff_runtime.base.channel_units import unit_of_channel
-from aff_runtime.base.holes import cycle_s_of, holes_between
 from aff_runtime.base.printable import printable, text_or
-from aff_runtime.base.run_join import PERIODS
-from aff_runtime.base.run_window import RunWindow, not_recorded
+from aff_runtime.base.runs.holes import cycle_s_of, holes_between
+from aff_runtime.base.runs.join import PERIODS
+from aff_runtime.base.runs.site_in_force import NOTED_WITHIN_S
+from aff_runtime.base.runs.window import RunWindow, not_recorded
 from aff_runtime.base.signals import State
-from aff_runtime.base.site_in_force import NOTED_WITHIN_S
 from aff_runtime.base.yaml_section import Section
 
 LIKE_SPEED, LIKE_RADIUS, LIKE_TENSION = 0.05, 0.02, 0.03

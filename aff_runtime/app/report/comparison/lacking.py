@@ -7,9 +7,9 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from aff_runtime.app.report.comparison.turns import Array
-from aff_runtime.base.holes import BRIDGED_SHARE, bridged_share
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_table import few
+from aff_runtime.base.runs.holes import BRIDGED_SHARE, bridged_share
+from aff_runtime.base.runs.table import few
 
 NUMBERS_SHARE = 0.5
 """Share of a channel's readings that are numbers, above which it is used: of fewer a figure would

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from aff_runtime.app.report.comparison.turns import Array
-from aff_runtime.base.counted_angle import early_restart, modulus_rad, range_counts
 from aff_runtime.base.printable import printable
+from aff_runtime.base.runs.counted_angle import early_restart, modulus_rad, range_counts
 from aff_runtime.base.yaml_section import Section
 
 

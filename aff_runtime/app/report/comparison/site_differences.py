@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from aff_runtime.app.report.comparison.window import Window
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_files import yaml_values
+from aff_runtime.base.runs.files import yaml_values
 from aff_runtime.config.diff import diff_sites
 from aff_runtime.config.loader import load_recorded_site
 

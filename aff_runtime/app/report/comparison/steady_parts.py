@@ -9,7 +9,7 @@ import numpy as np
 from aff_runtime.app.report.comparison.turns import Array, Flags
 from aff_runtime.app.report.comparison.window import any_correction
 from aff_runtime.base.probe_columns import EXCITING, STAGE
-from aff_runtime.base.run_table import RunTable
+from aff_runtime.base.runs.table import RunTable
 from aff_runtime.base.signals import StateBits, Status
 
 BIN_S = 1.0

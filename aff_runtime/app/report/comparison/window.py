@@ -16,15 +16,15 @@ from aff_runtime.app.report.comparison.lacking import (
 )
 from aff_runtime.app.report.comparison.restarting import restarting_counts
 from aff_runtime.app.report.comparison.turns import Array, Flags
-from aff_runtime.base.counted_angle import Numbers, counted_angle, modulus_rad
-from aff_runtime.base.holes import cycle_s_of, holes_between
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import EXCITING, STAGE
-from aff_runtime.base.roll_changes import roll_changes
-from aff_runtime.base.run_files import yaml_values
-from aff_runtime.base.run_join import PERIODS, SAME_CYCLE_SHARE
-from aff_runtime.base.run_table import RunTable, few, other_line, read_table
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.counted_angle import Numbers, counted_angle, modulus_rad
+from aff_runtime.base.runs.files import yaml_values
+from aff_runtime.base.runs.holes import cycle_s_of, holes_between
+from aff_runtime.base.runs.join import PERIODS, SAME_CYCLE_SHARE
+from aff_runtime.base.runs.roll_changes import roll_changes
+from aff_runtime.base.runs.table import RunTable, few, other_line, read_table
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.signals import Outcome, State, StateBits, Status
 from aff_runtime.base.units import UnitError, read_number
 from aff_runtime.base.yaml_section import Section

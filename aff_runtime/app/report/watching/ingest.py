@@ -16,7 +16,7 @@ from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, ConfigError
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_table import few
+from aff_runtime.base.runs.table import few
 
 LONGEST_S, MEMORY_BYTES = 600.0, 2 << 30
 """What reading one run may take: its files may be somebody else's."""

@@ -21,8 +21,8 @@ from aff_runtime.app.report.watching.order_rows import is_wound
 from aff_runtime.app.report.watching.tables import ResponseRow
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable, text_or
-from aff_runtime.base.run_files import text_of, yaml_values
-from aff_runtime.base.run_responses import (
+from aff_runtime.base.runs.files import text_of, yaml_values
+from aff_runtime.base.runs.responses import (
     GAIN,
     LARGEST_RESPONSE,
     MOST_RESPONSES,

@@ -31,10 +31,11 @@ from aff_runtime.base.errors import AffError
 from aff_runtime.base.order_columns import RESPONSE_RATIO, SIZES, is_part
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import STAGE
-from aff_runtime.base.run_files import text_of, yaml_values
-from aff_runtime.base.run_join import LONGEST_RUN_S
-from aff_runtime.base.run_segment import RunSegments
-from aff_runtime.base.run_table import (
+from aff_runtime.base.runs.files import text_of, yaml_values
+from aff_runtime.base.runs.join import LONGEST_RUN_S
+from aff_runtime.base.runs.segment import RunSegments
+from aff_runtime.base.runs.site_in_force import SiteInForce
+from aff_runtime.base.runs.table import (
     FirstRow,
     few,
     first_rows,
@@ -43,8 +44,7 @@ from aff_runtime.base.run_table import (
     run_id,
     run_sites,
 )
-from aff_runtime.base.run_window import MARK, RunWindow
-from aff_runtime.base.site_in_force import SiteInForce
+from aff_runtime.base.runs.window import MARK, RunWindow
 from aff_runtime.base.yaml_section import Section
 
 HOUR_S = 3600.0

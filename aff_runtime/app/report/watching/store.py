@@ -33,7 +33,7 @@ from aff_runtime.app.report.watching.tables import (
 )
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.files import CLOSED, is_closed
-from aff_runtime.base.run_window import MARK
+from aff_runtime.base.runs.window import MARK
 
 VERSION = "1"
 MOST_HOURS, MOST_ORDERS = 10_000, 300_000

@@ -9,9 +9,9 @@ import numpy as np
 from aff_runtime.app.report.comparison.lacking import NUMBERS_SHARE
 from aff_runtime.app.report.comparison.steady_parts import BIN_S, steady_parts
 from aff_runtime.app.report.comparison.window import Window, any_correction, window_of
-from aff_runtime.base.run_table import RunTable
-from aff_runtime.base.run_window import RunWindow
-from aff_runtime.base.site_in_force import in_force_within
+from aff_runtime.base.runs.site_in_force import in_force_within
+from aff_runtime.base.runs.table import RunTable
+from aff_runtime.base.runs.window import RunWindow
 
 SHORTEST_S, LONGEST_S = 20.0, 120.0
 

@@ -36,7 +36,7 @@ from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.supervisor.edit_session import EditSession
 from aff_runtime.app.supervisor.processes import STOPS, Processes
 from aff_runtime.app.supervisor.run_options import RunOptions
-from aff_runtime.app.supervisor.settings.history import SiteHistory, digest, history_folder
+from aff_runtime.app.supervisor.settings.history import SiteHistory, history_folder
 from aff_runtime.app.supervisor.settings.listening import hear
 from aff_runtime.app.supervisor.settings.record import SettingsRecord
 from aff_runtime.app.supervisor.settings.ripple_rise import RippleRise
@@ -46,6 +46,7 @@ from aff_runtime.app.supervisor.settings.waits import what_waits
 from aff_runtime.app.supervisor.validation import Validation
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.text_digest import text_digest
 from aff_runtime.config.diff import Change, diff_sites
 from aff_runtime.config.plain_file import read_plain
 
@@ -89,7 +90,7 @@ class SettingsDesk:
         tried = self._tried
         if tried is None or tried.is_over:
             return ""
-        return f"settings {digest(tried.plan.parameters.site_text)[:12]} by {tried.plan.who}"
+        return f"settings {text_digest(tried.plan.parameters.site_text)[:12]} by {tried.plan.who}"
 
     @property
     def trying_left_s(self) -> float:
@@ -103,7 +104,7 @@ class SettingsDesk:
         tried = self._tried
         if tried is None or tried.is_over:
             return ""
-        return digest(tried.plan.parameters.site_text)
+        return text_digest(tried.plan.parameters.site_text)
 
     def refuse_while_trying(self) -> None:
         """Refuse what would mix with a try.
@@ -202,7 +203,7 @@ class SettingsDesk:
         self._refuse_what_may_not("try", trying=False)  # a check takes a second
         if was_live and not self._processes.is_live():
             raise RefusedError(TAKEN_BACK)
-        if digest(self._processes.parameters.site_text) != base:
+        if text_digest(self._processes.parameters.site_text) != base:
             raise RefusedError(SAVED_MEANWHILE)
         changes = self._changes(parameters)
         if not changes:
@@ -256,7 +257,7 @@ class SettingsDesk:
         tried.grant()
         text, former = tried.plan.parameters.site_text, tried.former.site_text
         self._record.announce(text, "kept", asked.who, request.why)
-        asked.answer(self._answer(text=text, replaces=digest(former)))
+        asked.answer(self._answer(text=text, replaces=text_digest(former)))
 
     def _save(self, base: str, asked: Asked, result: CheckResult) -> None:
         """Hand a text out that runs as any edit does, what may not change at once after bypass."""
@@ -265,7 +266,7 @@ class SettingsDesk:
         self._refuse_what_may_not("save", trying=False)  # a check takes a second
         if self._check_saved(request) != base:
             raise RefusedError(SAVED_MEANWHILE)
-        if digest(parameters.site_text) == base:
+        if text_digest(parameters.site_text) == base:
             raise RefusedError("nothing differs from what is saved")
         changes = tuple(map(str, self._changes(parameters)))
         self._record.announce(parameters.site_text, "edited", asked.who, request.why)
@@ -288,10 +289,10 @@ class SettingsDesk:
         saved = self._check_saved(replace(request, base=""))
         self._check_base(request)
         running = self._processes.parameters.site_text
-        if saved != digest(running) and not request.version:
+        if saved != text_digest(running) and not request.version:
             text, why = running, f"{request.why} (what waited for bypass is taken back)"
         else:
-            version = self._record.before(digest(running), request.version)
+            version = self._record.before(text_digest(running), request.version)
             text, why = self._record.text(version), f"{request.why} (version {version.number})"
         self._record.announce(text, "undone", asked.who, why)
         asked.answer(self._answer(text=text, replaces=saved))
@@ -314,13 +315,13 @@ class SettingsDesk:
         """
         saved = self._edits.waiting or self._processes.parameters.site_text
         self._check_file(saved)
-        if request.base not in ("", digest(saved)):
+        if request.base not in ("", text_digest(saved)):
             raise RefusedError(SAVED_MEANWHILE)
-        return digest(saved)
+        return text_digest(saved)
 
     def _check_base(self, request: SettingsRequest) -> str:
         """Refuse what was decided on other settings than those that run; return their digest."""
-        running = digest(self._processes.parameters.site_text)
+        running = text_digest(self._processes.parameters.site_text)
         if request.base not in ("", running):
             raise RefusedError(SAVED_MEANWHILE)
         return running
@@ -342,7 +343,7 @@ class SettingsDesk:
             return False
         parameters = tried.plan.parameters
         if (
-            announced.sha256 != digest(parameters.site_text)
+            announced.sha256 != text_digest(parameters.site_text)
             or self._file_text() != parameters.site_text
         ):
             return False
@@ -387,9 +388,9 @@ class SettingsDesk:
     ) -> SettingsAnswer:
         return SettingsAnswer(
             site=str(self._site),
-            running=digest(self._processes.parameters.site_text),
+            running=text_digest(self._processes.parameters.site_text),
             trying=self.trying,
-            waiting=digest(self._edits.waiting) if self._edits.waiting else "",
+            waiting=text_digest(self._edits.waiting) if self._edits.waiting else "",
             changes=changes,
             remarks=remarks,
             text=text,

@@ -15,17 +15,13 @@ from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import UNREADABLE
 from aff_runtime.base.files import replace_text
 from aff_runtime.base.printable import printable
+from aff_runtime.base.text_digest import text_digest
 from aff_runtime.config.plain_file import read_plain
 
 MOST = 300  # versions
 LONGEST_BYTES = 1 << 20  # of a file that is read: `plain_file.MAX_BYTES`
 ROWS = "versions.jsonl"
 LOG = logging.getLogger("aff_runtime")
-
-
-def digest(text: str) -> str:
-    """Return the sha256 of a site file's text, as ``sha256sum`` prints it for the file."""
-    return hashlib.sha256(text.encode("utf-8")).hexdigest()
 
 
 def history_folder(site: Path, state: Path) -> Path:
@@ -73,7 +69,7 @@ class SiteHistory:
             who=printable(who),
             verb=verb,
             why=printable(why),
-            sha256=digest(text),
+            sha256=text_digest(text),
             run=run,
         )
         rows = [*self._rows, row]
@@ -92,7 +88,7 @@ class SiteHistory:
             content = read_plain(self._text_file(version.sha256), LONGEST_BYTES).decode("utf-8")
         except (OSError, ValueError):
             return ""
-        return content if digest(content) == version.sha256 else ""
+        return content if text_digest(content) == version.sha256 else ""
 
     def _write(self, version: Version, text: str) -> None:
         self._folder.mkdir(parents=True, exist_ok=True, mode=0o750)

@@ -10,9 +10,10 @@ from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.link.peer import author_of
 from aff_runtime.app.link.settings_answer import RETURNED, Version
 from aff_runtime.app.supervisor.processes import Processes
-from aff_runtime.app.supervisor.settings.history import SiteHistory, digest
+from aff_runtime.app.supervisor.settings.history import SiteHistory
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.text_digest import text_digest
 
 ANNOUNCED_S = 30.0
 """How long after it was announced a text may be saved as such, s; later it is an edit by hand."""
@@ -24,7 +25,7 @@ class Announced:
 
     Attributes
     ----------
-    sha256 : of the text, as ``history.digest`` gives it.
+    sha256 : of the text, as ``base.text_digest`` gives it.
     verb : what the version will be called: ``kept``, ``undone``.
     until_ns : monotonic time until which the announcement holds, ns.
     """
@@ -59,7 +60,7 @@ class SettingsRecord:
     def announce(self, text: str, verb: str, who: str, why: str) -> None:
         """Take note of what somebody is about to save; it holds for ``ANNOUNCED_S``."""
         until_ns = self._clock.now_ns() + int(ANNOUNCED_S * 1e9)
-        sha256 = digest(text)
+        sha256 = text_digest(text)
         self.announced = Announced(sha256=sha256, verb=verb, who=who, why=why, until_ns=until_ns)
 
     def hold(self, record: ParameterRecord) -> None:
@@ -67,7 +68,7 @@ class SettingsRecord:
         announced = self.announced
         if (
             announced is not None
-            and announced.sha256 == digest(record.site_text)
+            and announced.sha256 == text_digest(record.site_text)
             and announced.until_ns > self._clock.now_ns()
         ):
             self.announced = replace(announced, until_ns=sys.maxsize)
@@ -80,7 +81,7 @@ class SettingsRecord:
         that says what the last version says is no new version.
         """
         announced, self.announced = self.announced, None
-        sha256 = digest(record.site_text)
+        sha256 = text_digest(record.site_text)
         if (
             announced is not None
             and announced.sha256 == sha256
@@ -127,7 +128,7 @@ class SettingsRecord:
 
         Parameters
         ----------
-        running_sha256 : of the text that runs, as ``history.digest`` gives it.
+        running_sha256 : of the text that runs, as ``base.text_digest`` gives it.
         number : of a version, or 0. One that was only tried, or returned after a try, is taken
             by its number alone.
 

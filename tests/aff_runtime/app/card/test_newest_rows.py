@@ -6,7 +6,7 @@ import pytest
 
 from aff_runtime.app.card.gather import AFTER_CHANGE_S, MARGIN_S, wanted_windows
 from aff_runtime.app.card.steps import STEPS, step_of
-from aff_runtime.base.run_table import last_event_s
+from aff_runtime.base.runs.table import last_event_s
 
 EVENTS = (
     "time_s,tick,code,name,argument,text\n"

@@ -13,9 +13,10 @@ from aff_runtime.app.card.steps import step_of
 from aff_runtime.app.card.typed_values import TypedValues, typed
 from aff_runtime.app.report.status_answer import Live, StatusAnswer
 from aff_runtime.base.errors import RefusedError
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.window import RunWindow
+from aff_runtime.base.text_digest import text_digest
 from aff_runtime.config.loader import load_recorded_site
-from aff_runtime.config.revision import SHORT, file_digest, site_hash_of
+from aff_runtime.config.revision import SHORT, site_hash_of
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE, recorded, steady, window
@@ -134,15 +135,15 @@ def test_a_response_that_is_taken_within_a_window_is_seen(tmp_path):
 
 
 def test_a_window_that_is_named_rests_on_its_own_roll_and_response(tmp_path):
-    was = file_digest(THEN)[:SHORT]
+    was = text_digest(THEN)[:SHORT]
     learned = f"unwind: response {was} (probed here), shape {'9' * SHORT}; swrap: no response"
     run = run_of(tmp_path, [applied(0.0, A, learned)])
     inputs = gathered(run, WINDOWS["before"], A, on_service=True).inputs
     assert (inputs.roll_id, inputs.config_hash) == ("3", "c" * SHORT)
     assert (inputs.responses, inputs.shapes) == ({"unwind": was}, {"unwind": "9" * SHORT})
-    today = replace(inputs, responses={"unwind": file_digest(TODAY)}, roll_id="7")
+    today = replace(inputs, responses={"unwind": text_digest(TODAY)}, roll_id="7")
     assert len(list(changed(step_of(12), inputs, today))) == 2
-    back = replace(inputs, responses={"unwind": file_digest(THEN)})
+    back = replace(inputs, responses={"unwind": text_digest(THEN)})
     assert list(changed(step_of(12), inputs, back)) == []
 
 

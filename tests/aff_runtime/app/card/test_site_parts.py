@@ -14,9 +14,10 @@ from aff_runtime.app.card.standing import Stand, card_of, former_samples
 from aff_runtime.app.card.steps import STEPS, step_of
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.supervisor.response_ledger import ResponseLedger, learned_sentences
+from aff_runtime.base.text_digest import text_digest
 from aff_runtime.config.leaves import leaves
 from aff_runtime.config.loader import load_recorded_site, load_site
-from aff_runtime.config.revision import SHORT, file_digest, site_hash_of
+from aff_runtime.config.revision import SHORT, site_hash_of
 from tests.aff_runtime.app.card.made import add, book, measured
 from tests.aff_runtime.app.card.measure.recorded import SITE, SITE_FILE
 from tests.parameter_records import CONFIG, record_of
@@ -117,7 +118,7 @@ def test_a_shape_that_is_saved_at_each_bypass_is_stated_and_undoes_no_proof(tmp_
         learned=sentences,
     )
     on = inputs_of(Sources(parameters=record, checked=None, plc="7", answer=answer))
-    assert on.shapes == {"unwind": file_digest(shapes["unwind"])[:SHORT]}
+    assert on.shapes == {"unwind": text_digest(shapes["unwind"])[:SHORT]}
     card = book(tmp_path)
     add(card, measured(12, inputs=on))
     stopped = inputs_of(Sources(parameters=record, checked=None, plc="7"))

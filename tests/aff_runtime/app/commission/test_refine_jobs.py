@@ -22,9 +22,9 @@ from aff_runtime.app.commission.refine_jobs import (
 from aff_runtime.app.commission.refine_shelf import MOST_REFINEMENTS, Shelf
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.link.settings_answer import SettingsAnswer
-from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.base.errors import RefusedError, WireError
 from aff_runtime.base.refinement import Lacking, RecordLacks, Summary
+from aff_runtime.base.text_digest import text_digest
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
 from tests.aff_runtime.app.commission.said import plain
 
@@ -262,7 +262,7 @@ def tried(where, measured, reason="it is named"):
 def test_a_proposal_is_shown_as_lines_of_the_text_and_as_settings_with_units(where, proposing):
     text, _ = proposing
     found = proposal(where)
-    assert found.sha256 == digest(text)
+    assert found.sha256 == text_digest(text)
     assert found.changes == ("settle_s: 6 s -> 5 s (applies at once)",)
     signs = [line.strip() for line in found.lines if line[0] in "+-"]
     assert [line[0] for line in signs] == ["-", "+"]
@@ -271,14 +271,14 @@ def test_a_proposal_is_shown_as_lines_of_the_text_and_as_settings_with_units(whe
 
 def test_it_is_tried_as_it_was_shown_with_who_and_why(where, proposing):
     text, asked = proposing
-    assert tried(where, digest(text)).text.startswith("tried for 60 s: settle_s")
+    assert tried(where, text_digest(text)).text.startswith("tried for 60 s: settle_s")
     why = "it is named (carl at the screen, refinement 1)"
     assert asked == [{"act": "try", "text": text, "seconds": 60.0, "why": why}]
 
 
 def test_a_reason_that_is_too_short_tries_nothing(where, proposing):
     with pytest.raises(RefusedError, match="read 5 characters, a reason of 8"):
-        tried(where, digest(proposing[0]), reason="named")
+        tried(where, text_digest(proposing[0]), reason="named")
     assert proposing[1] == []
 
 
@@ -292,7 +292,7 @@ def test_an_edit_since_it_began_would_be_lost_so_it_is_refused(where, proposing)
     where.site.write_text(where.site.read_text() + "# mine\n")
     assert proposal(where).against == OTHER_SITE
     with pytest.raises(RefusedError, match="refine again"):
-        tried(where, digest(text))
+        tried(where, text_digest(text))
     assert asked == []
 
 

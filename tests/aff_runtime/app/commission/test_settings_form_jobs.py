@@ -18,8 +18,8 @@ from aff_runtime.app.commission.settings_form_jobs import (
     version,
 )
 from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
-from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.base.errors import ConfigError, RefusedError, WireError
+from aff_runtime.base.text_digest import text_digest
 from tests.aff_runtime.app.commission.judged_site import judged_site
 from tests.aff_runtime.app.commission.said import plain
 from tests.aff_runtime.app.judged_here import judged_here
@@ -50,7 +50,7 @@ class Service:
         if asked["act"] not in ("history", "state"):
             self.asked.append(asked)
         state = SettingsAnswer(
-            running=digest(self.texts[-1]),
+            running=text_digest(self.texts[-1]),
             trying=self.trying,
             waiting=self.waiting,
             versions=self.versions,
@@ -61,7 +61,7 @@ class Service:
             case "diff" if self.refuses_diff is not None:
                 raise self.refuses_diff
             case "diff" if self.saved_meanwhile:
-                return replace(state, running=digest(self.saved_meanwhile))
+                return replace(state, running=text_digest(self.saved_meanwhile))
             case "diff":
                 return replace(state, changes=self.changes)
             case "history" if asked.get("version"):
@@ -74,7 +74,7 @@ class Service:
     @property
     def versions(self):
         return tuple(
-            Version(number=n, when="u", who="w", verb="edited", why="", sha256=digest(text))
+            Version(number=n, when="u", who="w", verb="edited", why="", sha256=text_digest(text))
             for n, text in enumerate(self.texts, start=1)
         )
 
@@ -99,7 +99,12 @@ def service(where, text, monkeypatch):
 
 def asked(do, text, **more):
     wanted = text.replace("settle_s: 6,", "settle_s: 12,", 1)
-    said = {"base": digest(text), "edits": f"{SETTLE}: 12", "measured": digest(wanted), **more}
+    said = {
+        "base": text_digest(text),
+        "edits": f"{SETTLE}: 12",
+        "measured": text_digest(wanted),
+        **more,
+    }
     return Request(do=do, seconds=60, reason="hunting at 1x", account="carl", **said)
 
 
@@ -107,7 +112,7 @@ def test_the_form_is_of_the_file_and_names_its_digest_and_the_newest_version_fir
     where, text, service
 ):
     view = form(where, Request(do="settings"), Talk()).settings
-    assert (view.sha256, view.running, view.against) == (digest(text), digest(text), "")
+    assert (view.sha256, view.running, view.against) == (text_digest(text), text_digest(text), "")
     assert [one.number for one in view.versions] == [2, 1]
     (settle,) = [one for s in view.sections for one in s.settings if one.path == SETTLE]
     assert settle.written == "6"
@@ -137,7 +142,7 @@ def test_a_difference_is_of_the_whole_text_and_changes_nothing(where, text, serv
     found = difference(where, asked("settings_diff", text), Talk()).difference
     wanted = text.replace("settle_s: 6,", "settle_s: 12,", 1)
     assert service.asked == [{"act": "diff", "text": wanted}]
-    assert (found.sha256, found.refused, found.waits) == (digest(wanted), False, False)
+    assert (found.sha256, found.refused, found.waits) == (text_digest(wanted), False, False)
     assert sorted(line[0] for line in found.lines if line[0] in "+-") == ["+", "-"]
     assert where.site.read_text(encoding="utf-8") == text
 
@@ -160,7 +165,7 @@ def test_a_try_says_on_what_it_was_decided_and_by_whom(where, text, service):
         "text": text.replace("settle_s: 6,", "settle_s: 12,", 1),
         "seconds": 60.0,
         "why": "hunting at 1x (carl at the screen)",
-        "base": digest(text),
+        "base": text_digest(text),
     }
 
 
@@ -183,7 +188,12 @@ LIMIT = "line.cycle_ms"
 
 def saving(text, **more):
     wanted = text.replace("cycle_ms: 5", "cycle_ms: 10", 1)
-    said = {"base": digest(text), "edits": f"{LIMIT}: 10", "measured": digest(wanted), **more}
+    said = {
+        "base": text_digest(text),
+        "edits": f"{LIMIT}: 10",
+        "measured": text_digest(wanted),
+        **more,
+    }
     return Request(do="save_settings", reason="the PLC scans every 10 ms", account="carl", **said)
 
 
@@ -206,7 +216,7 @@ def test_what_waits_for_bypass_is_saved_with_who_and_why(
         "act": "save",
         "text": wanted,
         "why": "the PLC scans every 10 ms (carl at the screen)",
-        "base": digest(text),
+        "base": text_digest(text),
     }
     assert saved == [wanted]
 
@@ -220,7 +230,7 @@ def test_another_text_than_was_shown_is_not_saved(where, text, service, wrong):
 def test_a_saved_text_that_waits_is_told_and_can_be_taken_back(where, text, service):
     waiting = text.replace("cycle_ms: 5", "cycle_ms: 10", 1)
     where.site.write_text(waiting, encoding="utf-8")
-    service.waiting = digest(waiting)
+    service.waiting = text_digest(waiting)
     view = form(where, Request(do="settings"), Talk()).settings
     assert view.against == "what is saved takes effect at the next bypass"
     running = version(where, Request(do="settings_version", number=2, back=True), Talk()).version
@@ -240,7 +250,7 @@ def test_a_version_says_what_it_changed_and_what_going_back_would(where, text, s
     found = version(where, Request(do="settings_version", number=1, back=True), Talk()).version
     assert found.lines == ()  # none ran before it
     assert found.back is not None
-    assert found.back.sha256 == digest(service.texts[0])
+    assert found.back.sha256 == text_digest(service.texts[0])
     assert found.against == ""
     newest = version(where, Request(do="settings_version", number=2, back=True), Talk()).version
     assert [line for line in newest.lines if "settle_s: 20" in line and line[0] == "-"]
@@ -267,8 +277,8 @@ def test_going_back_saves_what_was_shown_and_nothing_else(where, text, service, 
     said = Request(
         do="go_back",
         number=1,
-        base=digest(text),
-        measured=digest(old),
+        base=text_digest(text),
+        measured=text_digest(old),
         reason="as in spring",
         account="carl",
     )
@@ -291,7 +301,7 @@ def test_a_version_that_the_check_refuses_by_now_is_not_gone_back_to(
     )
     service.refuses_diff = ConfigError(f"{where.site}:60:40  {SETTLE}: 1 to 300 s is allowed")
     old = service.texts[0]
-    seen = {"base": digest(text), "measured": digest(old), "reason": "as in spring"}
+    seen = {"base": text_digest(text), "measured": text_digest(old), "reason": "as in spring"}
     said = Request(do="go_back", number=1, account="carl", **seen)
     with pytest.raises(RefusedError, match=re.escape(f"{SETTLE}: 1 to 300 s is allowed")):
         go_back(where, said, Talk())
@@ -301,7 +311,7 @@ def test_a_version_that_the_check_refuses_by_now_is_not_gone_back_to(
 
 def test_a_version_names_the_settings_that_its_difference_is_against(where, text, service):
     asked_for = Request(do="settings_version", number=1, back=True)
-    assert version(where, asked_for, Talk()).version.running == digest(text)
+    assert version(where, asked_for, Talk()).version.running == text_digest(text)
     service.saved_meanwhile = text.replace("settle_s: 10,", "settle_s: 11,", 1)
     with pytest.raises(RefusedError, match="somebody has saved other settings"):
         version(where, asked_for, Talk())

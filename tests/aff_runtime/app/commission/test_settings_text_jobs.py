@@ -11,8 +11,8 @@ from aff_runtime.app.commission.messages import Refusal, Request, Why
 from aff_runtime.app.commission.settings_form_jobs import difference, save_edited, try_edited
 from aff_runtime.app.commission.site_lines import Clash
 from aff_runtime.app.link.settings_answer import SettingsAnswer
-from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.base.errors import ConfigError, RefusedError
+from aff_runtime.base.text_digest import text_digest
 from tests.aff_runtime.app.commission.judged_site import judged_site
 from tests.aff_runtime.app.judged_here import judged_here
 
@@ -59,14 +59,19 @@ def asked_of_service(monkeypatch):
 
 
 def text(where, file, typed="", edits="", former="", base=""):
-    said = {"base": base or digest(file), "site_text": typed, "edits": edits, "former": former}
+    said = {
+        "base": base or text_digest(file),
+        "site_text": typed,
+        "edits": edits,
+        "former": former,
+    }
     answer = settings_text_jobs.text(where, Request(do="settings_text", **said), Talk())
     assert isinstance(answer, TextShown)
     return answer.edited
 
 
 def looked(where, file, typed, edits=""):
-    asked = Request(do="settings_diff", base=digest(file), site_text=typed, edits=edits)
+    asked = Request(do="settings_diff", base=text_digest(file), site_text=typed, edits=edits)
     answer = difference(where, asked, Talk())
     assert isinstance(answer, DifferenceShown)
     return answer.difference
@@ -79,7 +84,7 @@ def setting(view, path):
 
 def test_the_text_is_the_files_where_nothing_is_edited(where, file):
     view = text(where, file)
-    assert (view.base, view.file, view.text, view.clashes) == (digest(file), file, file, ())
+    assert (view.base, view.file, view.text, view.clashes) == (text_digest(file), file, file, ())
     assert setting(view, SETTLE).written == "6"
 
 
@@ -143,11 +148,11 @@ def test_the_difference_is_of_what_was_typed_and_of_the_forms_edits_on_it(
     typed = file.replace(LAST, LAST + BLOCK)
     found = looked(where, file, typed)
     assert asked_of_service == [{"act": "diff", "text": typed}]
-    assert found.sha256 == digest(typed)
+    assert found.sha256 == text_digest(typed)
     added = [one for one in found.lines if one[0] == "+"]
     assert added == [f"+{one}" for one in BLOCK.split("\n")[:-1]]
     twice = looked(where, file, typed, edits=f"{SETTLE}: 12")
-    assert twice.sha256 == digest(typed.replace("settle_s: 6,", "settle_s: 12,", 1))
+    assert twice.sha256 == text_digest(typed.replace("settle_s: 6,", "settle_s: 12,", 1))
 
 
 def test_line_ends_and_order_mark_of_the_file_stay(where, file, asked_of_service):
@@ -156,7 +161,9 @@ def test_line_ends_and_order_mark_of_the_file_stay(where, file, asked_of_service
     view = text(where, windows)
     assert view.text == file
     typed = file.replace(LAST, LAST + BLOCK)
-    assert looked(where, windows, typed).sha256 == digest("\ufeff" + typed.replace("\n", "\r\n"))
+    assert looked(where, windows, typed).sha256 == text_digest(
+        "\ufeff" + typed.replace("\n", "\r\n")
+    )
 
 
 def test_what_is_tried_or_saved_is_the_text_that_was_shown(where, file, monkeypatch):
@@ -169,9 +176,14 @@ def test_what_is_tried_or_saved_is_the_text_that_was_shown(where, file, monkeypa
     for module in ("settings_form_jobs", "settings_jobs"):
         monkeypatch.setattr(f"aff_runtime.app.commission.{module}.ask_settings", service)
     typed = file.replace(LAST, LAST + BLOCK)
-    said = {"base": digest(file), "site_text": typed, "reason": "heard at 200 FPM", "seconds": 60}
+    said = {
+        "base": text_digest(file),
+        "site_text": typed,
+        "reason": "heard at 200 FPM",
+        "seconds": 60,
+    }
     for do in (try_edited, save_edited):
-        asked = Request(do="x", measured=digest(typed), account="carl", **said)
+        asked = Request(do="x", measured=text_digest(typed), account="carl", **said)
         with pytest.raises(RefusedError, match="seen"):
             do(where, asked, Talk())
         assert sent.pop()["text"] == typed
@@ -191,7 +203,7 @@ def test_another_persons_save_is_noticed_and_the_edit_can_be_put_onto_it(where, 
     typed = file.replace(LAST, LAST + BLOCK)
     theirs = file.replace("cycle_ms: 5", "cycle_ms: 10", 1)
     where.site.write_text(theirs, encoding="utf-8")
-    stale = Request(do="settings_text", base=digest(file), site_text=typed)
+    stale = Request(do="settings_text", base=text_digest(file), site_text=typed)
     assert settings_text_jobs.text(where, stale, Talk()) == Refusal(why=Why.CHANGED)
     assert difference(where, stale, Talk()) == Refusal(why=Why.CHANGED)
     view = text(where, theirs, typed, former=file)

@@ -10,8 +10,8 @@ import pytest
 
 from aff_runtime.app.supervisor import processes
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.base.signals import State
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RecorderReport, RunContext

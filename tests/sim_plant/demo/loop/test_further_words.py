@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.config.can_wire import can_map_of, wire_files
 from aff_runtime.config.loader import load_site, read_site
 from sim_plant.demo.loop.drawn import drawn, write_files

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 from aff_runtime.app.supervisor.recorder_child import RecorderChild
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.base.yaml_section import Section
 from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
 from sim_plant.refine.records.read import read_record

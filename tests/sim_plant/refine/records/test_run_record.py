@@ -8,8 +8,8 @@ import pytest
 import yaml
 
 from aff_runtime.base.errors import PlantError
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from sim_plant.refine.records.read import read_record
 from tests.doubles.recorded_run import RecordedRun, files
 from tests.sim_plant.refine.records.altered_run import (

@@ -7,8 +7,8 @@ import numpy as np
 from aff_runtime.app.card.evidence import CheckedSite, Evidence
 from aff_runtime.app.card.typed_values import TypedValues, typed
 from aff_runtime.app.report.comparison.window import load_window, window_of
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.signals import State
 from aff_runtime.config.facts import facts_of
 from aff_runtime.config.loader import load_site

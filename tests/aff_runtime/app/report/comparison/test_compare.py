@@ -10,8 +10,8 @@ import pytest
 
 from aff_runtime.app.report.comparison.comparing import compare
 from aff_runtime.app.report.comparison.page import as_json, page
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.cli.main import main
 from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.config.revision import site_hash_of

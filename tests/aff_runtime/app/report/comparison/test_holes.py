@@ -11,7 +11,7 @@ import pytest
 from aff_runtime.app.report.comparison.comparing import compare, estimates
 from aff_runtime.app.report.comparison.window import roll_angle
 from aff_runtime.app.report.watching.run_hours import run_hours
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.yaml_section import Section
 from tests.aff_runtime.app.card.measure.recorded import (
     CYCLE_S,

@@ -11,8 +11,9 @@ import pytest
 from aff_runtime.app.report.watching import ingest
 from aff_runtime.app.report.watching.run_hours import READ_S, RunHours, run_hours
 from aff_runtime.app.report.watching.store import load_store
-from aff_runtime.base import run_segment, run_table
 from aff_runtime.base.errors import ConfigError
+from aff_runtime.base.runs import segment as run_segment
+from aff_runtime.base.runs import table as run_table
 from tests.doubles.virtual_weeks import BEGAN, RADIUS_M, RUN_S, SITE, Weeks, write_run, write_weeks
 
 WEEKS = Weeks(r6_m=lambda km, _: 4e-5 + 1e-8 * km)

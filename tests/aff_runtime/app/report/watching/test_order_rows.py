@@ -14,8 +14,8 @@ from aff_runtime.app.report.watching.findings import findings
 from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.store import Store
 from aff_runtime.app.report.watching.tables import ORDER_FIELDS, HourRow
-from aff_runtime.base.run_table import RunTable
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.table import RunTable
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.yaml_section import Section
 from aff_runtime.core.monitor import OrderState
 

@@ -12,8 +12,8 @@ from aff_runtime.app.report.watching.drive_rows import drive_rows
 from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.run_hours import run_hours
 from aff_runtime.app.report.watching.store import Store
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.signals import State
 from sim_plant.line.load import load_declaration
 from sim_plant.servers.extra_words import ExtraWords

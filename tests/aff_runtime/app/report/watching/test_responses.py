@@ -18,7 +18,7 @@ from aff_runtime.app.report.watching.response_rows import errors_at, measured_re
 from aff_runtime.app.report.watching.run_hours import HourRead, run_hours
 from aff_runtime.app.report.watching.store import VERSION, Store, load_store, save_store
 from aff_runtime.app.report.watching.tables import HOUR_FIELDS, RESPONSE_FIELDS, ResponseRow
-from aff_runtime.base.run_responses import response_file, with_units
+from aff_runtime.base.runs.responses import response_file, with_units
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from tests.aff_runtime.app.report.watching.made_store import BEGAN, DAY, HOUR_M, hour
 from tests.doubles.virtual_weeks import Weeks, write_weeks

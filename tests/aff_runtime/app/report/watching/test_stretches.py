@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from aff_runtime.app.report.watching.stretches import LONGEST_S, is_correcting, steady
-from aff_runtime.base.run_table import RunTable
-from aff_runtime.base.run_window import RunWindow
+from aff_runtime.base.runs.table import RunTable
+from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.signals import Outcome, StateBits, Status
 from aff_runtime.base.yaml_section import Section
 

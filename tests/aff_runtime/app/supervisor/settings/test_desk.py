@@ -11,7 +11,7 @@ from aff_runtime.app.report.status_answer import NOT_SAID
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.settings import desk as desk_module
 from aff_runtime.app.supervisor.settings import history
-from aff_runtime.app.supervisor.settings.history import digest
+from aff_runtime.base.text_digest import text_digest
 from tests.aff_runtime.app.supervisor.settings.rig import WHO, AtOnce, Rig
 
 LINE = "actuators.unwind.blocks[0].settle_s: 6 s -> 12 s (applies at once)"
@@ -54,7 +54,7 @@ def test_when_the_time_is_up_the_former_settings_return(rig):
     said = rig.begin(seconds=20.0)
     assert said.json["changes"] == (LINE,)
     assert rig.running.parameters.site_text == rig.other()
-    assert rig.desk.trying.startswith(f"settings {digest(rig.other())[:12]} by ")
+    assert rig.desk.trying.startswith(f"settings {text_digest(rig.other())[:12]} by ")
     assert rig.desk.trying_left_s == pytest.approx(20.0, abs=0.5)
     rig.run(19.0)
     assert rig.desk.trying_left_s == pytest.approx(1.0, abs=0.5)

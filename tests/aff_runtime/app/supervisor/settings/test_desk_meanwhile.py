@@ -7,10 +7,10 @@ import pytest
 from aff_runtime.app.hand.may import Circumstances
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.settings import desk as desk_module
-from aff_runtime.app.supervisor.settings.history import digest
 from aff_runtime.app.supervisor.settings.ripple_rise import NOW_S, SETTLE_S
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.signals import State
+from aff_runtime.base.text_digest import text_digest
 from tests.aff_runtime.app.supervisor.settings.rig import AtOnce, Rig
 
 
@@ -27,12 +27,12 @@ def test_taking_back_a_try_that_has_ended_hands_out_no_earlier_version(rig):
     rig.run(0.5)
     text = rig.other()
     rig.begin(text, seconds=5.0)
-    assert rig.desk.tried == digest(text)
+    assert rig.desk.tried == text_digest(text)
     rig.run(6.0)
     assert rig.desk.tried == ""
     assert rig.running.parameters.site_text == edited
     for act in ("undo", "keep"):
-        said = rig.ask(act=act, why="web flutters", tried=digest(text))
+        said = rig.ask(act=act, why="web flutters", tried=text_digest(text))
         assert said.json["message"] == "no settings are being tried"
     said = rig.ask(act="undo", why="web flutters").json["message"]  # the console's own
     assert said.startswith("the try has ended already (its time is up)")
@@ -43,22 +43,22 @@ def test_taking_back_a_try_that_has_ended_hands_out_no_earlier_version(rig):
 def test_what_is_kept_or_ended_is_the_try_that_was_seen(rig, act):
     seen, later = rig.other(), rig.other("settle_s: 6,", "settle_s: 9,")
     rig.begin(seen)
-    rig.ask(act="undo", why="web flutters", tried=digest(seen))
+    rig.ask(act="undo", why="web flutters", tried=text_digest(seen))
     rig.run(0.5)
     assert rig.runs_the_former
     rig.begin(later)
-    said = rig.ask(act=act, why="3 dB less at 1x", tried=digest(seen))
+    said = rig.ask(act=act, why="3 dB less at 1x", tried=text_digest(seen))
     assert said.json["message"].startswith("other settings are being tried than those that you")
     rig.run(0.5)
     assert rig.running.parameters.site_text == later
-    said = rig.ask(act=act, why="3 dB less at 1x", tried=digest(later))
+    said = rig.ask(act=act, why="3 dB less at 1x", tried=text_digest(later))
     rig.run(0.5)
     assert said.json["ok"]
     assert (said.text, rig.runs_the_former) == ((later, False) if act == "keep" else ("", True))
 
 
 def test_what_was_decided_on_other_settings_than_those_that_run_is_refused(rig):
-    base = digest(rig.former)
+    base = text_digest(rig.former)
     edited = rig.other("settle_s: 6,", "settle_s: 9,")
     rig.site.write_text(edited)
     rig.run(0.5)
@@ -71,7 +71,7 @@ def test_what_was_decided_on_other_settings_than_those_that_run_is_refused(rig):
     wrong = rig.ask(act="diff", text=rig.other())
     rig.run(0.2)
     assert wrong.json["ok"]
-    now = digest(edited)
+    now = text_digest(edited)
     assert rig.ask(act="undo", version=1, why="as it was", base=now).text == rig.former
 
 
@@ -94,7 +94,7 @@ def test_a_comment_that_was_saved_by_hand_runs_as_a_version_and_can_be_tried_on(
     assert rig.running.parameters.site_text == text
     assert rig.running.control.taken == []  # no value of it is another one
     row = rig.ask(act="history").json["versions"][-1]
-    assert (row["verb"], row["sha256"]) == ("edited", digest(text))
+    assert (row["verb"], row["sha256"]) == ("edited", text_digest(text))
     other = text.replace("settle_s: 6,", "settle_s: 12,", 1)
     assert rig.begin(other).json["ok"]
     rig.ask(act="undo", why="enough seen")
@@ -149,7 +149,7 @@ def test_a_try_does_not_wait_for_who_looks_at_a_difference(rig):
 
 def test_going_back_to_a_version_does_not_end_a_try_instead(rig):
     rig.begin()
-    running = digest(rig.other())
+    running = text_digest(rig.other())
     said = rig.ask(act="undo", version=1, why="as it was", base=running)
     assert "a try runs: end it first" in said.json["message"]
     assert rig.running.parameters.site_text == rig.other()

@@ -6,7 +6,7 @@ import pytest
 
 from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.settings import desk as desk_module
-from aff_runtime.app.supervisor.settings.history import digest
+from aff_runtime.base.text_digest import text_digest
 from tests.aff_runtime.app.supervisor.settings.rig import WHO, AtOnce, Rig
 
 CYCLE = ("cycle_ms: 5", "cycle_ms: 10")
@@ -25,7 +25,7 @@ def saved(rig: Rig, text: str, **more: str) -> str:
     asked = rig.ask(act="save", text=text, why=WHY, **more)
     rig.run(0.2)
     assert asked.json["ok"], asked.json
-    assert asked.json["replaces"] == digest(rig.site.read_text())
+    assert asked.json["replaces"] == text_digest(rig.site.read_text())
     rig.site.write_text(asked.text)
     rig.run(0.5)
     return asked.text
@@ -39,7 +39,7 @@ def test_it_waits_while_a_correction_goes_out_and_is_taken_at_bypass_minutes_lat
     text = rig.other(*CYCLE)
     assert saved(rig, text) == text
     assert rig.runs_the_former
-    assert state(rig)["waiting"] == digest(text)
+    assert state(rig)["waiting"] == text_digest(text)
     rig.run(120.0)
     assert rig.runs_the_former
     rig.running.live = False
@@ -62,10 +62,10 @@ def test_what_waits_can_be_replaced_and_taken_back_before_the_bypass(rig) -> Non
     first = rig.other(*CYCLE)
     saved(rig, first)
     second = rig.other("cycle_ms: 5", "cycle_ms: 20")
-    saved(rig, second, base=digest(first))
-    assert state(rig)["waiting"] == digest(second)
+    saved(rig, second, base=text_digest(first))
+    assert state(rig)["waiting"] == text_digest(second)
     asked = rig.ask(act="undo", why="wrong after all")
-    assert (asked.text, asked.json["replaces"]) == (rig.former, digest(second))
+    assert (asked.text, asked.json["replaces"]) == (rig.former, text_digest(second))
     rig.site.write_text(asked.text)
     rig.run(0.5)
     assert state(rig)["waiting"] == ""

@@ -10,7 +10,6 @@ text that ran before.
 
 from __future__ import annotations
 
-import hashlib
 import itertools
 import math
 import re
@@ -21,7 +20,8 @@ from typing import Any
 
 import yaml
 
-from aff_runtime.base.run_files import text_of, yaml_values
+from aff_runtime.base.runs.files import text_of, yaml_values
+from aff_runtime.base.text_digest import text_digest
 
 APPLIED, EDIT, DIFFERS = "CONFIG_APPLIED", "EDIT", "CONFIG_DIFFERS"
 SITE_SHA256 = "site_sha256"
@@ -69,11 +69,6 @@ def file_of(site_hash: str) -> str:
     """Return the name of the file that holds a later site file of a run; empty of no hash."""
     short = site_hash[:HASH_DIGITS]
     return f"site-{short}.yaml" if _HASH.fullmatch(short) else ""
-
-
-def text_digest(text: str) -> str:
-    """Return the sha256 of a site file's text, as ``sha256sum`` prints it; empty of no text."""
-    return hashlib.sha256(text.encode("utf-8")).hexdigest() if text else ""
 
 
 def text_words(text: str) -> str:
@@ -195,7 +190,7 @@ def _digests(rows: Sequence[tuple[float, Mapping[str, str]]]) -> dict[str, set[s
 def _altered(name: str, text: str, expected: set[str]) -> str:
     """Return a sentence where a text is none of those that ran; empty where none is known."""
     found = text_digest(text)[:HASH_DIGITS]
-    if not found or not expected or found in expected:
+    if not text or not expected or found in expected:
         return ""
     return (
         f"{name}: not the text that ran, altered since: its sha256 begins with {found}, expected "

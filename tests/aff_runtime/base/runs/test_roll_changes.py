@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from aff_runtime.base.roll_changes import roll_changes
+from aff_runtime.base.runs.roll_changes import roll_changes
 
 NAN = np.nan
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from aff_runtime.base.holes import cycle_s_of, holes_between
+from aff_runtime.base.runs.holes import cycle_s_of, holes_between
 from aff_runtime.base.units import UnitError, read_scale
 from aff_runtime.base.yaml_section import Section
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from aff_runtime.base.holes import LONGEST_GAP_CYCLES, cycle_s_of
+from aff_runtime.base.runs.holes import LONGEST_GAP_CYCLES, cycle_s_of
 
 LONGEST_RUN_S = 1e9
 """No run lasts 30 years: a later time is no time of a row."""

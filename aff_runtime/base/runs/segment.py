@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.files import CLOSED, is_closed
-from aff_runtime.base.run_files import open_plain
+from aff_runtime.base.runs.files import open_plain
 
 LARGEST_VALUES = 60_000_000
 """Numbers that are held at once: 2 hours of 40 columns at 5 ms."""

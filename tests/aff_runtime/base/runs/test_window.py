@@ -3,7 +3,7 @@ import math
 import pytest
 
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.run_window import names_a_run, run_window
+from aff_runtime.base.runs.window import names_a_run, run_window
 
 
 @pytest.fixture

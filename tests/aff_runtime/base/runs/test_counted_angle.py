@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from aff_runtime.base.counted_angle import (
+from aff_runtime.base.runs.counted_angle import (
     counted_angle,
     early_restart,
     is_whole_turns,

@@ -9,11 +9,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from aff_runtime.base import run_join, run_segment, run_table
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.files import CLOSED
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
+from aff_runtime.base.runs import join as run_join
+from aff_runtime.base.runs import segment as run_segment
+from aff_runtime.base.runs import table as run_table
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.base.yaml_section import Section
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext

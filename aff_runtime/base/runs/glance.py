@@ -11,9 +11,9 @@ from pathlib import Path
 
 from aff_runtime.base.numbers import finite_or_none
 from aff_runtime.base.printable import printable
-from aff_runtime.base.run_files import open_plain, text_of, yaml_values
-from aff_runtime.base.run_segment import segments_of
-from aff_runtime.base.run_window import MARK
+from aff_runtime.base.runs.files import open_plain, text_of, yaml_values
+from aff_runtime.base.runs.segment import segments_of
+from aff_runtime.base.runs.window import MARK
 
 LONGEST = 200  # characters of a value
 _LARGEST_YAML, _LONGEST_ROW = 1 << 20, 1 << 20  # bytes

@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 from aff_runtime.base.errors import AffError
 from aff_runtime.base.files import CLOSED, is_closed
 from aff_runtime.base.printable import printable, text_or
-from aff_runtime.base.run_files import text_of, yaml_values
-from aff_runtime.base.run_join import (
+from aff_runtime.base.runs.files import text_of, yaml_values
+from aff_runtime.base.runs.join import (
     LARGEST_NUMBER,
     LONGEST_RUN_S,
     PERIODS,
@@ -33,15 +33,14 @@ from aff_runtime.base.run_join import (
     period_s,
     rows_once,
 )
-from aff_runtime.base.run_segment import (
+from aff_runtime.base.runs.segment import (
     LARGEST_VALUES,
     RunSegments,
     first_row,
     rows_of,
     segments_of,
 )
-from aff_runtime.base.run_window import HOW_WRITTEN, MARK, RunWindow
-from aff_runtime.base.site_in_force import (
+from aff_runtime.base.runs.site_in_force import (
     SITE_SHA256,
     SiteInForce,
     changes_noted,
@@ -49,6 +48,7 @@ from aff_runtime.base.site_in_force import (
     sites_in_force,
     time_of,
 )
+from aff_runtime.base.runs.window import HOW_WRITTEN, MARK, RunWindow
 from aff_runtime.base.yaml_section import Section
 
 MOST_EVENTS = 100_000

@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.base import site_in_force
-from aff_runtime.base.run_table import read_table
-from aff_runtime.base.run_window import run_window
-from aff_runtime.base.site_in_force import changes_noted, in_force_within, sites_in_force
+from aff_runtime.base.runs import site_in_force
+from aff_runtime.base.runs.site_in_force import changes_noted, in_force_within, sites_in_force
+from aff_runtime.base.runs.table import read_table
+from aff_runtime.base.runs.window import run_window
 from aff_runtime.config.diff import diff_sites
 from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.config.revision import site_hash_of
