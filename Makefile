@@ -58,7 +58,7 @@ demo-refine: setup
 # every pair of data/lines, and each with its true effect taken out of the library; minutes a run,
 # writes docs/results/refine-pairs.md
 refine-pairs: setup
-	$(BIN)/python -m tests.sim_plant.refine.pairs --out out/refine-pairs --docs
+	$(BIN)/python -m benchmarks.pairs --out out/refine-pairs --docs
 
 # the 80 labelled pairs of shared/data/cases, scored; hours, rows are kept in out/refine-cases
 # (EXTRA="--part check --only case01" for some of them)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.sim_plant.refine.pairs import BEGIN, END, FOLDER, PAGE, labels, plan, written
+from benchmarks.pairs import BEGIN, END, FOLDER, PAGE, labels, plan, written
 
 
 def test_the_table_goes_between_its_marks_and_nothing_else_moves():

@@ -1,7 +1,7 @@
 """Every pair of data/lines against its label, and with its effects taken out.
 
 Minutes a run, so only when asked for: AFF_LINES=1 python -m pytest <this file>. As one table:
-python -m tests.sim_plant.refine.pairs
+python -m benchmarks.pairs
 """
 
 import os
@@ -9,7 +9,7 @@ import os
 import numpy as np
 import pytest
 
-from tests.sim_plant.refine.pairs import faults, labels, plan, verdict
+from benchmarks.pairs import faults, labels, plan, verdict
 
 RUNS = plan()
 

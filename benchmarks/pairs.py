@@ -1,24 +1,29 @@
 """All pairs of data/lines, and each with its true effect taken out, as one table.
 
-python -m tests.sim_plant.refine.pairs [--out DIR] [--only TEXT] [--swapped] [--docs]
+python -m benchmarks.pairs [--out DIR] [--only TEXT] [--swapped] [--docs]
 
 ``--swapped`` fits on record b and judges on a, with the whole library. ``--docs`` puts the table
 between its marks in docs/results/refine-pairs.md.
 Results are kept in DIR, one folder a run; a run that is there is not made again.
 """
 
+from __future__ import annotations
+
 import argparse
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+import yaml
 
+from aff_runtime.base.yaml_places import SafeLoader
 from sim_plant.cli.main import main as sim_plant
-from sim_plant.refine.report.verdict import Verdict
-from tests import quick_yaml
+from sim_plant.refine.report.verdict import UnknownFinding, Verdict
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).resolve().parents[1]
 FOLDER = ROOT / "data" / "lines"
 PAGE = ROOT / "docs" / "results" / "refine-pairs.md"
 BEGIN, END = "<!-- pairs: begin -->\n", "<!-- pairs: end -->\n"
@@ -36,12 +41,13 @@ class Run:
     fit: str = "a"
 
     @property
-    def name(self):
+    def name(self) -> str:
+        """Name of its folder."""
         first = self.case if self.fit == "a" else f"{self.case}_{self.fit}"
         return "-".join([first, *(f"without_{n}" for n in self.without)])
 
     @property
-    def files(self):
+    def files(self) -> tuple[str, str, str]:
         """Line file, record to fit and record to judge on, as names."""
         held = "b" if self.fit == "a" else "a"
         return (
@@ -51,14 +57,20 @@ class Run:
         )
 
 
+def _yaml(name: str) -> Any:
+    """Return the values of a file of data/lines, by libyaml where it is there."""
+    text = (FOLDER / name).read_text(encoding="utf-8")
+    return yaml.load(text, Loader=SafeLoader)
+
+
 @cache
-def labels():
+def labels() -> dict[str, list[tuple[str, str]]]:
     """Return the effects (name, location) of every pair."""
-    cases = quick_yaml.safe_load((FOLDER / "labels.yaml").read_text())["cases"]
+    cases = _yaml("labels.yaml")["cases"]
     return {c["case"]: [(e["effect_class"], e["location"]) for e in c["effects"]] for c in cases}
 
 
-def plan(swapped=False):
+def plan(swapped: bool = False) -> list[Run]:
     """Return every pair as it is, without each of its effects, and without all of them."""
     if swapped:
         return [Run(case, fit="b") for case in labels()]
@@ -72,7 +84,7 @@ def plan(swapped=False):
     return runs
 
 
-def verdict(run, out):
+def verdict(run: Run, out: Path) -> Verdict:
     """Return the verdict of a run, made now if it is not in ``out``."""
     path = out / run.name / "verdict.json"
     if not path.exists():
@@ -85,7 +97,7 @@ def verdict(run, out):
     return Verdict.from_json(path.read_text(encoding="utf-8"))
 
 
-def faults(run, result):
+def faults(run: Run, result: Verdict) -> list[str]:
     """Return what is wrong with a verdict, as sentences; none when it is right."""
     label = labels()[run.case]
     left = {pair for pair in label if pair[0] not in run.without}
@@ -104,7 +116,7 @@ def faults(run, result):
     return wrong
 
 
-def told_as_twins(result):
+def told_as_twins(result: Verdict) -> bool:
     """Return whether every effect is told in a set with nothing but its twins."""
     return result.answer == "not_identifiable" and all(
         str(a.place) in TWINS and {str(p) for p in a.alternatives} <= TWINS[str(a.place)]
@@ -112,7 +124,7 @@ def told_as_twins(result):
     )
 
 
-def shows(run, name, place, unknown):
+def shows(run: Run, name: str, place: str, unknown: UnknownFinding) -> bool:
     """Return whether an unknown is what this effect would look like to who does not know it.
 
     On a roll or roller: its angle, or the web travel of its turn (or a harmonic). One that is no
@@ -126,16 +138,16 @@ def shows(run, name, place, unknown):
     if name in NO_LINE and name != "loop_delay":
         return False
     if kind == "angle":
-        return where["roll"] == locked_to
+        return bool(where["roll"] == locked_to)
     if kind != "travel":
         return False
-    line = quick_yaml.safe_load((FOLDER / f"{run.case}_a.yaml").read_text())
+    line = _yaml(f"{run.case}_a.yaml")
     radius = next(r["radius_m"] for r in line["rollers"] if r["name"] == locked_to)
     order = radius / where["equivalent_radius_m"]
-    return round(order) >= 1 and abs(order / round(order) - 1.0) < 0.003
+    return bool(round(order) >= 1 and abs(order / round(order) - 1.0) < 0.003)
 
 
-def row(run, result):
+def row(run: Run, result: Verdict) -> str:
     """Return one line of the table."""
     what = [str(e.place) for e in result.effects]
     what += [
@@ -158,7 +170,7 @@ def row(run, result):
     return f"| {' | '.join(cells)} |"
 
 
-def coordinate(where):
+def coordinate(where: Mapping[str, object]) -> str:
     """Return a coordinate as words."""
     return ", ".join(
         f"{k} {v:.5g}" if isinstance(v, float) else f"{k} {v}" for k, v in where.items()
@@ -178,7 +190,7 @@ HEAD = (
 )
 
 
-def table(out, only="", swapped=False):
+def table(out: Path, only: str = "", swapped: bool = False) -> tuple[str, int]:
     """Return the table and how many of its rows are wrong."""
     rows, wrong = [f"| {' | '.join(HEAD)} |", "|---" * len(HEAD) + "|"], 0
     for run in plan(swapped):
@@ -189,7 +201,7 @@ def table(out, only="", swapped=False):
     return "\n".join(rows) + "\n", wrong
 
 
-def written(page, found):
+def written(page: str, found: str) -> str:
     """Return the page with the table between its marks."""
     before, _, rest = page.partition(BEGIN)
     return before + BEGIN + found + END + rest.partition(END)[2]
