@@ -14,7 +14,7 @@ from aff_hmi.press_desk import CLOSE_LOOK_NS, CLOSE_NS, MOST_HELD, RETRY_NS, Pre
 from aff_runtime.app.hand.may import Action, Place, Role
 from aff_runtime.app.hand.messages import Answer, Notice
 from aff_runtime.base.errors import WireError
-from tests.aff_runtime.app.hand.stand import Stand
+from tests.aff_runtime.app.supervisor.hand.stand import Stand
 from tests.doubles.virtual_clock import VirtualClock
 
 

@@ -22,7 +22,7 @@ from aff_runtime.app.supervisor.hand import visits as visits_module
 from aff_runtime.app.supervisor.hand.desk import HandRules
 from aff_runtime.base.errors import WireError
 from tests.aff_runtime.app.door.stand import Stand
-from tests.aff_runtime.app.hand.stand import Stand as HandStand
+from tests.aff_runtime.app.supervisor.hand.stand import Stand as HandStand
 
 pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="only root can be another user")
 NOBODY, DOOR_GROUP = 65534, 60

@@ -21,7 +21,7 @@ from aff_runtime.app.supervisor.hand.entries import ServiceState
 from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import State
-from tests.aff_runtime.app.hand.stand import Stand
+from tests.aff_runtime.app.supervisor.hand.stand import Stand
 
 S = 10**9
 

@@ -13,7 +13,7 @@ from aff_runtime.app.hand.audit_writer import RETRY_NS
 from aff_runtime.app.hand.may import Action, Code, Place
 from aff_runtime.app.hand.messages import Notice
 from aff_runtime.base.errors import RefusedError
-from tests.aff_runtime.app.hand.stand import Stand
+from tests.aff_runtime.app.supervisor.hand.stand import Stand
 
 
 @pytest.fixture

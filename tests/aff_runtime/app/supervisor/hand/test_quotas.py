@@ -13,7 +13,7 @@ from aff_runtime.app.hand.client import HandClient
 from aff_runtime.app.hand.may import Action, Code, Place
 from aff_runtime.app.hand.messages import LOGINS, PRESS_REFUSED, Notice
 from aff_runtime.app.supervisor.hand.quotas import MOST_ACCOUNTS, Limits
-from tests.aff_runtime.app.hand.stand import Stand
+from tests.aff_runtime.app.supervisor.hand.stand import Stand
 from tests.doubles.virtual_clock import VirtualClock
 
 S = 10**9
