@@ -10,9 +10,9 @@ from itertools import pairwise
 
 from aff_runtime.app.setup.behaviour import Behaviour, behaviours
 from aff_runtime.app.setup.decoding import HIGH_FIRST, LOW_FIRST, Decoding
-from aff_runtime.app.setup.ends import FULL, End, Steps
 from aff_runtime.app.setup.reading import Watched
 from aff_runtime.app.setup.turns import CountsPerTurn, counts_per_turn
+from aff_runtime.app.setup.wraps import FULL, Steps, Wrap
 from aff_runtime.base.units import plain
 
 USUAL_COUNTS = tuple(
@@ -45,9 +45,9 @@ class AngleCandidate:
     measured : what the count, line speed and radius say over whole turns, with its interval.
     low_word : wire address of the word that moves.
     why : reasons for and against. ``score`` : without unit; the higher, the likelier.
-    wraps_after : counts after which it starts over, where that is not all that its words hold; 0
-        where it is. ``usable`` : False for a count that starts over after no whole turns.
-    unseen_s : for how long its end was looked for and not seen; 0 where it was seen.
+    wraps_after : counts after which it wraps, where that is not all that its words hold; 0
+        where it is. ``usable`` : False for a count that wraps after no whole turns.
+    unseen_s : for how long its wrap was looked for and not seen; 0 where it was seen.
     leaves_none : another roll that no other word can be then; empty where there is none.
     """
 
@@ -74,11 +74,11 @@ class AngleCandidate:
 
     @property
     def reading(self) -> tuple[int, int, int]:
-        """Return its word, its counts per turn, and after how many it starts over."""
+        """Return its word, its counts per turn, and after how many it wraps."""
         return self.low_word, self.counts_per_turn, self.wraps_after
 
     def unseen(self, seconds: float) -> AngleCandidate:
-        """Return it as one whose end was not seen in so many seconds."""
+        """Return it as one whose wrap was not seen in so many seconds."""
         why = (*self.why, f"its end was not seen in {seconds:.0f} s")
         return replace(self, unseen_s=seconds, why=why)
 
@@ -110,15 +110,15 @@ def angle_candidates(
         if address in taken or did.steps is None:
             continue
         stored = _decodings(address, did, seen, taken, word_order)
-        measure = cache(partial(_measured, did.steps, did.end, seen, speeds_m_s, radius_m))
-        first = measure(did.restarts_at)
+        measure = cache(partial(_measured, did.steps, did.wrap, seen, speeds_m_s, radius_m))
+        first = measure(did.wraps_after)
         for counts in _usual(first) if first is not None else ():
             for row in _rows(address, did, stored, counts):
-                # what was seen of its end is off by some counts, whole turns are not
-                measured = measure(row.wraps_after or did.restarts_at)
+                # what was seen of its wrap is off by some counts, whole turns are not
+                measured = measure(row.wraps_after or did.wraps_after)
                 if measured is not None:
                     one = _candidate(address, row, measured, counts)
-                    is_seen = did.end.seen or any(each.carried for each in stored)
+                    is_seen = did.wrap.seen or any(each.carried for each in stored)
                     candidates.append(one if is_seen else one.unseen(seen.duration_s))
     return _sorted(candidates)
 
@@ -140,13 +140,13 @@ class _Row:
 
 def _measured(
     steps: Steps,
-    end: End,
+    wrap: Wrap,
     seen: Watched,
     speeds_m_s: Sequence[float],
     radius_m: float,
-    restarts_at: int,
+    wraps_after: int,
 ) -> CountsPerTurn | None:
-    path = steps.path(restarts_at, signed=end.signed)
+    path = steps.path(wraps_after, signed=wrap.signed)
     return counts_per_turn(seen.times_s, path, speeds_m_s, radius_m)
 
 
@@ -185,8 +185,8 @@ def beside(
 def doubt(rows: Sequence[AngleCandidate]) -> str:
     """Return why the best row is not sure; empty where it is.
 
-    It has to stand alone, and its end to have been seen: before that a word may be the low one of
-    two, or start over at any count that it has not come to.
+    It has to stand alone, and its wrap to have been seen: before that a word may be the low one of
+    two, or wrap at any count that it has not come to.
     """
     can_be = {one.reading for one in rows if one.is_held and not one.leaves_none}
     if len(can_be) != 1 or rows[0].reading not in can_be:
@@ -227,10 +227,10 @@ def _usualness(counts: int) -> float:
     return 0.7 if counts & (counts - 1) == 0 or counts % 1000 == 0 else 0.0
 
 
-def _whole_turns(end: End, counts: int) -> int:
-    """Return after how many counts a word starts over, as whole turns; 0 where it is none."""
-    whole = round(end.counts / counts) * counts
-    return whole if whole <= FULL and abs(end.counts - whole) <= end.off else 0
+def _whole_turns(wrap: Wrap, counts: int) -> int:
+    """Return after how many counts a word wraps, as whole turns; 0 where it is none."""
+    whole = round(wrap.counts / counts) * counts
+    return whole if whole <= FULL and abs(wrap.counts - whole) <= wrap.tolerance else 0
 
 
 def _rows(address: int, does: Behaviour, stored: Sequence[_Row], counts: int) -> list[_Row]:
@@ -240,17 +240,17 @@ def _rows(address: int, does: Behaviour, stored: Sequence[_Row], counts: int) ->
     ----------
     stored : how, where it takes its whole word.
     """
-    whole = _whole_turns(does.end, counts)
-    decoding = Decoding(address=address, type="i16" if does.end.signed else "u16")
-    if not does.restarts_at:
-        if not does.end.seen or whole in (0, FULL) or any(row.carried for row in stored):
+    whole = _whole_turns(does.wrap, counts)
+    decoding = Decoding(address=address, type="i16" if does.wrap.signed else "u16")
+    if not does.wraps_after:
+        if not does.wrap.seen or whole in (0, FULL) or any(row.carried for row in stored):
             return list(stored)
         why = f"starts over after {whole}"  # as likely, by what was seen
         return [*stored, _Row(decoding=decoding, score=1.0, why=why, wraps_after=whole)]
     if whole:
         why = f"starts over after {whole}"
         return [_Row(decoding=decoding, score=4.0, why=why, wraps_after=whole)]
-    why = f"starts over at {does.restarts_at}, which is no whole turns. Let the PLC count on"
+    why = f"starts over at {does.wraps_after}, which is no whole turns. Let the PLC count on"
     return [_Row(decoding=decoding, score=-5.0, why=why, usable=False)]
 
 
@@ -262,7 +262,7 @@ def _decodings(
     carries: Mapping[str, int] = {HIGH_FIRST: address - 1, LOW_FIRST: address + 1}
     proved = False
     for name, high in carries.items():
-        if does.restarts_at or high not in seen.words or high in taken:
+        if does.wraps_after or high not in seen.words or high in taken:
             continue
         carry = _carries(seen.words[address], seen.words[high])
         if carry is None:
@@ -272,7 +272,7 @@ def _decodings(
         score = 6.0 if carry else (0.5 if name == word_order else -1.0 if word_order else -0.5)
         why = f"word {high} takes its carry" if carry else f"no carry into {high} seen"
         rows.append(_Row(decoding=decoding, score=score, why=why, carried=carry))
-    wrapped = does.end.seen > 0
+    wrapped = does.wrap.seen > 0
     one = "its low word" if proved else "wraps at 65536" if wrapped else "one word"
     score = -2.0 if proved else 2.0 if wrapped else 0.0
     return [*rows, _Row(decoding=Decoding(address=address, type="u16"), score=score, why=one)]

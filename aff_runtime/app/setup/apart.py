@@ -15,8 +15,8 @@ from itertools import accumulate
 from aff_runtime.app.setup.behaviour import Kind, behaviours
 from aff_runtime.app.setup.candidates import Candidate, Observation
 from aff_runtime.app.setup.decoding import Decoding, all_decodings, values
-from aff_runtime.app.setup.ends import way_of
 from aff_runtime.app.setup.reading import Watched
+from aff_runtime.app.setup.wraps import way_of
 
 ALIKE = 3.0
 """Of ``prior``, which is a logarithm: a scale 20 times less usual is no rival where both fit."""

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
 
-from aff_runtime.app.setup.ends import NOT_SEEN, End, Steps, signed_word, steps_of
 from aff_runtime.app.setup.reading import Watched
+from aff_runtime.app.setup.wraps import NOT_SEEN, Steps, Wrap, signed_word, steps_of
 
 FASTEST_SCAN_PER_S = 1100.0
 SLOWEST_SCAN_PER_S = 5.0
@@ -38,7 +38,7 @@ class Behaviour:
     ----------
     last, mean, sd : the last reading as u16, mean and standard deviation as i16.
     rate_per_s : of a counter or ramp, counts per second with its sign; else 0.
-    steps : of a counter or ramp, from each reading to the next; ``end`` : where it starts over.
+    steps : of a counter or ramp, from each reading to the next; ``wrap`` : where it wraps.
     unevenness : of a counter or ramp, median distance from a straight line, counts.
     changed : the bits that changed, as a mask.
     """
@@ -49,21 +49,21 @@ class Behaviour:
     sd: float
     rate_per_s: float = 0.0
     steps: Steps | None = field(default=None, repr=False)
-    end: End = NOT_SEEN
+    wrap: Wrap = NOT_SEEN
     unevenness: float = 0.0
     changed: int = 0
 
     @property
-    def restarts_at(self) -> int:
-        """Return the counts after which it starts over, where that is not 65536; 0 where it is."""
-        return self.end.restarts_at
+    def wraps_after(self) -> int:
+        """Return the counts after which it wraps, where that is not 65536; 0 where it is."""
+        return self.wrap.wraps_after
 
     def __str__(self) -> str:
         """Return it as text for eyes."""
         match self.kind:
             case Kind.COUNTER | Kind.RAMP:
-                ends = f", starts over at {self.restarts_at}" if self.restarts_at else ""
-                return f"{self.kind} by {self.rate_per_s:.1f} a second{ends}"
+                wraps = f", starts over at {self.wraps_after}" if self.wraps_after else ""
+                return f"{self.kind} by {self.rate_per_s:.1f} a second{wraps}"
             case Kind.NOISY:
                 return f"noisy: {self.mean:.1f} +- {self.sd:.1f}"
             case Kind.BITS:
@@ -107,10 +107,10 @@ def _as(base: Behaviour, *, kind: Kind) -> Behaviour:
 def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) -> Behaviour | None:
     """Return a counter or a ramp, None for what goes to and fro."""
     steps = steps_of(times_s, series)
-    end = steps.end() if steps is not None else None
-    if steps is None or end is None:
+    wrap = steps.wrap() if steps is not None else None
+    if steps is None or wrap is None:
         return None
-    path = steps.path(end.restarts_at, signed=end.signed)
+    path = steps.path(wrap.wraps_after, signed=wrap.signed)
     rate, unevenness = _line(times_s, path)
     way = abs(path[-1])
     if way < _LEAST_WAY or unevenness > _CROOKED * way + 1.0:
@@ -125,7 +125,7 @@ def _moving(base: Behaviour, times_s: Sequence[float], series: Sequence[int]) ->
         changed=base.changed,
         rate_per_s=rate,
         steps=steps,
-        end=end,
+        wrap=wrap,
         unevenness=unevenness,
     )
 
@@ -154,7 +154,7 @@ def heartbeats(seen: Watched) -> list[HeartbeatCandidate]:
     """Return the words that may be the PLC's heartbeat, best first."""
     candidates = []
     for address, does in behaviours(seen).items():
-        if does.kind is not Kind.COUNTER or does.restarts_at:
+        if does.kind is not Kind.COUNTER or does.wraps_after:
             continue
         period_ms = 1e3 / does.rate_per_s
         nearest = min(_ROUND_PERIODS_MS, key=lambda ms: abs(ms - period_ms) / ms)

@@ -272,7 +272,7 @@ def _runs(word: Behaviour) -> bool:
     """Return whether a word counts or turns; one that creeps, as a radius, may be measured."""
     if word.kind not in (Kind.COUNTER, Kind.RAMP):
         return False
-    return word.end.seen > 0 or abs(word.rate_per_s) > _CREEPS * max(1.0, abs(word.mean))
+    return word.wrap.seen > 0 or abs(word.rate_per_s) > _CREEPS * max(1.0, abs(word.mean))
 
 
 def _resolution(scale: float, shown: Shown) -> float:

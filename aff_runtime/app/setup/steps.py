@@ -172,7 +172,7 @@ class Steps(DisplaySteps):
             return False
         moving = [does[place] for place in rows[0].decoding.addresses if does[place].rate_per_s]
         too_slow = all(65536.0 / abs(one.rate_per_s) > LONGEST_S for one in moving)
-        return too_slow or any(one.end.seen for one in moving)
+        return too_slow or any(one.wrap.seen for one in moving)
 
     def find_bit(self, question: Question) -> None:
         """Find a status bit by changing its state."""

@@ -35,7 +35,7 @@ RATE_READINGS = 200
 """Over so many the speed is a mean: one count is then a small share of the motion."""
 UNSEEN_SHARE = 0.02
 """Of the motion over a hole by the speeds around it: a line at one speed keeps within that."""
-FEWEST_RESTARTS = 3
+FEWEST_WRAPS = 3
 """That are alike, and as far apart as each is large: two may be a counter that was set anew."""
 ALIKE_SHARE = 0.8
 """Of the steps that jump: so many are alike where a count starts over early."""
@@ -87,7 +87,7 @@ def modulus_rad(channel: Section) -> float:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class EarlyRestart:
+class EarlyWrap:
     """A count that starts over before its range ends.
 
     Attributes
@@ -114,13 +114,13 @@ class EarlyRestart:
         )
 
 
-def early_restart(time_s: Array, count_rad: Array, modulus_rad: float) -> EarlyRestart | None:
+def early_wrap(time_s: Array, count_rad: Array, modulus_rad: float) -> EarlyWrap | None:
     """Return after what a count (rows,) starts over early, None where it does not, or who knows.
 
     Each time it does, its step is off by the same, and from one to the next it counted that far.
     """
     known = np.flatnonzero(np.isfinite(count_rad))
-    if known.size <= FEWEST_RESTARTS or not math.isfinite(modulus_rad):
+    if known.size <= FEWEST_WRAPS or not math.isfinite(modulus_rad):
         return None
     steps = _steps(time_s[known], count_rad[known], modulus_rad, cycle_s_of(time_s))
     followed = ~steps.is_hole
@@ -129,7 +129,7 @@ def early_restart(time_s: Array, count_rad: Array, modulus_rad: float) -> EarlyR
     usual = JUMP_STEPS * np.abs(steps.expected_rad)
     usual += JUMP_SPREADS * float(np.median(np.abs(off[followed]))) if followed.any() else 0.0
     jumps = np.flatnonzero(followed & (np.abs(off) > usual))
-    if jumps.size < FEWEST_RESTARTS:
+    if jumps.size < FEWEST_WRAPS:
         return None
     back = np.mod(-off[jumps], modulus_rad)
     range_rad, off_rad = float(np.median(back)), float(np.median(usual[jumps]))
@@ -138,10 +138,10 @@ def early_restart(time_s: Array, count_rad: Array, modulus_rad: float) -> EarlyR
     true = way * np.where(np.abs(off) > usual, steps.expected_rad, steps.moved_rad)
     apart = np.diff(np.cumsum(true)[jumps])
     is_due = np.abs(apart - range_rad * np.round(apart / range_rad)) <= 2.0 * off_rad
-    enough = np.mean(alike) >= ALIKE_SHARE and 1 + np.sum(is_due) >= FEWEST_RESTARTS
+    enough = np.mean(alike) >= ALIKE_SHARE and 1 + np.sum(is_due) >= FEWEST_WRAPS
     if not enough or np.mean(is_due) < ALIKE_SHARE or range_rad < 4.0 * off_rad:
         return None
-    return EarlyRestart(range_rad=range_rad, off_rad=off_rad, seen=int(jumps.size))
+    return EarlyWrap(range_rad=range_rad, off_rad=off_rad, seen=int(jumps.size))
 
 
 def is_whole_turns(modulus_rad: float) -> bool:

@@ -13,7 +13,7 @@ from aff_runtime.base.effort import bounded_effort
 from aff_runtime.base.errors import AffError, PlantError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.probe_columns import STAGE
-from aff_runtime.base.runs.counted_angle import early_restart
+from aff_runtime.base.runs.counted_angle import early_wrap
 from aff_runtime.base.runs.holes import BRIDGED_SHARE
 from aff_runtime.base.runs.join import SAME_CYCLE_SHARE
 from aff_runtime.base.runs.table import RunTable, few, other_line, read_table
@@ -90,7 +90,7 @@ def scanned_run(path: Path) -> ScannedRun:
     except PlantError as error:
         raise PlantError(f"{shown}: {error}") from error
     readings = {name: table.columns[name][scans.rows] for name in channels}
-    restarting = few([*_restarting(table.columns["time_s"][scans.rows], readings, site)])
+    early_wraps = few([*_early_wraps(table.columns["time_s"][scans.rows], readings, site)])
     site = replace(site, count_sizes=counts_of(readings, site.count_sizes))
     series, unwrapped = _in_every_scan(table.columns["time_s"], site, scans, readings)
     pieces, breaks = pieces_of(table.columns, scans, series)
@@ -103,7 +103,7 @@ def scanned_run(path: Path) -> ScannedRun:
         *([guessed] if guessed else []),
         *scans.findings,
         *few(breaks),
-        *restarting,
+        *early_wraps,
         *unwrapped,
     ]
     return ScannedRun(
@@ -198,10 +198,10 @@ def _in_every_scan(
     return {n: filled(v, scans.taken_s, row_s, scans.step_s) for n, v in turned.items()}, said
 
 
-def _restarting(time_s: Array, readings: Mapping[str, Array], site: RunSite) -> Iterator[str]:
+def _early_wraps(time_s: Array, readings: Mapping[str, Array], site: RunSite) -> Iterator[str]:
     """Yield a sentence per count that starts over earlier than its site file says."""
     for name, register_rad in site.registers_rad.items():
-        found = early_restart(time_s, readings[name], register_rad) if name in readings else None
+        found = early_wrap(time_s, readings[name], register_rad) if name in readings else None
         if found is not None and site.count_sizes[name] > 0.0:
             counts = round(register_rad / site.count_sizes[name])
             yield f"{printable(name, 80)}: {found.words(register_rad, counts)}"

@@ -9,12 +9,12 @@ from typing import Any
 
 import numpy as np
 
+from aff_runtime.app.report.comparison.early_wraps import counts_that_wrap_early
 from aff_runtime.app.report.comparison.lacking import (
     NUMBERS_SHARE,
     lacking_readings,
     share_of_numbers,
 )
-from aff_runtime.app.report.comparison.restarting import restarting_counts
 from aff_runtime.app.report.comparison.turns import Array, Flags
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.probe_columns import EXCITING, STAGE
@@ -247,8 +247,8 @@ def said_of_readings(window: Window) -> list[str]:
         for name, _ in channels.items()
         if str(name) in window.table.columns
     }
-    restarting = restarting_counts(window.time_s, readings, channels)
-    return [*lacking_readings(window.time_s, readings), *few([*restarting])]
+    early_wraps = counts_that_wrap_early(window.time_s, readings, channels)
+    return [*lacking_readings(window.time_s, readings), *few([*early_wraps])]
 
 
 def _other_cycle(window: Window) -> list[str]:

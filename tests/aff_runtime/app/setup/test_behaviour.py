@@ -50,7 +50,7 @@ def test_a_copy_of_our_heartbeat_that_stands_is_no_heartbeat() -> None:
 def test_a_counter_that_starts_over_within_its_word_says_where() -> None:
     seen = watched([Item(3, "u16", 1.0, lambda t_s: (1500.0 * t_s) % 4096)], 6.0)
     does = behaviours(seen)[3]
-    assert does.restarts_at == pytest.approx(4096, abs=1500.0 * PERIOD_S)
+    assert does.wraps_after == pytest.approx(4096, abs=1500.0 * PERIOD_S)
     assert "starts over at" in str(does)
 
 

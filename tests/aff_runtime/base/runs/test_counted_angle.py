@@ -7,7 +7,7 @@ import pytest
 
 from aff_runtime.base.runs.counted_angle import (
     counted_angle,
-    early_restart,
+    early_wrap,
     is_whole_turns,
     modulus_rad,
     range_counts,
@@ -170,7 +170,7 @@ def test_of_a_count_that_starts_over_early_the_key_and_its_value_are_named(
     counts = as_the_gateway_records_it(counts, 65536) if is_unfolded else counts
     channel = Section({"type": "u16", "wraps": True, "scale": f"{per_turn} counts/turn"})
     modulus = modulus_rad(channel)
-    found = early_restart(TIME_S, counts / per_turn * math.tau, modulus)
+    found = early_wrap(TIME_S, counts / per_turn * math.tau, modulus)
     times = math.floor(abs(turned[-1]) * per_turn / after)
     assert found.seen == pytest.approx(times, abs=1 + 0.04 * times)
     said = found.words(modulus, range_counts(channel))
@@ -190,4 +190,4 @@ def test_a_count_that_starts_over_where_it_should_is_not_said_to_do_it_early(tur
     keep = (TIME_S < 30.0) | (TIME_S > 33.0)
     modulus = turns * math.tau
     count = np.mod(angle, modulus) if math.isfinite(modulus) else angle
-    assert early_restart(TIME_S[keep], count[keep], modulus) is None
+    assert early_wrap(TIME_S[keep], count[keep], modulus) is None

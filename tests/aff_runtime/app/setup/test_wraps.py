@@ -124,9 +124,9 @@ def test_whatever_is_sure_is_right_and_most_are_sure() -> None:
 def test_a_signed_word_that_went_through_zero_has_not_shown_its_end() -> None:
     encoder = Encoder(counts=600, whole=10200, lowest=-5100, turns_per_s=2.0)
     early, late = every(0.02, 6.0), every(0.02, 9.0)
-    assert behaviour(early, encoder.words(early)).end.seen == 0
+    assert behaviour(early, encoder.words(early)).wrap.seen == 0
     assert "wraps at 65536" not in encoder.found(early)[0].why
-    assert behaviour(late, encoder.words(late)).end.seen == 1
+    assert behaviour(late, encoder.words(late)).wrap.seen == 1
     assert encoder.said(encoder.found(late)[0])
 
 
