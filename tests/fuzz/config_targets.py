@@ -221,7 +221,7 @@ SHAPE = ShapeFile(
     web={"density_kg_m3": 395.0},
     profile=ShapeProfile(
         weight_m={("unwind", 1): 9e-4 - 3e-4j, ("unwind", 3): 1e-4j},
-        correction={("unwind", 1): 0.1 - 0.2j},
+        response_ratio_less_1={("unwind", 1): 0.1 - 0.2j},
         imbalance_m={"unwind": 4e-4j},
     ),
 ).to_json()

@@ -64,8 +64,8 @@ def shop(responses, shapes=None, site_file=SITE, fresh_every=1) -> Shop:
         values = row[len(HEAD) : len(HEAD) + channels]
         guard = bench.guard
         is_new = bool(row[fresh]) and int(row[1]) % fresh_every == 0
-        made.keeper.listen(bench.law, values, fresh=is_new, quiet=guard.quiet)
-        made.keeper.watch(
+        made.keeper.feed_trials(bench.law, values, fresh=is_new, quiet=guard.quiet)
+        made.keeper.save_when_closed(
             bench.law,
             active=guard.state is State.ACTIVE,
             quiet=guard.quiet,
@@ -240,7 +240,9 @@ def test_a_roll_exchanged_while_the_output_closes_is_said_and_not_saved_under_th
     law = made.bench.law
     assert isinstance(law, Controller)
     law.phases.roll_id = 2  # seen by the tick that also closes the output
-    made.keeper.watch(law, active=False, quiet=True, unbelieved=frozenset(), elapsed_s=0.0)
+    made.keeper.save_when_closed(
+        law, active=False, quiet=True, unbelieved=frozenset(), elapsed_s=0.0
+    )
     assert made.said == ["unwind: roll 2 in the place of roll 1: the shape of unwind is forgotten"]
     data = json.loads(made.kept["unwind"])
     assert {row["roll"] for row in data["orders"]} == {"swrap_follower"}

@@ -22,12 +22,12 @@ PerOrder = Mapping[tuple[str, int], complex]
 class KnownShape:
     """One shape from elsewhere: where from, the deviations, what was learned of P.
 
-    ``correction`` is of P: the response ratio of each order less 1.
+    ``response_ratio_less_1`` : of each order, as it was learned.
     """
 
     source: str
     weight_m: PerOrder
-    correction: PerOrder
+    response_ratio_less_1: PerOrder
     imbalance_m: Mapping[str, complex] = field(default_factory=dict)
     file: ShapeFile | None = None
 
@@ -39,16 +39,16 @@ class KnownShape:
 def at_origin(
     law: ShapeLaw, roll: str, known: KnownShape, phases: RollPhases
 ) -> tuple[np.ndarray[Any, np.dtype[np.complex128]], np.ndarray[Any, np.dtype[np.complex128]]]:
-    """Return deviations, m, and corrections of P of a roll's orders at the law's angle origin."""
+    """Return a roll's deviations, m, and response ratios less 1 at the law's angle origin."""
     origin = phases.by_name[roll].origin_rad
     origin = origin if math.isfinite(origin) else 0.0
     weight = np.zeros(len(law.keys), dtype=np.complex128)
-    correction = np.zeros(len(law.keys), dtype=np.complex128)
+    response_ratio_less_1 = np.zeros(len(law.keys), dtype=np.complex128)
     for i, key in enumerate(law.keys):
         if key[0] == roll:
             weight[i] = known.weight_m.get(key, 0j) * cmath.exp(-1j * key[1] * origin)
-            correction[i] = known.correction.get(key, 0j)
-    return weight, correction
+            response_ratio_less_1[i] = known.response_ratio_less_1.get(key, 0j)
+    return weight, response_ratio_less_1
 
 
 def imbalance_at(roll: str, known: KnownShape, phases: RollPhases) -> complex:

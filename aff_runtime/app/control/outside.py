@@ -113,7 +113,7 @@ class ControlOutside:
         )
         self._troubles.look(self._tick)
         first = len(HEAD)
-        self._shapes.listen(
+        self._shapes.feed_trials(
             self._law.controller,
             record[first : first + len(self._site.gateway.read.channels)],
             fresh=bool(record[FRESH]),
@@ -147,7 +147,7 @@ class ControlOutside:
         state, quiet = self._guard.state, self._guard.quiet
         elapsed_s = (self._tick - self._advised_tick) * self._site.cycle_s
         self._advised_tick = self._tick
-        self._shapes.watch(
+        self._shapes.save_when_closed(
             law.controller,
             active=state is State.ACTIVE,
             quiet=quiet,

@@ -75,7 +75,7 @@ class ShapeKeeper:
         self._tried: set[str] = set()  # actuators whose trial is over or was given up
         self._forgotten: dict[str, PerOrder] = {}  # of the site file's start shapes, m
         self._announced: set[str] = set()
-        self._refused: set[tuple[str, str]] = set()  # (actuator, response) already logged
+        self._told_of_response: set[tuple[str, str]] = set()  # (actuator, response)
         self.follow(parameters)
 
     def follow(self, parameters: ParameterRecord) -> None:
@@ -116,7 +116,7 @@ class ShapeKeeper:
                     KnownShape(
                         source=f"the shape saved {file.saved_at}",
                         weight_m=file.profile.weight_m,
-                        correction=self._correction(actuator, file),
+                        response_ratio_less_1=self._response_ratios_less_1(actuator, file),
                         imbalance_m=file.profile.imbalance_m,
                         file=file,
                     )
@@ -129,19 +129,19 @@ class ShapeKeeper:
         forgotten = self._forgotten.get(actuator, {})
         given = {key: w for key, w in given.items() if forgotten.get(key) != w}
         source = "the start shape of the site file"
-        known.append(KnownShape(source=source, weight_m=given, correction={}))
+        known.append(KnownShape(source=source, weight_m=given, response_ratio_less_1={}))
         return [shape for shape in known if shape.weight_m]
 
-    def _correction(self, actuator: str, file: ShapeFile) -> PerOrder:
-        """Return a file's correction of P; nothing when it was learned over another response.
+    def _response_ratios_less_1(self, actuator: str, file: ShapeFile) -> PerOrder:
+        """Return a file's response ratios less 1; none that were learned over another response.
 
-        The trial would take a correction of another response for a moved encoder.
+        The trial would take ratios to another response for a moved encoder.
         """
         if file.response and file.response == self._response[actuator]:
-            return file.profile.correction
-        if (actuator, self._response[actuator]) in self._refused:
+            return file.profile.response_ratio_less_1
+        if (actuator, self._response[actuator]) in self._told_of_response:
             return {}
-        self._refused.add((actuator, self._response[actuator]))
+        self._told_of_response.add((actuator, self._response[actuator]))
         whose = "of another response" if file.response else "of a response that it does not name"
         text = f"the shape saved {file.saved_at} keeps its shape; its correction of P is {whose}"
         self._tell(actuator, f"{text} and is learned anew")
@@ -149,7 +149,7 @@ class ShapeKeeper:
 
     # --- before anything goes out ---------------------------------------------------------------
 
-    def listen(
+    def feed_trials(
         self, controller: Controller, values: Sequence[float], *, fresh: bool, quiet: bool
     ) -> None:
         """Take one tick while shapes wait for their trial; cheap when none does.
@@ -172,7 +172,7 @@ class ShapeKeeper:
             if lost or not (quiet and law.is_open):
                 self._trials[name].fed_s, self._trials[name].trial = 0.0, None
             elif fresh:
-                self._listen(name, law, controller, values)
+                self._feed_trial(name, law, controller, values)
 
     def _drop(self, name: str) -> None:
         """Give up a trial: the law has learned meanwhile, by an early ``arm``."""
@@ -183,16 +183,16 @@ class ShapeKeeper:
                 text = "learning began before its trial was over; the roll is learned anew"
                 self._tell(name, f"{known.source} is not used: {text}")
 
-    def _listen(
+    def _feed_trial(
         self, name: str, law: ShapeLaw, controller: Controller, values: Sequence[float]
     ) -> None:
         waiting = self._trials[name]
-        params = controller.site
-        signal, reference = _readings(params, name, values)
+        site_params = controller.site
+        signal, reference = _readings(site_params, name, values)
         followed = all(p.quality is Quality.GOOD for p in controller.phases.by_name.values())
         if not followed or not math.isfinite(signal - reference):
             return
-        waiting.fed_s += params.cycle_s
+        waiting.fed_s += site_params.cycle_s
         if waiting.fed_s < self._site.actuators[name].response_memory_s:
             return  # the filter that ``law.seen`` returns is still filling
         if waiting.trial is None:
@@ -202,7 +202,7 @@ class ShapeKeeper:
         count = len(law.keys)
         phi = law.seen()[:count]
         turn_s = law.basis.turn_s[:count]
-        waiting.trial.step(signal - reference, phi, turn_s, params.cycle_s)
+        waiting.trial.step(signal - reference, phi, turn_s, site_params.cycle_s)
         if waiting.trial.done:
             del self._trials[name]
             self._decide(name, law, controller.phases, waiting)
@@ -211,7 +211,7 @@ class ShapeKeeper:
         """Start from what fits, roll by roll, and say what became of the rest."""
         assert waiting.trial is not None
         start: dict[tuple[str, int], complex] = {}
-        correction: dict[tuple[str, int], complex] = {}
+        response_ratio_less_1: dict[tuple[str, int], complex] = {}
         imbalance: dict[str, complex] = {}
         self._tried.add(name)
         for roll in dict.fromkeys(roll for roll, _ in law.keys):
@@ -232,12 +232,16 @@ class ShapeKeeper:
                 for i, key in enumerate(law.keys):
                     if key[0] == roll and key in known.weight_m:
                         start[key] = weight[i] * cmath.exp(-1j * key[1] * fit.turned_rad)
-                        if key in known.correction:
-                            correction[key] = complex(learned[i])
+                        if key in known.response_ratio_less_1:
+                            response_ratio_less_1[key] = complex(learned[i])
                 if imbalance_m:
                     imbalance[roll] = imbalance_m * cmath.exp(-1j * fit.turned_rad)
                 break
-        law.start_from(ShapeProfile(weight_m=start, correction=correction, imbalance_m=imbalance))
+        law.start_from(
+            ShapeProfile(
+                weight_m=start, response_ratio_less_1=response_ratio_less_1, imbalance_m=imbalance
+            )
+        )
 
     def _misfit(self, roll: str, known: KnownShape, phases: RollPhases) -> str | None:
         """Return why the shape cannot be this roll's; None when it can."""
@@ -253,7 +257,7 @@ class ShapeKeeper:
 
     # --- when an output has closed --------------------------------------------------------------
 
-    def watch(
+    def save_when_closed(
         self,
         controller: Controller,
         *,
@@ -294,7 +298,9 @@ class ShapeKeeper:
 
     def close(self, controller: Controller) -> None:
         """Hand on what was learned; the control process ticks no more."""
-        self.watch(controller, active=False, quiet=True, unbelieved=frozenset(), elapsed_s=0.0)
+        self.save_when_closed(
+            controller, active=False, quiet=True, unbelieved=frozenset(), elapsed_s=0.0
+        )
 
     def _save(self, controller: Controller, unbelieved: frozenset[str]) -> None:
         phases = controller.phases
@@ -327,7 +333,9 @@ class ShapeKeeper:
                     "width_m": drive.web_width_m if drive else 0.0,
                 },
                 profile=ShapeProfile(
-                    weight_m=turned, correction=profile.correction, imbalance_m=imbalance_m
+                    weight_m=turned,
+                    response_ratio_less_1=profile.response_ratio_less_1,
+                    imbalance_m=imbalance_m,
                 ),
             )
             try:
@@ -369,10 +377,10 @@ class ShapeKeeper:
                 del self._trials[name]
 
 
-def _readings(params: SiteParams, name: str, values: Sequence[float]) -> tuple[float, float]:
+def _readings(site_params: SiteParams, name: str, values: Sequence[float]) -> tuple[float, float]:
     """Return signal and reference of an actuator; the declared tension without a channel."""
-    actuator = next(a for a in params.actuators if a.name == name)
-    signal = values[params.channels.index(actuator.signal)]
+    actuator = next(a for a in site_params.actuators if a.name == name)
+    signal = values[site_params.channels.index(actuator.signal)]
     if actuator.reference is not None:
-        return signal, values[params.channels.index(actuator.reference)]
+        return signal, values[site_params.channels.index(actuator.reference)]
     return signal, actuator.drive.tension_N if actuator.drive is not None else 0.0

@@ -24,7 +24,7 @@ from aff_runtime.core.shape.profile import ShapeProfile
 FORMAT = "aff-learned-shape-1"
 WAITS = "waits for its trial"  # in the sentence about a shape, until its trial is over
 MAX_FILE_BYTES = 65536
-# The most that a file may hold; `MAX_LOOP` is of a correction of P, which has no unit.
+# The most that a file may hold; `MAX_LOOP` is of a response ratio less 1, which has no unit.
 MAX_DEVIATION_M, MAX_LOOP, MAX_TORQUE_N_M, MAX_ORDER = 1.0, 100.0, 1e5, 64
 MAX_RADIUS_M = 10.0
 LARGEST_SHOWN = 1e300  # a longer whole number has no float
@@ -37,13 +37,13 @@ class ShapeFile:
     Attributes
     ----------
     belongs_to : hash of what the shape rests on (``shape_basis_hash``).
-    response : hash of the measured response that the correction of P corrects
+    response : hash of the measured response that the response ratios are over
         (``response_hash``); empty in a file of an older release.
     roll_id : the PLC's counter of splices when it was saved.
     radius_m : radius by roll when it was saved.
     web : declared density, width of the web.
-    profile : W by (roll, order), m, where the encoder reads zero; correction of P; imbalance,
-        in the file as a torque.
+    profile : W by (roll, order), m, where the encoder reads zero; response ratio less 1;
+        imbalance, in the file as a torque.
     """
 
     actuator: str
@@ -65,8 +65,8 @@ class ShapeFile:
                 "order": order,
                 "deviation_mm": 1e3 * abs(w),
                 "angle_deg": math.degrees(cmath.phase(w)),
-                "loop_re": self.profile.correction.get((roll, order), 0j).real,
-                "loop_im": self.profile.correction.get((roll, order), 0j).imag,
+                "loop_re": self.profile.response_ratio_less_1.get((roll, order), 0j).real,
+                "loop_im": self.profile.response_ratio_less_1.get((roll, order), 0j).imag,
             }
             for (roll, order), w in self.profile.weight_m.items()
         ]
@@ -88,7 +88,7 @@ class ShapeFile:
         shape = self.profile
         left = ShapeProfile(
             weight_m={key: w for key, w in shape.weight_m.items() if key[0] not in rolls},
-            correction=shape.correction,
+            response_ratio_less_1=shape.response_ratio_less_1,
             imbalance_m={roll: w for roll, w in shape.imbalance_m.items() if roll not in rolls},
         )
         return replace(self, profile=left)
@@ -101,12 +101,12 @@ class ShapeFile:
             if data["format"] != FORMAT:
                 raise ConfigError(f"shape format {data['format']!r}, need {FORMAT!r}")
             weight: dict[tuple[str, int], complex] = {}
-            correction: dict[tuple[str, int], complex] = {}
+            response_ratio_less_1: dict[tuple[str, int], complex] = {}
             for row in data["orders"]:
                 at = (str(row["roll"]), int(row["order"]))
                 turn = math.radians(float(row["angle_deg"]))
                 weight[at] = cmath.rect(1e-3 * float(row["deviation_mm"]), turn)
-                correction[at] = complex(float(row["loop_re"]), float(row["loop_im"]))
+                response_ratio_less_1[at] = complex(float(row["loop_re"]), float(row["loop_im"]))
             imbalance_m = {
                 str(row["roll"]): cmath.rect(
                     float(row["torque_N_m"]) / IMBALANCE_N_M_PER_M,
@@ -121,7 +121,9 @@ class ShapeFile:
                 radius_m={str(k): float(v) for k, v in data["radius_m"].items()},
                 web={str(k): float(v) for k, v in data["web"].items()},
                 profile=ShapeProfile(
-                    weight_m=weight, correction=correction, imbalance_m=imbalance_m
+                    weight_m=weight,
+                    response_ratio_less_1=response_ratio_less_1,
+                    imbalance_m=imbalance_m,
                 ),
             )
         except UNREADABLE as error:
@@ -140,7 +142,7 @@ def _odd_number(file: ShapeFile) -> str | None:
         rows.append(
             (f"deviation_mm of {roll} {order}x", 1e3 * abs(w), 1e3 * MAX_DEVIATION_M, "mm")
         )
-    for (roll, order), d in shape.correction.items():
+    for (roll, order), d in shape.response_ratio_less_1.items():
         rows.append((f"loop_re, loop_im of {roll} {order}x", abs(d), MAX_LOOP, ""))
     for roll, w in shape.imbalance_m.items():
         torque = IMBALANCE_N_M_PER_M * abs(w)

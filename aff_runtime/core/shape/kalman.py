@@ -1,4 +1,4 @@
-"""One memory for all orders: a Kalman filter of disturbance and of P's correction per column."""
+"""One memory for all orders: a Kalman filter of disturbance and response ratio per column."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ START_BIAS = 30.0  # standard deviation of the bias at the start, in those of a 
 SMALLEST_GAIN = 1e-6  # information of a turn, at least, over that of the start
 KNOWN_SHARE = 0.2  # standard deviation of a known shape: of its size,
 KNOWN_M = 3e-5  # and this on top
-KNOWN_CORRECTION = 0.2  # standard deviation of a known d_n
+KNOWN_RATIO = 0.2  # standard deviation of a known d_n
 PREDICT_TICKS = 8  # readings from one addition of process noise to the next
 NEWS_LIMIT = 10.0
 """Expected standard deviations by which a reading may move the state. In tension none is 6 off on
@@ -131,8 +131,8 @@ class ShapeFilter:
         )
 
     @property
-    def correction(self) -> Complexes:
-        """Correction d_n of P."""
+    def response_ratio_less_1(self) -> Complexes:
+        """Its d_n: how far P is from the assumed one."""
         return self.response_ratio - 1.0
 
     def update(
@@ -221,19 +221,19 @@ class ShapeFilter:
         """Forget everything."""
         self._renew(np.ones(self.state.size, dtype=bool))
 
-    def expect(self, at: int, weight_m: complex, correction: complex | None) -> None:
+    def expect(self, at: int, weight_m: complex, ratio_less_1: complex | None) -> None:
         """Start column ``at`` from a known shape: its disturbance is what the weight cancels."""
         n = self.count
         shape = slice(2 * at, 2 * at + 2)
         again = np.zeros(self.state.size, dtype=bool)
         again[shape] = again[2 * (n + at) : 2 * (n + at) + 2] = True
         self._renew(again)
-        self.response_ratio[at] = 1.0 + (correction or 0j)
+        self.response_ratio[at] = 1.0 + (ratio_less_1 or 0j)
         self.deviation[at] = -self.response_ratio[at] * weight_m
         known = KNOWN_SHARE * abs(weight_m) + KNOWN_M
         self._diagonal[shape] = min(known, START_DEVIATION_M) ** 2
-        if correction is not None:
-            self._diagonal[2 * (n + at) : 2 * (n + at) + 2] = KNOWN_CORRECTION**2
+        if ratio_less_1 is not None:
+            self._diagonal[2 * (n + at) : 2 * (n + at) + 2] = KNOWN_RATIO**2
 
     def adopt(self, old: ShapeFilter, both: ColumnMap) -> None:
         """Go on where ``old`` stands, with what its columns know of each other."""

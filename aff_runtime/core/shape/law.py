@@ -49,11 +49,11 @@ class Sharing(Protocol):
 
 
 class ShapeLaw:
-    """Learns a shape per roll, and a correction of P per order; sends what cancels it.
+    """Learns a shape per roll, and a response ratio per order; sends what cancels it.
 
     v_ff = Re sum_n W_n b_n with b_n of ``ShapeBasis``; the filter estimates what is left of every
     order, m_n = a_n + (1 + d_n) W_n, and the weight follows by Newton steps,
-    W_n <- W_n - rate m_n / (1 + d_n), so an error of the gain correction slows but leaves nothing
+    W_n <- W_n - rate m_n / (1 + d_n), so an error of the response ratio slows but leaves nothing
     behind. The weights stay when the speed changes. What goes out of a column is its weight times
     shares: of the speed gate, of the roll's presence (its angle is known, it was not changed), of
     the monitor's trust, and times the factor that the limit's headroom leaves; the filter takes in
@@ -231,7 +231,7 @@ class ShapeLaw:
         self.allocation.restart()
 
     def reset_roll(self, roll: str) -> None:
-        """Let the shape of a changed roll fade, then forget it; P's correction stays."""
+        """Let the shape of a changed roll fade, then forget it; its response ratios stay."""
         self.availability.leave(roll)
 
     def weights(self) -> Mapping[tuple[str, int], complex]:
@@ -243,13 +243,13 @@ class ShapeLaw:
 
         Left out are orders that meet another roll's now, and what fades to be forgotten.
         """
-        correction = self.filter.correction
+        ratio_less_1 = self.filter.response_ratio_less_1
         left_out = self.monitor.meets | self.availability.leaving
         kept = [i for i in range(len(self._keys)) if not left_out[i]]
         known = self._imbalance >= 0 and not left_out[self._imbalance]
         return ShapeProfile(
             weight_m={self._keys[i]: complex(self.weight[i]) for i in kept},
-            correction={self._keys[i]: complex(correction[i]) for i in kept},
+            response_ratio_less_1={self._keys[i]: complex(ratio_less_1[i]) for i in kept},
             imbalance_m={self._drive.roll: complex(self.weight[self._imbalance])} if known else {},
         )
 
@@ -258,11 +258,11 @@ class ShapeLaw:
         for i, key in enumerate(self._keys):
             if key in profile.weight_m:
                 self.weight[i] = profile.weight_m[key]
-                self.filter.expect(i, self.weight[i], profile.correction.get(key))
+                self.filter.expect(i, self.weight[i], profile.response_ratio_less_1.get(key))
         imbalance_m = profile.imbalance_m.get(self._drive.roll)
         if self._imbalance >= 0 and imbalance_m is not None:
             self.weight[self._imbalance] = imbalance_m
-            known = profile.correction.get(self._keys[self._first])
+            known = profile.response_ratio_less_1.get(self._keys[self._first])
             self.filter.expect(self._imbalance, imbalance_m, known)
 
     def adopt(self, old: ActuatorLaw) -> None:
@@ -341,7 +341,7 @@ class ShapeLaw:
         return self._keys
 
     def telemetry(self) -> tuple[float, ...]:
-        """Return shape, state, ripple, correction of P and share per column."""
+        """Return shape, state, ripple, response ratio and share per column."""
         return column_values(self, COLUMNS)
 
     def telemetry_names(self) -> tuple[str, ...]:

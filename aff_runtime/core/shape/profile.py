@@ -11,10 +11,10 @@ class ShapeProfile:
     """Shapes of rolls: W by (roll, order), m, at the roll angle's zero; d likewise, a number.
 
     ``weight_m`` is the complex deviation of the moment arm, arm = R + Re sum W e^{j n theta};
-    ``correction`` is the learned d of P (true P = (1 + d) times the assumed); it may be missing.
+    ``response_ratio_less_1`` is the learned d, true P = (1 + d) times the assumed; it may lack.
     ``imbalance_m`` is the weight of a roll's imbalance column, 100 N m per m, where there is one.
     """
 
     weight_m: Mapping[tuple[str, int], complex]
-    correction: Mapping[tuple[str, int], complex]
+    response_ratio_less_1: Mapping[tuple[str, int], complex]
     imbalance_m: Mapping[str, complex] = field(default_factory=dict)

@@ -74,11 +74,11 @@ class ShapeTrial:
         """Whether every roll has turned often enough."""
         return bool(self._samples > 0 and self._turns.min() >= TURNS)
 
-    def fit(self, roll: str, weight_m: Complexes, correction: Complexes) -> Fit:
+    def fit(self, roll: str, weight_m: Complexes, ratio_less_1: Complexes) -> Fit:
         """Return how the shape of one roll fits; entries of other rolls are not looked at."""
         mine = self._roll_of == roll
         seen = 2.0 / self._samples * (self._sum - self._mean / self._samples * self._carriers)
-        expected = -(1.0 + correction) * weight_m * (self._size / self._samples)
+        expected = -(1.0 + ratio_less_1) * weight_m * (self._size / self._samples)
         noise = self._signal_sd * math.sqrt(2.0 / self._samples)
         loud = mine & ((np.abs(expected) > SIGMAS * noise) | (np.abs(seen) > SIGMAS * noise))
         if not loud.any():

@@ -232,7 +232,7 @@ def test_T18_a_filter_in_the_amplifier_is_part_of_P():
 
     rig = Rig(actuator(orders=(1, 2)), plant=slow(), ripple=ONE)
     assert rms(rig.run(12.0)) < 0.05 * start_rms()
-    assert np.abs(rig.law.filter.correction[:2]).max() < 0.05
+    assert np.abs(rig.law.filter.response_ratio_less_1[:2]).max() < 0.05
     blind = Rig(
         actuator(orders=(1, 2)), plant=slow(), known=LagDelay(GAIN_N_S_M, delay=2), ripple=ONE
     )

@@ -23,7 +23,9 @@ class Closing:
         self.line, self.kept = Line(), list[ShapeFile]()
         self.keeper = ShapeKeeper(RECORD, tell=lambda *_: None, keep=self._keep)
         self.line.run(1.0, permission=SHUT)
-        self.line.shape.start_from(ShapeProfile(weight_m=LEARNED_M, correction={}, imbalance_m={}))
+        self.line.shape.start_from(
+            ShapeProfile(weight_m=LEARNED_M, response_ratio_less_1={}, imbalance_m={})
+        )
         turn_s = math.tau / self.line.law.slowest_omega_rad_s
         self._look(active=True, elapsed_s=(KEPT_AFTER_TURNS + 1.0) * turn_s)
 
@@ -31,7 +33,7 @@ class Closing:
         self.kept.append(ShapeFile.from_json(text))
 
     def _look(self, *, active: bool, elapsed_s: float) -> None:
-        self.keeper.watch(
+        self.keeper.save_when_closed(
             self.line.law,
             active=active,
             quiet=not active,

@@ -28,7 +28,9 @@ TURNED_RAD = 0.6
 def of_weights(weight_m: dict[int, complex]) -> ShapeFile:
     """Return this roll's file with other orders, nothing learned of P."""
     profile = ShapeProfile(
-        weight_m={("unwind", n): w for n, w in weight_m.items()}, correction={}, imbalance_m={}
+        weight_m={("unwind", n): w for n, w in weight_m.items()},
+        response_ratio_less_1={},
+        imbalance_m={},
     )
     return replace(saved(OWN), profile=profile)
 

@@ -71,7 +71,7 @@ class Service:
     def run(self, seconds: float) -> None:
         for _ in range(round(seconds / CYCLE_S)):
             self.line.step(SHUT)
-            self.keeper.listen(self.line.law, self.line.values(), fresh=True, quiet=True)
+            self.keeper.feed_trials(self.line.law, self.line.values(), fresh=True, quiet=True)
 
     def started(self) -> set[str]:
         """Return the rolls of which the law has a shape."""
@@ -79,7 +79,7 @@ class Service:
 
 
 def shape_of(site: Site, weight_m: dict[tuple[str, int], complex]) -> dict[str, str]:
-    profile = ShapeProfile(weight_m=weight_m, correction={})
+    profile = ShapeProfile(weight_m=weight_m, response_ratio_less_1={})
     basis = shape_basis_hash(site, "unwind")
     return {"unwind": replace(saved(OWN), belongs_to=basis, profile=profile).to_json()}
 

@@ -45,7 +45,7 @@ def saved(response: str) -> ShapeFile:
         web={},
         profile=ShapeProfile(
             weight_m={("unwind", n): w for n, w in ROLL_M.items()},
-            correction={("unwind", n): d for n, d in late.items()},
+            response_ratio_less_1={("unwind", n): d for n, d in late.items()},
             imbalance_m={},
         ),
     )
@@ -93,7 +93,7 @@ def listened(
         if since_s >= 1.0:
             given["unwind_angle_rad"] = OMEGA_RAD_S * (since_s - 1.0)
         line.step(SHUT, fresh=fresh, **given)
-        keeper.listen(line.law, line.values(**given), fresh=fresh, quiet=True)
+        keeper.feed_trials(line.law, line.values(**given), fresh=fresh, quiet=True)
         if said_s is not None:
             said_s += [tick * CYCLE_S] * (len(said) - len(said_s))
     return said, line
@@ -127,7 +127,7 @@ def test_the_delay_of_an_old_response_is_not_taken_for_a_moved_encoder(text, who
     assert not any("turned by" in t for t in said), said
     assert any("starts from the shape saved yesterday" in t for t in said), said
     assert off_deg(line) < 5.0
-    assert abs(line.shape.filter.correction).max() == 0.0
+    assert abs(line.shape.filter.response_ratio_less_1).max() == 0.0
 
 
 def test_a_correction_of_the_same_response_counts():

@@ -50,7 +50,9 @@ def file(**more: Any) -> ShapeFile:
         "radius_m": {"unwind": 0.2, "swrap_follower": 0.15},
         "web": {"density_kg_m3": 395.0},
         "profile": ShapeProfile(
-            weight_m=WEIGHT, correction={("unwind", 1): 0.1 - 0.2j}, imbalance_m={"unwind": 4e-4j}
+            weight_m=WEIGHT,
+            response_ratio_less_1={("unwind", 1): 0.1 - 0.2j},
+            imbalance_m={"unwind": 4e-4j},
         ),
     }
     return ShapeFile(**{**known, **more})
@@ -64,7 +66,7 @@ def test_what_is_written_is_read_back() -> None:
     back = ShapeFile.from_json(file().to_json())
     for key, w in WEIGHT.items():
         assert back.profile.weight_m[key] == pytest.approx(w)
-    assert back.profile.correction["unwind", 1] == pytest.approx(0.1 - 0.2j)
+    assert back.profile.response_ratio_less_1["unwind", 1] == pytest.approx(0.1 - 0.2j)
     assert back.profile.imbalance_m["unwind"] == pytest.approx(4e-4j)
     assert (back.roll_id, back.radius_m) == (3, {"unwind": 0.2, "swrap_follower": 0.15})
 

@@ -311,7 +311,7 @@ def test_a_new_response_while_running_leaves_the_ripple_where_it_is():
     right.adopt(rig.law)
     rig.law = right
     assert np.std(rig.run(40.0)) < 0.1
-    assert np.abs(right.filter.correction[:2]).max() < 0.4
+    assert np.abs(right.filter.response_ratio_less_1[:2]).max() < 0.4
 
 
 def test_orders_added_while_running_are_watched_at_once():
