@@ -22,7 +22,7 @@ from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.link.packets import MAX_PACKET_BYTES
 from aff_runtime.app.link.parameter_record import ParameterRecord
 from aff_runtime.app.wiring.assemble import controller_of
-from aff_runtime.app.wiring.loops import loop_rows
+from aff_runtime.app.wiring.impulse_responses import taps_by_actuator
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.app.wiring.wires import gateway_of
@@ -106,9 +106,9 @@ def parameter_record(
         register_map(site)
         if look_up and "host" in type(site.gateway.modbus).model_fields:
             _look_up(reading, folder)
-    loops = loop_rows(site, responses)
+    taps = taps_by_actuator(site, responses)
     ranges_rad = counter_ranges_rad(site, described)
-    controller_of(site, responses, loops, ranges_rad)
+    controller_of(site, responses, taps, ranges_rad)
     learned = learned_digests(responses, {})
     wire_digests = {name: text_digest(text) for name, text in described.items()}
     parameters = ParameterRecord(
@@ -119,7 +119,7 @@ def parameter_record(
         config_hash=revision_with(site_hash, learned, wire_digests),
         permissives=tuple(bit.name or "" for bit in guard_params(site).permissives.all_bits),
         responses=responses,
-        loops=loops,
+        loops=taps,
         counter_ranges_rad=ranges_rad,
         drives=tuple(str(drive) for drive in drives),
         response_files=files,

@@ -2,8 +2,8 @@
 
 __all__ = [
     "assemble",
+    "impulse_responses",
     "law_slot",
-    "loops",
     "shape_file",
     "site_to_guard",
     "site_to_law",

@@ -14,8 +14,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from aff_runtime.app.link.parameter_record import ParameterRecord
+from aff_runtime.app.wiring.impulse_responses import impulse_responses
 from aff_runtime.app.wiring.law_slot import LawSlot
-from aff_runtime.app.wiring.loops import loop_models
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.site_to_law import NO_RANGES, site_params
 from aff_runtime.app.wiring.wires import gateway_of
@@ -101,7 +101,7 @@ def controller_of_record(parameters: ParameterRecord) -> Controller:
 def controller_of(
     site: Site,
     responses: Mapping[str, str],
-    loops: Mapping[str, Sequence[float]],
+    taps: Mapping[str, Sequence[float]],
     counter_ranges_rad: Mapping[str, float] = NO_RANGES,
 ) -> Controller:
     """Return the law of a site with its measured responses and what was made of them.
@@ -109,9 +109,9 @@ def controller_of(
     Parameters
     ----------
     responses : text of the measured response by actuator.
-    loops : taps of the impulse response by actuator, as `loop_rows` returns them.
+    taps : of the impulse response by actuator, as `taps_by_actuator` returns them.
     counter_ranges_rad : as of `site_params`.
     """
     measured = {name: Response.from_json(text) for name, text in responses.items()}
     params = site_params(site, counter_ranges_rad)
-    return Controller(params, measured, loop_models(loops))
+    return Controller(params, measured, impulse_responses(taps))

@@ -12,7 +12,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from aff_runtime.app.wiring.assemble import controller_of
-from aff_runtime.app.wiring.loops import loop_rows
+from aff_runtime.app.wiring.impulse_responses import taps_by_actuator
 from aff_runtime.app.wiring.site_to_guard import guard_params
 from aff_runtime.app.wiring.site_to_law import probe_params, site_params
 from aff_runtime.base.signals import Outcome, Permission, Snapshot
@@ -52,8 +52,8 @@ def response(actuator: str, relative_error: float = 0.02) -> Response:
 
 
 RESPONSES = {name: response(name).to_json() for name in EUCLID.actuators}
-LOOPS = loop_rows(EUCLID, RESPONSES)
-RECORD = record_of(EUCLID, responses=RESPONSES, loops=LOOPS)
+TAPS = taps_by_actuator(EUCLID, RESPONSES)
+RECORD = record_of(EUCLID, responses=RESPONSES, loops=TAPS)
 OPEN = Permission(adapt=True, applied_ratio=(1.0, 1.0), limit_ratio=(1.0, 1.0))
 SHUT = Permission(adapt=False, applied_ratio=(0.0, 0.0), limit_ratio=(1.0, 1.0))
 
@@ -62,7 +62,7 @@ class Line:
     """A line that turns and ripples, as the law reads it; nothing comes back from its output."""
 
     def __init__(self) -> None:
-        self.law = controller_of(EUCLID, RESPONSES, LOOPS)
+        self.law = controller_of(EUCLID, RESPONSES, TAPS)
         self.tick = 0
 
     def values(self, ripple_N: float = 1.0, **spoilt: float) -> tuple[float, ...]:
@@ -129,7 +129,7 @@ def test_the_loop_is_worked_out_by_the_check_and_not_by_the_cycle(monkeypatch):
         raise AssertionError("worked out between two ticks")
 
     monkeypatch.setattr("aff_runtime.core.laws.catalogue.from_response", too_slow)
-    assert controller_of(EUCLID, RESPONSES, LOOPS).shape_laws()
+    assert controller_of(EUCLID, RESPONSES, TAPS).shape_laws()
 
 
 def test_the_probe_plays_up_to_where_orders_fade_and_clear_of_all_ripple():
@@ -218,7 +218,7 @@ def test_a_missing_sample_teaches_nothing():
 def unsure() -> Controller:
     """Return the law with a response that knows nothing above 9 Hz: 5 * 0.15 is 90 degrees."""
     loose = {"unwind": response("unwind", 0.15).to_json()}
-    return controller_of(EUCLID, loose, LOOPS)
+    return controller_of(EUCLID, loose, TAPS)
 
 
 def test_an_order_whose_response_is_unsure_stays_held_and_stands_against_nothing():
@@ -259,7 +259,7 @@ def test_new_settings_go_on_without_a_bump():
             }
         ),
         RESPONSES,
-        LOOPS,
+        TAPS,
     )
     after.adopt(line.law)
     line.law = after

@@ -17,10 +17,10 @@ from tests.aff_runtime.app.control.test_shape_response import OWN, ROLL_M, saved
 from tests.aff_runtime.app.test_assembled_shape import (
     CYCLE_S,
     EUCLID,
-    LOOPS,
     RESPONSES,
     SHUT,
     SPEED_M_S,
+    TAPS,
     Line,
 )
 from tests.parameter_records import record_of
@@ -54,7 +54,7 @@ class Service:
     def __init__(self, site: Site, shapes: dict[str, str]) -> None:
         self.said: list[str] = []
         self.line = Line()
-        self.line.law = controller_of(site, RESPONSES, LOOPS)
+        self.line.law = controller_of(site, RESPONSES, TAPS)
         self.keeper = ShapeKeeper(
             record_of(site, shapes=shapes, responses=RESPONSES),
             tell=lambda _, text: self.said.append(text),
@@ -63,7 +63,7 @@ class Service:
 
     def edit(self, site: Site) -> None:
         """Go on with another site file, as the control process does."""
-        successor = controller_of(site, RESPONSES, LOOPS)
+        successor = controller_of(site, RESPONSES, TAPS)
         successor.adopt(self.line.law)
         self.line.law = successor
         self.keeper.follow(record_of(site, responses=RESPONSES))

@@ -17,23 +17,23 @@ from aff_runtime.core.response import Response
 DIGITS = 6  # significant, of a tap
 
 
-def loop_rows(site: Site, responses: Mapping[str, str]) -> dict[str, tuple[float, ...]]:
+def taps_by_actuator(site: Site, responses: Mapping[str, str]) -> dict[str, tuple[float, ...]]:
     """Return the taps of every actuator that runs the shape law and has a response."""
     found = {}
     for name, actuator in site.actuators.items():
         if actuator.uses_shape and name in responses:
-            loop = from_response(
+            impulse = from_response(
                 Response.from_json(responses[name]),
                 cycle_s=site.cycle_s,
                 memory_s=actuator.response_memory_s,
             )
-            found[name] = tuple(float(f"{tap:.{DIGITS}g}") for tap in loop.taps[0])
+            found[name] = tuple(float(f"{tap:.{DIGITS}g}") for tap in impulse.taps[0])
     return found
 
 
-def loop_models(loops: Mapping[str, Sequence[float]]) -> dict[str, LoopModel]:
-    """Return the impulse responses of which ``loops`` has the taps."""
+def impulse_responses(taps_of: Mapping[str, Sequence[float]]) -> dict[str, LoopModel]:
+    """Return the impulse responses by actuator, of their taps."""
     return {
         name: LoopModel(radius_m=np.array([np.nan]), taps=np.array([taps]))
-        for name, taps in loops.items()
+        for name, taps in taps_of.items()
     }
