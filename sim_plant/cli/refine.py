@@ -235,11 +235,11 @@ def pieces_in(records: Sequence[Path]) -> list[Path]:
 
 def record_summary(verdict: RecordVerdict, out: Path, *, held: bool) -> str:
     """Return the verdict on records without a line as text."""
-    from sim_plant.refine.without_line.wording import effect_text, line_text  # noqa: PLC0415 - heavy imports
+    from sim_plant.refine.without_line.wording import effect_text, spectral_line_text  # noqa: PLC0415 - heavy imports
 
     lines = [f"\nverdict: {verdict.answer}"]
     lines += [f"  {effect_text(x)}" for x in verdict.general]
-    lines += [f"  {x.axis}: {line_text(x)}" for x in verdict.unknown]
+    lines += [f"  {x.axis}: {spectral_line_text(x)}" for x in verdict.unknown]
     lines += [f"  no effect: {x.frequency:.4g} Hz {x.clock}" for x in verdict.clocks]
     for name, error in verdict.residual_rms.items():
         lines.append(

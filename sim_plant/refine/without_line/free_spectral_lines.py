@@ -12,13 +12,13 @@ from scipy.special import chdtri
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.spectra.spectral_lines import SpectralLines, spectral_lines, speed_weights
-from sim_plant.refine.without_line.line_presence import (
-    LinePresence,
+from sim_plant.refine.without_line.record_filter import Remainder, whiten
+from sim_plant.refine.without_line.spectral_line_presence import (
+    SpectralLinePresence,
     as_orders,
     position_of,
     presence_of,
 )
-from sim_plant.refine.without_line.record_filter import Remainder, whiten
 
 WITHOUT_LINE = CRITERIA.without_line
 
@@ -42,7 +42,7 @@ class SpectralLine:
     per_record: tuple[float, ...]
     chi2_reduction: float
     clock: str = ""
-    presence: LinePresence | None = None
+    presence: SpectralLinePresence | None = None
 
     @property
     def where(self) -> dict[str, float | str]:

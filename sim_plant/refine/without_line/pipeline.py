@@ -19,7 +19,7 @@ from sim_plant.refine.without_line.free_spectral_lines import (
     clocks,
     find_spectral_lines,
 )
-from sim_plant.refine.without_line.general.effect import View
+from sim_plant.refine.without_line.general.effect import OutputRecord
 from sim_plant.refine.without_line.general.findings import Finding, delays_of, findings, pruned
 from sim_plant.refine.without_line.general.judging import Judged, explained_by, judge, rms
 from sim_plant.refine.without_line.general.least_squares import parts_of
@@ -28,8 +28,8 @@ from sim_plant.refine.without_line.judged_spectral_lines import without_spectral
 from sim_plant.refine.without_line.record_filter import (
     RecordDeclaration,
     left_of,
+    output_record,
     read_stamped,
-    view_of,
 )
 from sim_plant.refine.without_line.stamps import Stamped
 from sim_plant.refine.without_line.verdict import (
@@ -39,7 +39,7 @@ from sim_plant.refine.without_line.verdict import (
     headline,
     next_step,
 )
-from sim_plant.refine.without_line.wording import effect_text, line_text
+from sim_plant.refine.without_line.wording import effect_text, spectral_line_text
 
 if TYPE_CHECKING:
     from sim_plant.refine.report.outcome import Plan
@@ -119,7 +119,7 @@ def refine_records(
     lines = find_spectral_lines(items)
     machine = [x for x in lines if not x.clock]
     for x in lines:
-        progress(f"  {line_text(x)}{': ' + x.clock if x.clock else ''}")
+        progress(f"  {spectral_line_text(x)}{': ' + x.clock if x.clock else ''}")
     left_over = without_spectral_lines(items, machine, left_judged, own=not held)
     verdict = RecordVerdict(
         unknown=tuple(machine),
@@ -146,29 +146,29 @@ def _output(
     progress: Progress,
 ) -> _Output:
     """Return one output with its filter and general effects."""
-    views = [view_of(declaration, s.record, name) for s in fitted]
-    view = view_of(declaration, judged_on.record, name)
+    records = [output_record(declaration, s.record, name) for s in fitted]
+    record = output_record(declaration, judged_on.record, name)
     progress(f"{name}: trying filters and general effects")
-    chosen = search(views, progress)
+    chosen = search(records, progress)
     refused: list[str] = []
     if judged_on not in fitted:
-        chosen, refused = pruned(chosen, views, view)
-    judged = judge(chosen, view)
+        chosen, refused = pruned(chosen, records, record)
+    judged = judge(chosen, record)
     if judged.fell_back:
         refused.append(
             f"{name}: what was chosen leaves {judged.chosen_rms:.5g} on the record held out, more "
             f"than plain least squares; that is used, and no general effect is claimed"
         )
-    if view.standardised:
+    if record.standardised:
         refused.append(
             f"{name}: the inputs have mean 0 and variance 1, no zero and no unit of them is left: "
             "no sign, band, limit or curve is looked for"
         )
     names = (name, [s.record.path.name for s in fitted], judged_on.record.path.name)
-    claimed = findings(chosen, judged, views, view, names)
+    claimed = findings(chosen, judged, records, record, names)
     for x in claimed:
         progress(f"  {effect_text(x)}")
-    parts = parts_of(judged.used.model, views)
+    parts = parts_of(judged.used.model, records)
     alone = chosen.gain_alone
     return _Output(
         name=name,
@@ -177,7 +177,7 @@ def _output(
         explained=tuple(a @ judged.used.weights for a in parts),
         claimed=tuple(claimed),
         refused=tuple(refused),
-        delays=delays_of(alone, views) if alone is not None else {},
+        delays=delays_of(alone, records) if alone is not None else {},
     )
 
 
@@ -214,17 +214,17 @@ def _model(
         with_lines=bool(machine) and rms(left) <= _least_rms(o.judged),
         tried=o.judged.rows,
         delays=o.delays,
-        at_stamps=_at_stamps(o, view_of(declaration, judged_on.record, o.name), judged_on),
+        at_stamps=_at_stamps(o, output_record(declaration, judged_on.record, o.name), judged_on),
     )
 
 
-def _at_stamps(o: _Output, view: View, judged_on: Stamped) -> dict[str, float]:
+def _at_stamps(o: _Output, record: OutputRecord, judged_on: Stamped) -> dict[str, float]:
     """Return the error on the readings as they came, none of them put on a grid."""
     if judged_on.time_s is None:
         return {}
     stamps_s = judged_on.time_s
-    first = view.end_samples * view.step_s
-    grid = first + view.step_s * np.arange(view.judged.size)
+    first = record.end_samples * record.step_s
+    grid = first + record.step_s * np.arange(record.judged.size)
     use = (stamps_s >= grid[0]) & (stamps_s <= grid[-1])
     readings = judged_on.readings[o.name][use]
 
@@ -233,8 +233,8 @@ def _at_stamps(o: _Output, view: View, judged_on: Stamped) -> dict[str, float]:
         return rms(readings - smooth(stamps_s[use]))
 
     return {
-        "declared": error(explained_by(o.search.declared, view, shift=False, own=False)),
-        "plain": error(explained_by(o.search.plain, view, shift=False, own=False)),
+        "declared": error(explained_by(o.search.declared, record, shift=False, own=False)),
+        "plain": error(explained_by(o.search.plain, record, shift=False, own=False)),
         "chosen": error(o.judged.explained),
     }
 
@@ -257,7 +257,6 @@ def _write(
         command=command,
         headline=headline(verdict),
         held=bool(plan.holdout),
-        line_text=line_text,
         next_step=next_step(verdict, travel=declaration.travel_speed is not None),
     )
     (plan.out / "report.html").write_text(page, encoding="utf-8")

@@ -23,7 +23,7 @@ from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.records.sanity import oddities
 from sim_plant.refine.records.text_table import number_table
-from sim_plant.refine.without_line.general.effect import View
+from sim_plant.refine.without_line.general.effect import OutputRecord
 from sim_plant.refine.without_line.stamps import Stamped, on_declared_grid
 
 SCHEMA = "record-declaration/1"
@@ -180,10 +180,10 @@ def _headerless(declaration: RecordDeclaration, path: Path) -> Recording:
     )
 
 
-def view_of(declaration: RecordDeclaration, record: Recording, output: str) -> View:
+def output_record(declaration: RecordDeclaration, record: Recording, output: str) -> OutputRecord:
     """Return one output of a record with all inputs."""
     speed = declaration.travel_speed
-    return View(
+    return OutputRecord(
         output=record.columns[output],
         inputs={name: record.columns[name] for name in declaration.inputs},
         speed_m_s=record.columns[speed] if speed else None,

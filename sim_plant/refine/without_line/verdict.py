@@ -15,7 +15,7 @@ from sim_plant.refine.report.verdict import VERSION, Answer
 from sim_plant.refine.without_line.free_spectral_lines import SpectralLine
 from sim_plant.refine.without_line.general.findings import Finding
 from sim_plant.refine.without_line.general.judging import Row
-from sim_plant.refine.without_line.wording import effect_text, line_text
+from sim_plant.refine.without_line.wording import effect_text, spectral_line_text
 
 SCHEMA = "record-verdict/1"
 
@@ -178,7 +178,7 @@ def headline(verdict: RecordVerdict) -> str:
     if verdict.general:
         said = f"Traced: {'; '.join(effect_text(x) for x in verdict.general)}."
     if verdict.unknown:
-        lines = "; ".join(line_text(x) for x in verdict.unknown)
+        lines = "; ".join(spectral_line_text(x) for x in verdict.unknown)
         said = f"{said} Unknown, strongest first: {lines}.".strip()
     return (
         said

@@ -5,16 +5,16 @@ from __future__ import annotations
 from sim_plant.refine.report.wording import coordinate_text
 from sim_plant.refine.without_line.free_spectral_lines import SpectralLine
 from sim_plant.refine.without_line.general.findings import Finding
-from sim_plant.refine.without_line.line_presence import (
+from sim_plant.refine.without_line.spectral_line_presence import (
     EVERY_RECORD,
     EVERY_SPEED,
     ONE_RECORD,
     ONE_SPEED,
-    LinePresence,
+    SpectralLinePresence,
 )
 
 
-def line_text(spectral: SpectralLine) -> str:
+def spectral_line_text(spectral: SpectralLine) -> str:
     """Return what a spectral line is and where it was seen, without a stop."""
     presence = spectral.presence
     if presence is None:
@@ -30,7 +30,7 @@ def line_text(spectral: SpectralLine) -> str:
     return f"{text}, {_presence_text(spectral, presence)}"
 
 
-def _presence_text(spectral: SpectralLine, presence: LinePresence) -> str:
+def _presence_text(spectral: SpectralLine, presence: SpectralLinePresence) -> str:
     """Return in which records and at which speeds it was seen."""
     count = f"{sum(presence.present)} of {len(presence.present)} records"
     speeds = " and ".join(f"{v:.3g}" for v in presence.speeds_m_s)

@@ -10,20 +10,20 @@ from sim_plant.base.arrays import Array
 from sim_plant.base.jit import compiled
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import (
-    Chosen,
     GeneralEffect,
     Number,
-    View,
+    OutputRecord,
+    PlacedEffect,
     pooled,
 )
 
 GENERAL = CRITERIA.without_line.general
 
 
-def change(_view: View, chosen: Chosen, values: Array) -> Array:
+def change(_record: OutputRecord, placed: PlacedEffect, values: Array) -> Array:
     """Return what follows ``values`` at a distance of at most half the play (samples,)."""
     followed: Array = np.empty(values.size)
-    _play(np.asarray(values, dtype=np.float64), 0.5 * abs(chosen.numbers[0]), followed)
+    _play(np.asarray(values, dtype=np.float64), 0.5 * abs(placed.numbers[0]), followed)
     return followed
 
 
@@ -36,14 +36,14 @@ def _play(values: Array, half: float, followed: Array) -> None:
         followed[k] = at
 
 
-def starts(views: Sequence[View]) -> list[Chosen]:
+def starts(records: Sequence[OutputRecord]) -> list[PlacedEffect]:
     """Return plays by their share of the input's standard deviation."""
     choices = []
-    for name in views[0].inputs:
-        spread = float(np.std(pooled(views, name)))
+    for name in records[0].inputs:
+        spread = float(np.std(pooled(records, name)))
         if spread > 0.0:
             choices += [
-                Chosen(effect=EFFECT.name, place=name, numbers=(share * spread,))
+                PlacedEffect(effect=EFFECT.name, place=name, numbers=(share * spread,))
                 for share in GENERAL.backlash_starts
             ]
     return choices

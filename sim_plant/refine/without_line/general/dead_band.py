@@ -9,30 +9,32 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import (
-    Chosen,
     GeneralEffect,
     Number,
-    View,
+    OutputRecord,
+    PlacedEffect,
     pooled,
 )
 
 GENERAL = CRITERIA.without_line.general
 
 
-def change(_view: View, chosen: Chosen, values: Array) -> Array:
+def change(_record: OutputRecord, placed: PlacedEffect, values: Array) -> Array:
     """Return sign(u) max(|u| - half width, 0)."""
-    half_width = abs(chosen.numbers[0])
+    half_width = abs(placed.numbers[0])
     return values - np.clip(values, -half_width, half_width)
 
 
-def starts(views: Sequence[View]) -> list[Chosen]:
+def starts(records: Sequence[OutputRecord]) -> list[PlacedEffect]:
     """Return half widths by the share of the readings that lie within."""
     choices = []
-    for name in views[0].inputs:
-        values = pooled(views, name)
+    for name in records[0].inputs:
+        values = pooled(records, name)
         if values.min() < 0.0 < values.max():
             for half in np.quantile(np.abs(values), GENERAL.dead_band_starts):
-                choices.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(half),)))
+                choices.append(
+                    PlacedEffect(effect=EFFECT.name, place=name, numbers=(float(half),))
+                )
     return choices
 
 

@@ -24,7 +24,7 @@ GENERAL = CRITERIA.without_line.general
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class View:
+class OutputRecord:
     """One output of one record with all inputs, on an even grid.
 
     Attributes
@@ -88,8 +88,8 @@ class Number:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Chosen:
-    """An effect at a place with its numbers.
+class PlacedEffect:
+    """An effect at a place with its numbers; its sizes are the weights of a fit.
 
     Attributes
     ----------
@@ -105,15 +105,15 @@ class Chosen:
     constants: tuple[float, ...] = ()
 
 
-Change = Callable[[View, Chosen, Array], Array]
-"""Takes the view, the effect and an input (samples,); returns the input changed."""
-Columns = Callable[[View, Chosen], Array]
-"""Returns regressors (samples, columns)."""
-Starts = Callable[[Sequence[View]], list[Chosen]]
+Change = Callable[[OutputRecord, PlacedEffect, Array], Array]
+"""Takes the record, the effect and an input (samples,); returns the input changed."""
+Regressors = Callable[[OutputRecord, PlacedEffect], Array]
+"""Returns what the effect adds to the output per unit of its sizes (samples, sizes)."""
+Starts = Callable[[Sequence[OutputRecord]], list[PlacedEffect]]
 """Returns every place and start size to be tried on the records fitted."""
 
 
-def _nowhere(_views: Sequence[View]) -> list[Chosen]:
+def _nowhere(_records: Sequence[OutputRecord]) -> list[PlacedEffect]:
     return []
 
 
@@ -126,11 +126,11 @@ class GeneralEffect:
     name : unique word.
     stage : where it acts.
     text : what it is, a sentence without a stop.
-    numbers : fitted by Gauss-Newton steps.
-    sizes : fitted as weights of its columns, in their order.
+    numbers : fitted by Gauss-Newton steps; a `PlacedEffect` has their values.
+    sizes : fitted as weights of its regressors, in their order.
     starts : places and sizes to begin with.
     change : of an input, for stages ``raw`` and ``driven``.
-    columns : for stages ``term`` and ``own``.
+    regressors : for stages ``term`` and ``own``.
     """
 
     name: str
@@ -140,7 +140,7 @@ class GeneralEffect:
     sizes: tuple[Number, ...] = ()
     starts: Starts = _nowhere
     change: Change | None = None
-    columns: Columns | None = None
+    regressors: Regressors | None = None
 
 
 def shifted(values: Array, samples: float) -> Array:
@@ -155,10 +155,10 @@ def shifted(values: Array, samples: float) -> Array:
 
 
 @lru_cache(maxsize=LATER)
-def _later(view: View, name: str, samples: float) -> Array:
-    return shifted(view.inputs[name], samples)
+def _later(record: OutputRecord, name: str, samples: float) -> Array:
+    return shifted(record.inputs[name], samples)
 
 
-def pooled(views: Sequence[View], name: str) -> Array:
+def pooled(records: Sequence[OutputRecord], name: str) -> Array:
     """Return the readings of an input in all records."""
-    return np.concatenate([v.inputs[name] for v in views])
+    return np.concatenate([v.inputs[name] for v in records])

@@ -10,7 +10,7 @@ from scipy.special import stdtrit
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.catalogue import BY_NAME
-from sim_plant.refine.without_line.general.effect import View
+from sim_plant.refine.without_line.general.effect import OutputRecord
 from sim_plant.refine.without_line.general.judging import Judged, explained_by, judge, rms
 from sim_plant.refine.without_line.general.least_squares import fit, refined, with_slopes
 from sim_plant.refine.without_line.general.search import (
@@ -68,8 +68,8 @@ class _Estimates:
     blocks: int
 
 
-def _estimates(trial: Trial, views: Sequence[View]) -> _Estimates:
-    found = with_slopes(trial.model, views)
+def _estimates(trial: Trial, records: Sequence[OutputRecord]) -> _Estimates:
+    found = with_slopes(trial.model, records)
     numbers = trial.model.numbers
     spread = found.spread()
     free = spread.size - numbers.size
@@ -82,31 +82,35 @@ def _estimates(trial: Trial, views: Sequence[View]) -> _Estimates:
     )
 
 
-def delays_of(trial: Trial, views: Sequence[View]) -> dict[str, tuple[float, float, float]]:
+def delays_of(
+    trial: Trial, records: Sequence[OutputRecord]
+) -> dict[str, tuple[float, float, float]]:
     """Return by input how far the output is behind it, s: value, low and high.
 
     Parameters
     ----------
     trial : a gain and a delay alone.
     """
-    estimates = _estimates(trial, views)
-    step_s = views[0].step_s
+    estimates = _estimates(trial, records)
+    step_s = records[0].step_s
     delays = {}
     for name, value, deviation in zip(
-        views[0].inputs, estimates.numbers, estimates.number_sd, strict=False
+        records[0].inputs, estimates.numbers, estimates.number_sd, strict=False
     ):
         low, high = _between(float(value), float(deviation), estimates.blocks)
         delays[name] = (float(value) * step_s, low * step_s, high * step_s)
     return delays
 
 
-def pruned(search: Search, views: Sequence[View], view: View) -> tuple[Search, list[str]]:
+def pruned(
+    search: Search, records: Sequence[OutputRecord], record: OutputRecord
+) -> tuple[Search, list[str]]:
     """Return the search less effects that the record held out is better without, and why."""
     reasons = []
     for name, place in effects_in(search.best.model):
-        smaller = refined(without(search.best.model, name, place), views)
+        smaller = refined(without(search.best.model, name, place), records)
         less = replace(search, best=trial_of("chosen", search.best.what, *smaller))
-        with_it, without_it = judge(search, view), judge(less, view)
+        with_it, without_it = judge(search, record), judge(less, record)
         saved = 1.0 - (without_it.chosen_rms / with_it.chosen_rms) ** 2
         if saved > CRITERIA.without_line.general.least_share:
             search = less
@@ -119,8 +123,8 @@ def pruned(search: Search, views: Sequence[View], view: View) -> tuple[Search, l
 def findings(
     search: Search,
     judged: Judged,
-    views: Sequence[View],
-    view: View,
+    records: Sequence[OutputRecord],
+    record: OutputRecord,
     names: tuple[str, Sequence[str], str],
 ) -> list[Finding]:
     """Return what is claimed of one output; nothing where plain least squares took over.
@@ -133,32 +137,38 @@ def findings(
         return []
     output, fitted, held = names
     best = search.best
-    estimates = _estimates(best, views)
+    estimates = _estimates(best, records)
     claims = [
-        _finding(best, estimates, views, (name, place), output)
+        _finding(best, estimates, records, (name, place), output)
         for name, place in effects_in(best.model)
         if name != SHIFT
     ]
     claims = [
         replace(
-            x, before_rms=_without_it(best, x, views, view, judged), after_rms=judged.chosen_rms
+            x,
+            before_rms=_without_it(best, x, records, record, judged),
+            after_rms=judged.chosen_rms,
         )
         for x in claims
     ]
-    return [*_shift(best, estimates, judged, views, view, (output, fitted, held)), *claims]
+    return [*_shift(best, estimates, judged, records, record, (output, fitted, held)), *claims]
 
 
 def _without_it(
-    best: Trial, x: Finding, views: Sequence[View], view: View, judged: Judged
+    best: Trial, x: Finding, records: Sequence[OutputRecord], record: OutputRecord, judged: Judged
 ) -> float:
     """Return the error on the record judged when all else is fitted without the effect."""
-    less = trial_of("", "", *refined(without(best.model, x.effect, x.place), views))
+    less = trial_of("", "", *refined(without(best.model, x.effect, x.place), records))
     shift, own = judged.shift_samples is not None, judged.own and x.effect != "offset_drift"
-    return rms(view.judged - explained_by(less, view, shift=shift, own=own))
+    return rms(record.judged - explained_by(less, record, shift=shift, own=own))
 
 
 def _finding(
-    best: Trial, e: _Estimates, views: Sequence[View], which: tuple[str, str], output: str
+    best: Trial,
+    e: _Estimates,
+    records: Sequence[OutputRecord],
+    which: tuple[str, str],
+    output: str,
 ) -> Finding:
     """Return one effect with its numbers; the errors are filled in later.
 
@@ -167,11 +177,11 @@ def _finding(
     name, place = which
     model = best.model
     at = len(model.delays) + max(0, len(model.shifts) - 1)
-    column = 1 + len(views[0].inputs) * (model.ahead + model.back + 1)
+    column = 1 + len(records[0].inputs) * (model.ahead + model.back + 1)
     values: dict[str, tuple[float, float]] = {}
     for x in model.effects:
         effect = BY_NAME[x.effect]
-        width = effect.columns(views[0], x).shape[1] if effect.columns else 0
+        width = effect.regressors(records[0], x).shape[1] if effect.regressors else 0
         sizes = effect.sizes[:width]
         if (x.effect, x.place) == which:
             for k, value in enumerate(x.numbers):
@@ -182,7 +192,7 @@ def _finding(
         at += len(x.numbers)
         column += width
     if name == "offset_drift":
-        values = _own(e, column, len(views))
+        values = _own(e, column, len(records))
     return _claimed(name, output, place, values, e.blocks)
 
 
@@ -221,8 +231,8 @@ def _shift(
     best: Trial,
     e: _Estimates,
     judged: Judged,
-    views: Sequence[View],
-    view: View,
+    records: Sequence[OutputRecord],
+    record: OutputRecord,
     names: tuple[str, Sequence[str], str],
 ) -> list[Finding]:
     """Return the shift of every record against the first, and the delay of a gain alone.
@@ -230,10 +240,10 @@ def _shift(
     Nothing where the inputs do not count: the best of many shifts would follow the noise.
     """
     no_inputs = replace(best.model, ahead=0, back=-1, delays=(), shifts=())
-    if not saves_enough(fit(no_inputs, views).left_out(), best.left_out, len(views)):
+    if not saves_enough(fit(no_inputs, records).left_out(), best.left_out, len(records)):
         return []
     output, fitted, held = names
-    step_s = view.step_s
+    step_s = record.step_s
     model, delays = best.model, len(best.model.delays)
     values: dict[str, tuple[float, float]] = {}
     for r, samples in enumerate(model.shifts[1:]):
@@ -242,15 +252,15 @@ def _shift(
     if judged.shift_samples is not None and held not in fitted:
         samples, sd = judged.shift_samples
         values[f"shift_s of {held}"] = (samples * step_s, sd * step_s)
-    for k, name in enumerate(views[0].inputs if delays else ()):
+    for k, name in enumerate(records[0].inputs if delays else ()):
         samples, sd = float(e.numbers[k]), float(e.number_sd[k])
         low, high = _between(samples, sd, e.blocks)
         if low * high > 0.0 and abs(samples) > CRITERIA.without_line.general.least_delay_samples:
             values[f"delay_s behind {name}"] = (samples * step_s, sd * step_s)
     if not values:
         return []
-    unshifted = refined(replace(model, shifts=(), delays=()), views)
-    explained = explained_by(trial_of("", "", *unshifted), view, shift=False, own=judged.own)
+    unshifted = refined(replace(model, shifts=(), delays=()), records)
+    explained = explained_by(trial_of("", "", *unshifted), record, shift=False, own=judged.own)
     claimed = _claimed(SHIFT, output, "output", values, e.blocks)
-    before = rms(view.judged - explained)
+    before = rms(record.judged - explained)
     return [replace(claimed, before_rms=before, after_rms=judged.chosen_rms)]

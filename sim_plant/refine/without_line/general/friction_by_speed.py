@@ -7,19 +7,24 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
+from sim_plant.refine.without_line.general.effect import (
+    GeneralEffect,
+    Number,
+    OutputRecord,
+    PlacedEffect,
+)
 
 
-def columns(view: View, chosen: Chosen) -> Array:
+def regressors(record: OutputRecord, placed: PlacedEffect) -> Array:
     """Return s |s| of a state s, and s itself where the filter lacks it (samples, 1 or 2)."""
-    state = view.states()[chosen.place]
+    state = record.states()[placed.place]
     square = state * np.abs(state)
-    return np.stack([square, state] if view.derivative_of_inputs else [square], axis=1)
+    return np.stack([square, state] if record.derivative_of_inputs else [square], axis=1)
 
 
-def starts(views: Sequence[View]) -> list[Chosen]:
+def starts(records: Sequence[OutputRecord]) -> list[PlacedEffect]:
     """Return every input and, where the filter takes no rates, every rate."""
-    return [Chosen(effect=EFFECT.name, place=name) for name in views[0].states()]
+    return [PlacedEffect(effect=EFFECT.name, place=name) for name in records[0].states()]
 
 
 EFFECT = GeneralEffect(
@@ -31,5 +36,5 @@ EFFECT = GeneralEffect(
         Number(name="per_unit", text="output per unit of the state"),
     ),
     starts=starts,
-    columns=columns,
+    regressors=regressors,
 )

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.without_line.general.effect import View
+from sim_plant.refine.without_line.general.effect import OutputRecord
 from sim_plant.refine.without_line.general.least_squares import block_edges, moments
-from sim_plant.refine.without_line.general.model import own_columns, regressors
+from sim_plant.refine.without_line.general.model import own_regressors, regressors
 from sim_plant.refine.without_line.general.search import Search, Trial, saves_enough, strongest_lag
 
 GENERAL = CRITERIA.without_line.general
@@ -74,36 +74,36 @@ def rms(values: Array) -> float:
 
 
 @lru_cache(maxsize=4)
-def _filter_part(trial: Trial, view: View, shift_samples: float) -> Array:
+def _filter_part(trial: Trial, record: OutputRecord, shift_samples: float) -> Array:
     """Return what the weights explain (judged,), without an own zero and drift.
 
     Cached, so not to be written to: `explained_by` begins at the same shift for both its halves.
     """
-    a = regressors(trial.model, view, shift_samples)
+    a = regressors(trial.model, record, shift_samples)
     explained: Array = a @ trial.weights[: a.shape[1]]
     return explained
 
 
 def _own_numbers(
-    trial: Trial, view: View, mask: Mask, *, shift: bool, own: bool
+    trial: Trial, record: OutputRecord, mask: Mask, *, shift: bool, own: bool
 ) -> tuple[float, Array]:
     """Return shift in samples and weights of zero and drift, from the samples of a mask.
 
     ``shift``, ``own`` : whether the record is to have a shift, or a zero and drift, of its own.
     """
-    beside = own_columns(view) if own else np.zeros((view.judged.size, 0))
-    shift_samples = strongest_lag(view, _filter_part(trial, view, 0.0), mask) if shift else 0.0
+    beside = own_regressors(record) if own else np.zeros((record.judged.size, 0))
+    shift_samples = strongest_lag(record, _filter_part(trial, record, 0.0), mask) if shift else 0.0
     weights: Array = np.zeros(beside.shape[1])
     for _ in range(GENERAL.own_shift_steps if shift else 1):
-        explained = _filter_part(trial, view, shift_samples)
+        explained = _filter_part(trial, record, shift_samples)
         columns = [beside]
         if shift:
-            moved = _filter_part(trial, view, shift_samples + GENERAL.slope_samples)
+            moved = _filter_part(trial, record, shift_samples + GENERAL.slope_samples)
             columns.append(((moved - explained) / GENERAL.slope_samples)[:, None])
         a = np.hstack(columns)
         if a.shape[1] == 0:
             break
-        found = np.linalg.lstsq(a[mask], (view.judged - explained)[mask], rcond=None)[0]
+        found = np.linalg.lstsq(a[mask], (record.judged - explained)[mask], rcond=None)[0]
         weights = np.asarray(found[: beside.shape[1]], dtype=np.float64)
         if shift:
             shift_samples += float(
@@ -112,27 +112,27 @@ def _own_numbers(
     return shift_samples, weights
 
 
-def explained_by(trial: Trial, view: View, *, shift: bool, own: bool) -> Array:
+def explained_by(trial: Trial, record: OutputRecord, *, shift: bool, own: bool) -> Array:
     """Return what a model explains of a record that was not fitted (judged,).
 
     Numbers of this record alone (shift, zero, drift) are found on every second block and used on
     the others, both ways: no sample is judged by numbers that were fitted to it.
     """
     if not shift and not own:
-        return _filter_part(trial, view, 0.0)
-    odd = _odd_blocks(view)
-    found = np.empty(view.judged.size)
+        return _filter_part(trial, record, 0.0)
+    odd = _odd_blocks(record)
+    found = np.empty(record.judged.size)
     for mask in (odd, ~odd):
-        shift_samples, weights = _own_numbers(trial, view, ~mask, shift=shift, own=own)
-        found[mask] = _filter_part(trial, view, shift_samples)[mask]
+        shift_samples, weights = _own_numbers(trial, record, ~mask, shift=shift, own=own)
+        found[mask] = _filter_part(trial, record, shift_samples)[mask]
         if own:
-            found[mask] += (own_columns(view) @ weights)[mask]
+            found[mask] += (own_regressors(record) @ weights)[mask]
     return found
 
 
-def _odd_blocks(view: View) -> Mask:
-    odd = np.zeros(view.judged.size, dtype=bool)
-    edges = block_edges(view.judged.size, 1)
+def _odd_blocks(record: OutputRecord) -> Mask:
+    odd = np.zeros(record.judged.size, dtype=bool)
+    edges = block_edges(record.judged.size, 1)
     for k in range(1, edges.size - 1, 2):
         odd[edges[k] : edges[k + 1]] = True
     return odd
@@ -145,62 +145,68 @@ def _blocks(values: Array) -> Array:
     return found
 
 
-def own_shift(trial: Trial, view: View) -> tuple[float, float]:
+def own_shift(trial: Trial, record: OutputRecord) -> tuple[float, float]:
     """Return a record's shift against the first fitted and its standard deviation, samples."""
-    everywhere = np.ones(view.judged.size, dtype=bool)
-    shift_samples, _ = _own_numbers(trial, view, everywhere, shift=True, own=True)
-    explained = _filter_part(trial, view, shift_samples)
-    moved = _filter_part(trial, view, shift_samples + GENERAL.slope_samples)
+    everywhere = np.ones(record.judged.size, dtype=bool)
+    shift_samples, _ = _own_numbers(trial, record, everywhere, shift=True, own=True)
+    explained = _filter_part(trial, record, shift_samples)
+    moved = _filter_part(trial, record, shift_samples + GENERAL.slope_samples)
     slope = (moved - explained) / GENERAL.slope_samples
-    found = moments([np.column_stack([own_columns(view), slope])], [view.judged - explained])
+    found = moments(
+        [np.column_stack([own_regressors(record), slope])], [record.judged - explained]
+    )
     return shift_samples, float(found.spread()[-1])
 
 
-def judge(search: Search, view: View) -> Judged:
+def judge(search: Search, record: OutputRecord) -> Judged:
     """Return what every trial gives on a record, and what is used in the end."""
     best = search.best
-    output = view.judged
+    output = record.judged
     shift, own = False, best.model.own
-    explained = explained_by(best, view, shift=shift, own=own)
+    explained = explained_by(best, record, shift=shift, own=own)
     # own numbers are taken where they save enough: a shift, a zero and drift, or both
-    can_shift = bool(view.inputs) and best.model.back >= 0  # else there is nothing to shift
+    can_shift = bool(record.inputs) and best.model.back >= 0  # else there is nothing to shift
     for tried_shift, tried_own in ((True, own), (False, True), (True, True)):
         if (tried_shift and not can_shift) or (tried_shift, tried_own) == (shift, own):
             continue
-        tried = explained_by(best, view, shift=tried_shift, own=tried_own)
+        tried = explained_by(best, record, shift=tried_shift, own=tried_own)
         if saves_enough(_blocks(output - explained), _blocks(output - tried)):
             explained, shift, own = tried, tried_shift, tried_own
     simple = {
-        trial.what: (trial, explained_by(trial, view, shift=False, own=False))
+        trial.what: (trial, explained_by(trial, record, shift=False, own=False))
         for trial in (search.declared, search.plain)
     }
     chosen_rms = rms(output - explained)
     used, simpler = min(simple.values(), key=lambda pair: rms(output - pair[1]))
     fell_back = rms(output - simpler) < chosen_rms
     return Judged(
-        rows=tuple(_rows(search, view, (shift, own), chosen_rms)),
+        rows=tuple(_rows(search, record, (shift, own), chosen_rms)),
         explained=simpler if fell_back else explained,
         declared_rms=rms(output - simple[search.declared.what][1]),
         plain_rms=rms(output - simple[search.plain.what][1]),
         chosen_rms=chosen_rms,
-        shift_samples=own_shift(best, view) if shift else None,
+        shift_samples=own_shift(best, record) if shift else None,
         own=own,
         used=used if fell_back else best,
         fell_back=fell_back,
     )
 
 
-def _rows(search: Search, view: View, needed: tuple[bool, bool], chosen_rms: float) -> list[Row]:
+def _rows(
+    search: Search, record: OutputRecord, needed: tuple[bool, bool], chosen_rms: float
+) -> list[Row]:
     """Return the table; ``needed``: has the record judged an own shift, an own zero and drift."""
     rows = []
     for trial in search.tried:
-        explained = explained_by(trial, view, shift=bool(trial.model.shifts), own=trial.model.own)
+        explained = explained_by(
+            trial, record, shift=bool(trial.model.shifts), own=trial.model.own
+        )
         rows.append(
             Row(
                 effect=trial.effect,
                 what=trial.what,
                 left_out_rms=trial.rms,
-                held_out_rms=rms(view.judged - explained),
+                held_out_rms=rms(record.judged - explained),
                 taken=_taken(trial, search.best),
             )
         )

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.without_line.general.effect import View
-from sim_plant.refine.without_line.general.model import Model, own_columns, regressors
+from sim_plant.refine.without_line.general.effect import OutputRecord
+from sim_plant.refine.without_line.general.model import Model, own_regressors, regressors
 
 GENERAL = CRITERIA.without_line.general
 RIDGE = 1e-9
@@ -100,35 +100,35 @@ def moments(parts: Sequence[Array], outputs: Sequence[Array]) -> Moments:
     )
 
 
-def parts_of(model: Model, views: Sequence[View]) -> list[Array]:
+def parts_of(model: Model, records: Sequence[OutputRecord]) -> list[Array]:
     """Return the regressors of every record, its own zero and drift among them."""
     parts = []
-    for k, view in enumerate(views):
-        a = regressors(model, view, model.shift_of(k))
+    for k, record in enumerate(records):
+        a = regressors(model, record, model.shift_of(k))
         if model.own:
-            mine = np.zeros((a.shape[0], 2 * len(views)))
-            mine[:, 2 * k : 2 * k + 2] = own_columns(view)
+            mine = np.zeros((a.shape[0], 2 * len(records)))
+            mine[:, 2 * k : 2 * k + 2] = own_regressors(record)
             a = np.hstack([a, mine])
         parts.append(a)
     return parts
 
 
-def fit(model: Model, views: Sequence[View]) -> Moments:
+def fit(model: Model, records: Sequence[OutputRecord]) -> Moments:
     """Return the moments of a model on records."""
-    return moments(parts_of(model, views), [view.judged for view in views])
+    return moments(parts_of(model, records), [record.judged for record in records])
 
 
-def with_slopes(model: Model, views: Sequence[View]) -> Moments:
+def with_slopes(model: Model, records: Sequence[OutputRecord]) -> Moments:
     """Return the moments with a further column per number: the slope of what is explained."""
-    parts = parts_of(model, views)
-    outputs = [view.judged for view in views]
+    parts = parts_of(model, records)
+    outputs = [record.judged for record in records]
     weights = moments(parts, outputs).weights()
     at, steps = model.numbers, model.steps()
-    slopes: list[list[Array]] = [[] for _ in views]
+    slopes: list[list[Array]] = [[] for _ in records]
     for k, step in enumerate(steps):
         moved = at.copy()
         moved[k] += step
-        for r, a in enumerate(parts_of(model.with_numbers(moved), views)):
+        for r, a in enumerate(parts_of(model.with_numbers(moved), records)):
             slopes[r].append((a - parts[r]) @ weights / step)
     wide = [
         np.hstack([a, np.stack(mine, axis=1)]) if mine else a
@@ -137,18 +137,18 @@ def with_slopes(model: Model, views: Sequence[View]) -> Moments:
     return moments(wide, outputs)
 
 
-def refined(model: Model, views: Sequence[View]) -> tuple[Model, Moments]:
+def refined(model: Model, records: Sequence[OutputRecord]) -> tuple[Model, Moments]:
     """Return the model with its numbers fitted: Gauss-Newton, the weights free at every step."""
-    now = fit(model, views)
+    now = fit(model, records)
     count = model.numbers.size
     if count == 0:
         return model, now
     for _ in range(GENERAL.fit_steps):
-        step = with_slopes(model, views).weights()[-count:]
+        step = with_slopes(model, records).weights()[-count:]
         before, better = now.total, False
         for halving in range(GENERAL.step_halvings):
             tried = model.with_numbers(model.numbers + step * 0.5**halving)
-            there = fit(tried, views)
+            there = fit(tried, records)
             if there.total < before:
                 model, now, better = tried, there, True
                 break

@@ -10,7 +10,7 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.catalogue import BY_NAME
-from sim_plant.refine.without_line.general.effect import Chosen, Stage, View, shifted
+from sim_plant.refine.without_line.general.effect import OutputRecord, PlacedEffect, Stage, shifted
 from sim_plant.refine.without_line.general.state_dependence import BY
 
 GENERAL = CRITERIA.without_line.general
@@ -35,13 +35,13 @@ class Model:
     delays: tuple[float, ...] = ()
     shifts: tuple[float, ...] = ()
     own: bool = False
-    effects: tuple[Chosen, ...] = ()
+    effects: tuple[PlacedEffect, ...] = ()
 
     def shift_of(self, record: int) -> float:
         """Return the shift of a record fitted, samples."""
         return self.shifts[record] if self.shifts else 0.0
 
-    def acting(self, stage: Stage) -> list[Chosen]:
+    def acting(self, stage: Stage) -> list[PlacedEffect]:
         """Return the effects of a stage."""
         return [x for x in self.effects if BY_NAME[x.effect].stage == stage]
 
@@ -78,45 +78,45 @@ class Model:
         return np.array(found)
 
 
-def _driven(model: Model, view: View, index: int, name: str, shift: float) -> Array:
+def _driven(model: Model, record: OutputRecord, index: int, name: str, shift: float) -> Array:
     """Return an input as it enters the filter (samples,)."""
     later = shift + (model.delays[index] if model.delays else 0.0)
     raw = [x for x in model.acting("raw") if x.place == name]
-    values = view.inputs[name]
+    values = record.inputs[name]
     for x in raw:
         change = BY_NAME[x.effect].change
         if change:
-            values = change(view, x, values)
-    values = shifted(values, later) if raw else view.later(name, later)
-    if view.derivative_of_inputs:
-        values = np.gradient(values, view.step_s)
+            values = change(record, x, values)
+    values = shifted(values, later) if raw else record.later(name, later)
+    if record.derivative_of_inputs:
+        values = np.gradient(values, record.step_s)
     for x in model.acting("driven"):
         change = BY_NAME[x.effect].change
         if x.place.split(BY)[0] == name and change:
-            values = change(view, x, values)
+            values = change(record, x, values)
     return values
 
 
-def regressors(model: Model, view: View, shift: float) -> Array:
+def regressors(model: Model, record: OutputRecord, shift: float) -> Array:
     """Return 1, the lagged inputs and the terms where the record is judged (judged, columns)."""
-    first, last = view.end_samples, view.output.size - view.end_samples
+    first, last = record.end_samples, record.output.size - record.end_samples
     rows = [np.ones(last - first)]
-    for index, name in enumerate(view.inputs):
-        values = _driven(model, view, index, name, shift)
+    for index, name in enumerate(record.inputs):
+        values = _driven(model, record, index, name, shift)
         rows += [values[first - s : last - s] for s in range(-model.ahead, model.back + 1)]
     for x in model.acting("term"):
-        columns = BY_NAME[x.effect].columns
-        if columns:
-            rows += [shifted(row, shift)[first:last] for row in columns(view, x).T]
+        its_regressors = BY_NAME[x.effect].regressors
+        if its_regressors:
+            rows += [shifted(row, shift)[first:last] for row in its_regressors(record, x).T]
     for x in model.acting("past"):
-        columns = BY_NAME[x.effect].columns
-        if columns:
-            rows += list(columns(view, x)[first:last].T)
+        its_regressors = BY_NAME[x.effect].regressors
+        if its_regressors:
+            rows += list(its_regressors(record, x)[first:last].T)
     return np.stack(rows).T
 
 
-def own_columns(view: View) -> Array:
+def own_regressors(record: OutputRecord) -> Array:
     """Return 1 and time where the record is judged (judged, 2): its own zero and drift."""
-    columns = BY_NAME["offset_drift"].columns
-    assert columns is not None
-    return columns(view, Chosen(effect="offset_drift", place="output"))[view.keep]
+    zero_and_drift = BY_NAME["offset_drift"].regressors
+    assert zero_and_drift is not None
+    return zero_and_drift(record, PlacedEffect(effect="offset_drift", place="output"))[record.keep]

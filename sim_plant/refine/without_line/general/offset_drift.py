@@ -5,13 +5,18 @@ from __future__ import annotations
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
+from sim_plant.refine.without_line.general.effect import (
+    GeneralEffect,
+    Number,
+    OutputRecord,
+    PlacedEffect,
+)
 
 
-def columns(view: View, _chosen: Chosen) -> Array:
+def regressors(record: OutputRecord, _placed: PlacedEffect) -> Array:
     """Return 1 and time from the middle of the record, s (samples, 2)."""
-    samples = view.output.size
-    time_s = (np.arange(samples) - 0.5 * (samples - 1)) * view.step_s
+    samples = record.output.size
+    time_s = (np.arange(samples) - 0.5 * (samples - 1)) * record.step_s
     return np.stack([np.ones(samples), time_s], axis=1)
 
 
@@ -23,5 +28,5 @@ EFFECT = GeneralEffect(
         Number(name="offset", text="zero of the record"),
         Number(name="drift_per_s", text="its drift"),
     ),
-    columns=columns,
+    regressors=regressors,
 )

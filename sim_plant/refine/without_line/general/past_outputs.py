@@ -8,23 +8,28 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
+from sim_plant.refine.without_line.general.effect import (
+    GeneralEffect,
+    Number,
+    OutputRecord,
+    PlacedEffect,
+)
 
 GENERAL = CRITERIA.without_line.general
 
 
-def columns(view: View, chosen: Chosen) -> Array:
+def regressors(record: OutputRecord, placed: PlacedEffect) -> Array:
     """Return the output 1 to ``order`` samples before (samples, order)."""
     return np.stack(
-        [np.roll(view.output, back) for back in range(1, int(chosen.constants[0]) + 1)], axis=1
+        [np.roll(record.output, back) for back in range(1, int(placed.constants[0]) + 1)], axis=1
     )
 
 
-def starts(views: Sequence[View]) -> list[Chosen]:
+def starts(records: Sequence[OutputRecord]) -> list[PlacedEffect]:
     """Return every order that is not above ``end_samples``."""
-    most = min(view.end_samples for view in views)
+    most = min(record.end_samples for record in records)
     return [
-        Chosen(effect="past_outputs", place="output", constants=(float(order),))
+        PlacedEffect(effect="past_outputs", place="output", constants=(float(order),))
         for order in GENERAL.past_orders
         if order <= most
     ]
@@ -36,5 +41,5 @@ EFFECT = GeneralEffect(
     text="past outputs tell the next one: how coloured the rest is, not what causes it",
     numbers=(Number(name="order", text="samples of the past"),),
     starts=starts,
-    columns=columns,
+    regressors=regressors,
 )

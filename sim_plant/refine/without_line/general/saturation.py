@@ -9,29 +9,31 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import (
-    Chosen,
     GeneralEffect,
     Number,
-    View,
+    OutputRecord,
+    PlacedEffect,
     pooled,
 )
 
 GENERAL = CRITERIA.without_line.general
 
 
-def change(_view: View, chosen: Chosen, values: Array) -> Array:
+def change(_record: OutputRecord, placed: PlacedEffect, values: Array) -> Array:
     """Return the input within the limit, on both sides of zero."""
-    limit = abs(chosen.numbers[0])
+    limit = abs(placed.numbers[0])
     return np.clip(values, -limit, limit)
 
 
-def starts(views: Sequence[View]) -> list[Chosen]:
+def starts(records: Sequence[OutputRecord]) -> list[PlacedEffect]:
     """Return limits by the share of the readings that they let pass."""
     choices = []
-    for name in views[0].inputs:
-        for limit in np.quantile(np.abs(pooled(views, name)), GENERAL.saturation_starts):
+    for name in records[0].inputs:
+        for limit in np.quantile(np.abs(pooled(records, name)), GENERAL.saturation_starts):
             if limit > 0.0:
-                choices.append(Chosen(effect=EFFECT.name, place=name, numbers=(float(limit),)))
+                choices.append(
+                    PlacedEffect(effect=EFFECT.name, place=name, numbers=(float(limit),))
+                )
     return choices
 
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.catalogue import BY_NAME, CATALOGUE
-from sim_plant.refine.without_line.general.effect import Chosen, View
+from sim_plant.refine.without_line.general.effect import OutputRecord, PlacedEffect
 from sim_plant.refine.without_line.general.filter_length import reaches
 from sim_plant.refine.without_line.general.least_squares import Moments, fit, refined
 from sim_plant.refine.without_line.general.model import Model, regressors
@@ -100,25 +100,25 @@ def trial_of(effect: str, what: str, model: Model, found: Moments) -> Trial:
     )
 
 
-def _delays(views: Sequence[View]) -> tuple[float, ...]:
+def _delays(records: Sequence[OutputRecord]) -> tuple[float, ...]:
     """Return the delay of every input by its strongest correlation with what is left, samples."""
-    reach = views[0].end_samples
-    left = [view.judged - view.judged.mean() for view in views]
+    reach = records[0].end_samples
+    left = [record.judged - record.judged.mean() for record in records]
     delays: list[float] = []
-    for name in views[0].inputs:
+    for name in records[0].inputs:
         best = (0.0, 0, 0.0)
-        series = [v.rate_of(name) if v.derivative_of_inputs else v.inputs[name] for v in views]
+        series = [v.rate_of(name) if v.derivative_of_inputs else v.inputs[name] for v in records]
         for at in range(-reach, reach + 1):
             cut = [
                 x[v.end_samples - at : x.size - v.end_samples - at] - x.mean()
-                for x, v in zip(series, views, strict=True)
+                for x, v in zip(series, records, strict=True)
             ]
             power = sum(float(x @ x) for x in cut)
             product = sum(float(x @ y) for x, y in zip(cut, left, strict=True))
             if power > 0.0 and product**2 / power > best[0]:
                 best = (product**2 / power, at, product / power)
         _, at, gain = best
-        for k, (x, v) in enumerate(zip(series, views, strict=True)):
+        for k, (x, v) in enumerate(zip(series, records, strict=True)):
             left[k] = left[k] - gain * (
                 x[v.end_samples - at : x.size - v.end_samples - at] - x.mean()
             )
@@ -126,34 +126,38 @@ def _delays(views: Sequence[View]) -> tuple[float, ...]:
     return tuple(delays)
 
 
-def strongest_lag(view: View, explained: Array, mask: NDArray[np.bool_] | None = None) -> float:
+def strongest_lag(
+    record: OutputRecord, explained: Array, mask: NDArray[np.bool_] | None = None
+) -> float:
     """Return by how many samples what is explained (judged,) has to come later."""
     use = np.ones(explained.size, dtype=np.bool_) if mask is None else mask
     middle = explained - explained.mean()
-    target = view.judged - view.judged.mean()
-    reach = min(view.end_samples, GENERAL.shift_reach)
+    target = record.judged - record.judged.mean()
+    reach = min(record.end_samples, GENERAL.shift_reach)
     lags = range(-reach, reach + 1)
     left = [float(np.sum((target - np.roll(middle, at))[use] ** 2)) for at in lags]
     return float(lags[int(np.argmin(left))])
 
 
-def _shifts(model: Model, views: Sequence[View]) -> tuple[float, ...]:
+def _shifts(model: Model, records: Sequence[OutputRecord]) -> tuple[float, ...]:
     """Return start shifts of the records against the first, by the filter of the first."""
     alone = replace(model, shifts=(), own=False)
-    first = fit(alone, views[:1]).weights()
-    return (0.0, *(strongest_lag(v, regressors(alone, v, 0.0) @ first) for v in views[1:]))
+    first = fit(alone, records[:1]).weights()
+    return (0.0, *(strongest_lag(v, regressors(alone, v, 0.0) @ first) for v in records[1:]))
 
 
-def _shiftable(model: Model, views: Sequence[View]) -> bool:
+def _shiftable(model: Model, records: Sequence[OutputRecord]) -> bool:
     """Return whether records can be shifted against each other, and are not yet."""
-    return model.back >= 0 and bool(views[0].inputs) and len(views) > 1 and not model.shifts
+    return model.back >= 0 and bool(records[0].inputs) and len(records) > 1 and not model.shifts
 
 
-def _with(model: Model, chosen: Chosen) -> Model:
-    return replace(model, effects=(*model.effects, chosen))
+def _with(model: Model, placed: PlacedEffect) -> Model:
+    return replace(model, effects=(*model.effects, placed))
 
 
-def _candidates(model: Model, views: Sequence[View]) -> list[tuple[str, str, list[Model]]]:
+def _candidates(
+    model: Model, records: Sequence[OutputRecord]
+) -> list[tuple[str, str, list[Model]]]:
     """Return effect, text and start models of all that is not in the model yet.
 
     Where no zero of the inputs is left, what has one (a sign, a band, a limit) is not tried: two
@@ -161,34 +165,34 @@ def _candidates(model: Model, views: Sequence[View]) -> list[tuple[str, str, lis
     """
     candidates: list[tuple[str, str, list[Model]]] = []
     for effect in CATALOGUE:
-        if effect.stage == "shift" and _shiftable(model, views):
-            starts = [replace(model, shifts=(0.0,) * len(views))]
-            starts.append(replace(model, shifts=_shifts(model, views)))
+        if effect.stage == "shift" and _shiftable(model, records):
+            starts = [replace(model, shifts=(0.0,) * len(records))]
+            starts.append(replace(model, shifts=_shifts(model, records)))
             candidates.append((effect.name, effect.text, starts))
         elif effect.stage == "own" and not model.own:
             candidates.append((effect.name, effect.text, [replace(model, own=True)]))
-        elif effect.stage in ("raw", "driven", "term") and not views[0].standardised:
+        elif effect.stage in ("raw", "driven", "term") and not records[0].standardised:
             here = {(x.effect, x.place) for x in model.effects}
             places: dict[str, list[Model]] = {}
-            for chosen in effect.starts(views):
-                if (chosen.effect, chosen.place) not in here:
-                    places.setdefault(chosen.place, []).append(_with(model, chosen))
+            for placed in effect.starts(records):
+                if (placed.effect, placed.place) not in here:
+                    places.setdefault(placed.place, []).append(_with(model, placed))
             for place, models in places.items():
                 candidates.append((effect.name, f"{effect.text} ({place})", models))
     return candidates
 
 
-def _filters(views: Sequence[View]) -> list[Trial]:
+def _filters(records: Sequence[OutputRecord]) -> list[Trial]:
     """Return every filter length, the shortest first; a constant first."""
     constant = Model(ahead=0, back=-1)
-    trials = [trial_of("filter_length", CONSTANT, constant, fit(constant, views))]
-    if not views[0].inputs:
+    trials = [trial_of("filter_length", CONSTANT, constant, fit(constant, records))]
+    if not records[0].inputs:
         return trials
-    gain = Model(ahead=0, back=0, delays=_delays(views))
-    trials.append(trial_of("filter_length", GAIN_ALONE, *refined(gain, views)))
-    for name, ahead, back in reaches(views[0].end_samples):
+    gain = Model(ahead=0, back=0, delays=_delays(records))
+    trials.append(trial_of("filter_length", GAIN_ALONE, *refined(gain, records)))
+    for name, ahead, back in reaches(records[0].end_samples):
         model = Model(ahead=ahead, back=back)
-        trials.append(trial_of("filter_length", name, model, fit(model, views)))
+        trials.append(trial_of("filter_length", name, model, fit(model, records)))
     return sorted(trials, key=lambda trial: trial.weights.size)
 
 
@@ -202,27 +206,27 @@ def _shortest(trials: Sequence[Trial], records: int) -> Trial:
     return best
 
 
-def _lengthened(best: Trial, views: Sequence[View]) -> Trial:
+def _lengthened(best: Trial, records: Sequence[OutputRecord]) -> Trial:
     """Return the model with a longer filter where, beside the effect just added, that saves.
 
     Otherwise the next effect would take the place of taps that are missing.
     """
     trials = [best]
-    for _, ahead, back in reaches(views[0].end_samples):
+    for _, ahead, back in reaches(records[0].end_samples):
         if best.model.back < 0 or ahead + back <= best.model.ahead + best.model.back:
             continue
         longer = replace(best.model, ahead=ahead, back=back, delays=())
-        trials.append(trial_of(best.effect, best.what, *refined(longer, views)))
-    return _shortest(sorted(trials, key=lambda trial: trial.weights.size), len(views))
+        trials.append(trial_of(best.effect, best.what, *refined(longer, records)))
+    return _shortest(sorted(trials, key=lambda trial: trial.weights.size), len(records))
 
 
-def _grown(best: Trial, views: Sequence[View]) -> tuple[Trial, list[Trial]]:
+def _grown(best: Trial, records: Sequence[OutputRecord]) -> tuple[Trial, list[Trial]]:
     """Return the best model with one more effect, or as it was if none counts, and all trials."""
     tried = []
-    for name, what, models in _candidates(best.model, views):
-        start = min(models, key=lambda model: fit(model, views).total)
-        tried.append(trial_of(name, what, *refined(start, views)))
-    good = [trial for trial in tried if saves_enough(best.left_out, trial.left_out, len(views))]
+    for name, what, models in _candidates(best.model, records):
+        start = min(models, key=lambda model: fit(model, records).total)
+        tried.append(trial_of(name, what, *refined(start, records)))
+    good = [trial for trial in tried if saves_enough(best.left_out, trial.left_out, len(records))]
     return min(good, key=lambda trial: trial.rms, default=best), tried
 
 
@@ -243,52 +247,54 @@ def effects_in(model: Model) -> list[tuple[str, str]]:
     return [*places, *((x.effect, x.place) for x in model.effects)]
 
 
-def _pruned(best: Trial, views: Sequence[View]) -> Trial:
+def _pruned(best: Trial, records: Sequence[OutputRecord]) -> Trial:
     """Return the model without effects that no longer save enough beside the others."""
     for name, place in effects_in(best.model)[:-1]:
-        less = trial_of(best.effect, best.what, *refined(without(best.model, name, place), views))
-        if not saves_enough(less.left_out, best.left_out, len(views)):
+        less = trial_of(
+            best.effect, best.what, *refined(without(best.model, name, place), records)
+        )
+        if not saves_enough(less.left_out, best.left_out, len(records)):
             best = less
     return best
 
 
-def _past(best: Trial, views: Sequence[View]) -> list[Trial]:
+def _past(best: Trial, records: Sequence[OutputRecord]) -> list[Trial]:
     """Return the error one step ahead with past outputs of every order."""
     effect = BY_NAME["past_outputs"]
     trials = []
-    for chosen in effect.starts(views):
-        order = int(chosen.constants[0])
+    for placed in effect.starts(records):
+        order = int(placed.constants[0])
         base = best.model
-        if views[0].inputs:  # what comes after a past output comes after its inputs too
-            base = replace(base, back=min(views[0].end_samples, base.back + order))
-        model = _with(base, chosen)
+        if records[0].inputs:  # what comes after a past output comes after its inputs too
+            base = replace(base, back=min(records[0].end_samples, base.back + order))
+        model = _with(base, placed)
         what = f"one step ahead with {order} past outputs (ARX)"
-        trials.append(trial_of(effect.name, what, model, fit(model, views)))
+        trials.append(trial_of(effect.name, what, model, fit(model, records)))
     return trials
 
 
-def search(views: Sequence[View], progress: Progress) -> Search:
+def search(records: Sequence[OutputRecord], progress: Progress) -> Search:
     """Return the filter and the effects that explain one output of the records best.
 
     The filter first, the shortest that does; then one effect at a time, each with its numbers
     fitted from several sizes, as long as one saves enough on blocks left out.
     """
-    filters = _filters(views)
-    end_samples = views[0].end_samples
+    filters = _filters(records)
+    end_samples = records[0].end_samples
     declared = max(
         filters, key=lambda trial: (trial.model.ahead + trial.model.back, trial.model.ahead)
     )
     half = min(GENERAL.plain_half, end_samples)
     plain = next((t for t in filters if t.model.ahead == t.model.back == half), declared)
-    best, tried = _shortest(filters, len(views)), [*filters]
+    best, tried = _shortest(filters, len(records)), [*filters]
     for _ in range(GENERAL.most_effects):
-        grown, more = _grown(best, views)
+        grown, more = _grown(best, records)
         tried += more
         if grown is best:
             break
         progress(f"  {grown.what}: {best.rms:.5g} -> {grown.rms:.5g} on blocks left out")
-        best = _lengthened(grown, views)
-    best = _pruned(best, views)
-    tried += _past(best, views)
+        best = _lengthened(grown, records)
+    best = _pruned(best, records)
+    tried += _past(best, records)
     alone = next((t for t in filters if t.what == GAIN_ALONE), None)
     return Search(declared=declared, plain=plain, best=best, gain_alone=alone, tried=tuple(tried))

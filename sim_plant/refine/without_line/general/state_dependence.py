@@ -9,7 +9,12 @@ from scipy.ndimage import uniform_filter1d
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.without_line.general.effect import Chosen, GeneralEffect, Number, View
+from sim_plant.refine.without_line.general.effect import (
+    GeneralEffect,
+    Number,
+    OutputRecord,
+    PlacedEffect,
+)
 
 GENERAL = CRITERIA.without_line.general
 SPEED = "travel speed"
@@ -17,35 +22,35 @@ BY = " by "
 """Between input and state in the name of a place."""
 
 
-def state_of(view: View, name: str) -> Array:
+def state_of(record: OutputRecord, name: str) -> Array:
     """Return the speed or an input as a running mean, the slow state (samples,)."""
-    speed = view.speed_m_s if name == SPEED else view.inputs[name]
+    speed = record.speed_m_s if name == SPEED else record.inputs[name]
     values: Array = uniform_filter1d(
-        np.asarray(speed), max(1, round(GENERAL.slow_state_s / view.step_s)), mode="nearest"
+        np.asarray(speed), max(1, round(GENERAL.slow_state_s / record.step_s)), mode="nearest"
     )
     return values
 
 
-def change(view: View, chosen: Chosen, values: Array) -> Array:
+def change(record: OutputRecord, placed: PlacedEffect, values: Array) -> Array:
     """Return (1 + a (s - middle)) x, the state s kept within its range in the records fitted."""
-    middle, low, high = chosen.constants
-    state = np.clip(state_of(view, chosen.place.split(BY)[1]), low, high)
-    return values * (1.0 + chosen.numbers[0] * (state - middle))
+    middle, low, high = placed.constants
+    state = np.clip(state_of(record, placed.place.split(BY)[1]), low, high)
+    return values * (1.0 + placed.numbers[0] * (state - middle))
 
 
-def starts(views: Sequence[View]) -> list[Chosen]:
+def starts(records: Sequence[OutputRecord]) -> list[PlacedEffect]:
     """Return every input with the speed, or with every input where there is none."""
-    states = [SPEED] if views[0].speed_m_s is not None else list(views[0].inputs)
+    states = [SPEED] if records[0].speed_m_s is not None else list(records[0].inputs)
     choices = []
     for state in states:
-        values = np.concatenate([state_of(v, state) for v in views])
+        values = np.concatenate([state_of(v, state) for v in records])
         spread = float(np.std(values))
         if spread == 0.0:
             continue
         constants = (float(np.mean(values)), float(values.min()), float(values.max()))
-        for name in views[0].inputs:
+        for name in records[0].inputs:
             choices += [
-                Chosen(
+                PlacedEffect(
                     effect=EFFECT.name,
                     place=f"{name}{BY}{state}",
                     numbers=(share / spread,),

@@ -9,31 +9,31 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.without_line.general.effect import (
-    Chosen,
     GeneralEffect,
     Number,
-    View,
+    OutputRecord,
+    PlacedEffect,
     pooled,
 )
 
 GENERAL = CRITERIA.without_line.general
 
 
-def change(_view: View, chosen: Chosen, values: Array) -> Array:
+def change(_record: OutputRecord, placed: PlacedEffect, values: Array) -> Array:
     """Return u + a u^2 + b u^3."""
-    square, cube = chosen.numbers
+    square, cube = placed.numbers
     return values * (1.0 + values * (square + values * cube))
 
 
-def starts(views: Sequence[View]) -> list[Chosen]:
+def starts(records: Sequence[OutputRecord]) -> list[PlacedEffect]:
     """Return, per input and share, a curve with the square alone and one with the cube alone."""
     choices = []
-    for name in views[0].inputs:
-        size = float(np.sqrt(np.mean(pooled(views, name) ** 2)))
+    for name in records[0].inputs:
+        size = float(np.sqrt(np.mean(pooled(records, name) ** 2)))
         if size > 0.0:
             for share in GENERAL.curve_starts:
                 for numbers in ((share / size, 0.0), (0.0, share / size**2)):
-                    choices.append(Chosen(effect=EFFECT.name, place=name, numbers=numbers))
+                    choices.append(PlacedEffect(effect=EFFECT.name, place=name, numbers=numbers))
     return choices
 
 

@@ -9,9 +9,9 @@ from sim_plant.line.load import read_source
 from sim_plant.refine.without_line.general.judging import judge
 from sim_plant.refine.without_line.general.search import search
 from sim_plant.refine.without_line.record_filter import (
+    output_record,
     read_stamped,
     record_declaration_in,
-    view_of,
 )
 
 ROOT = Path(__file__).parents[4]
@@ -26,11 +26,11 @@ STEP_S = 0.01
 
 
 @pytest.fixture(scope="module")
-def views():
+def records():
     declaration = record_declaration_in(read_source(ROOT / "config/records/treadmill_belt.yaml"))
     folder = SHARED / "treadmill_belt"
     return {
-        name: view_of(
+        name: output_record(
             declaration,
             read_stamped(declaration, folder / f"Random{name}.txt.gz").record,
             "Pitch_Moment_N_m",
@@ -40,15 +40,15 @@ def views():
 
 
 @pytest.fixture(scope="module")
-def found(views):
+def found(records):
     """What a search in one record finds, by its name: half a minute of a slow machine each."""
-    return {name: search([views[name]], lambda _: None) for name in ("SlowSpeed1", "FastSpeed1")}
+    return {name: search([records[name]], lambda _: None) for name in ("SlowSpeed1", "FastSpeed1")}
 
 
 @pytest.fixture(scope="module")
-def judged(views, found):
+def judged(records, found):
     """What is found in one record, judged on another, by the names of both."""
-    return cache(lambda fitted, held: judge(found[fitted], views[held]))
+    return cache(lambda fitted, held: judge(found[fitted], records[held]))
 
 
 @pytest.mark.campaign  # quick: a shift that is known, general/

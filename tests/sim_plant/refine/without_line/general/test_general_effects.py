@@ -5,7 +5,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from sim_plant.refine.without_line.general.catalogue import CATALOGUE
-from sim_plant.refine.without_line.general.effect import View
+from sim_plant.refine.without_line.general.effect import OutputRecord
 from sim_plant.refine.without_line.general.findings import findings
 from sim_plant.refine.without_line.general.judging import judge
 from sim_plant.refine.without_line.general.search import search
@@ -21,9 +21,9 @@ def smooth(rng, size=SIZE, width=15):
     return values / values.std()
 
 
-def view_of(output, u, speed=None, derivative_of_inputs=False, end_samples=20):
+def record_of(output, u, speed=None, derivative_of_inputs=False, end_samples=20):
     inputs = {} if u is None else {"u": u}
-    return View(
+    return OutputRecord(
         output=output,
         inputs=inputs,
         speed_m_s=speed,
@@ -37,7 +37,7 @@ def made(seed, act, *, scale=1.0, middle=0.0, speed=None):
     """Return a record whose output is ``act`` of its input, in white noise."""
     rng = np.random.default_rng(seed)
     u = middle + scale * smooth(rng)
-    return view_of(act(u) + NOISE * rng.standard_normal(SIZE), u, speed)
+    return record_of(act(u) + NOISE * rng.standard_normal(SIZE), u, speed)
 
 
 def traced(fitted, held):
@@ -71,12 +71,12 @@ def test_a_plain_filter_claims_nothing():
 @pytest.mark.parametrize(("size", "seed"), [(6000, 0), (4000, 0)])
 def test_noise_alone_claims_nothing(size, seed):
     """At 4000 samples a gain of chance was told with its delay, 239 ms (215 to 262)."""
-    views = []
+    records = []
     for k in (1, 2, 3):
         rng = np.random.default_rng(1000 * seed + k)
         u = smooth(rng, size)
-        views.append(view_of(NOISE * rng.standard_normal(size), u))
-    found, _ = traced(views[:2], views[2])
+        records.append(record_of(NOISE * rng.standard_normal(size), u))
+    found, _ = traced(records[:2], records[2])
     assert found == {}
 
 
@@ -118,13 +118,13 @@ def test_a_static_curve_is_found_with_its_bend():
 
 @pytest.mark.campaign  # quick: friction, play, zero and shift
 def test_friction_by_speed_is_found_where_the_filter_takes_rates():
-    views = []
+    records = []
     for seed in (1, 2, 3):
         rng = np.random.default_rng(seed)
         v = 2.0 + smooth(rng, width=101)
         y = 0.05 * np.gradient(v, STEP_S) + 0.7 * v * np.abs(v) + NOISE * rng.standard_normal(SIZE)
-        views.append(view_of(y, v, derivative_of_inputs=True))
-    found, _ = traced(views[:2], views[2])
+        records.append(record_of(y, v, derivative_of_inputs=True))
+    found, _ = traced(records[:2], records[2])
     assert set(found) == {"friction_by_speed"}
     said = found["friction_by_speed"]
     within(said.numbers["per_unit2"], said.interval95["per_unit2"], 0.7, 0.05)
@@ -157,7 +157,7 @@ def delayed(seed, samples, gain=2.0):
     u = smooth(rng, SIZE + 40)
     at = np.arange(SIZE) + 20.0
     y = gain * CubicSpline(np.arange(u.size), u)(at - samples)
-    return view_of(y + NOISE * rng.standard_normal(SIZE), u[20:-20])
+    return record_of(y + NOISE * rng.standard_normal(SIZE), u[20:-20])
 
 
 @pytest.mark.parametrize("late", [3.7, -5.25, 0.4])
@@ -204,7 +204,7 @@ def test_a_filter_that_fails_held_out_gives_way_to_plain_least_squares():
 
 def test_without_inputs_zero_drift_and_past_outputs_are_left():
     rng = np.random.default_rng(4)
-    rows = [view_of(z + NOISE * rng.standard_normal(SIZE), None) for z in (1.0, -1.0, 5.0)]
+    rows = [record_of(z + NOISE * rng.standard_normal(SIZE), None) for z in (1.0, -1.0, 5.0)]
     found, judged = traced(rows[:2], rows[2])
     assert set(found) == {"offset_drift"}
     assert judged.chosen_rms == pytest.approx(NOISE, rel=0.05)
@@ -219,7 +219,7 @@ def test_past_outputs_say_how_coloured_the_rest_is():
         n = np.zeros(SIZE)
         for k in range(1, SIZE):
             n[k] = 0.9 * n[k - 1] + e[k]
-        rows.append(view_of(2.0 * u + n, u))
+        rows.append(record_of(2.0 * u + n, u))
     judged = judge(search(rows[:1], lambda _: None), rows[1])
     ahead = [r for r in judged.rows if r.effect == "past_outputs"]
     assert judged.chosen_rms == pytest.approx(NOISE / np.sqrt(1.0 - 0.81), rel=0.1)
@@ -234,7 +234,7 @@ def test_standardised_inputs_have_no_zero_and_no_effect_about_one():
         rng = np.random.default_rng(seed)
         u = smooth(rng)
         u = (u - u.mean()) / u.std()
-        rows.append(view_of(act(u) + NOISE * rng.standard_normal(SIZE), u))
+        rows.append(record_of(act(u) + NOISE * rng.standard_normal(SIZE), u))
     found, _ = traced(rows[:1], rows[1])
     assert found == {}
 
@@ -242,6 +242,6 @@ def test_standardised_inputs_have_no_zero_and_no_effect_about_one():
 def test_every_effect_of_the_catalogue_is_tried_and_in_the_table():
     rows = [made(k, lambda u: 2.0 * u, middle=0.3) for k in (1, 2, 3)]
     speed = np.linspace(1.0, 2.0, SIZE)
-    views = [view_of(v.output, v.inputs["u"], speed) for v in rows]
-    judged = judge(search(views[:2], lambda _: None), views[2])
+    records = [record_of(v.output, v.inputs["u"], speed) for v in rows]
+    judged = judge(search(records[:2], lambda _: None), records[2])
     assert {e.name for e in CATALOGUE} <= {row.effect for row in judged.rows}

@@ -7,9 +7,9 @@ import pytest
 
 from sim_plant.line.load import read_source
 from sim_plant.refine.report.outcome import Plan
-from sim_plant.refine.without_line.line_presence import harmonic_series
 from sim_plant.refine.without_line.pipeline import refine_records
 from sim_plant.refine.without_line.record_filter import record_declaration_in
+from sim_plant.refine.without_line.spectral_line_presence import harmonic_series
 
 RATE_HZ = 1000.0
 SIZE = 16000

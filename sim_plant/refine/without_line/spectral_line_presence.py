@@ -24,7 +24,7 @@ SOME_RECORDS = "some records"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class LinePresence:
+class SpectralLinePresence:
     """In which records and at which speeds a spectral line is.
 
     Attributes
@@ -91,7 +91,7 @@ def own_threshold(degrees: int) -> float:
 
 def presence_of(
     items: Sequence[Remainder], whites: Sequence[Array], axis: str, frequencies: Sequence[float]
-) -> LinePresence:
+) -> SpectralLinePresence:
     """Return in which records a spectral line is there on its own, and if its axis is proven.
 
     Parameters
@@ -107,7 +107,7 @@ def presence_of(
         present[int(np.argmax([value for value, _ in own]))] = True
     if items[0].speed_m_s is None:
         scope = _scope(present, several=False, axis_proven=True)
-        return LinePresence(scope=scope, present=tuple(present))
+        return SpectralLinePresence(scope=scope, present=tuple(present))
     speeds = [float(np.mean(x.speed_m_s)) for x in items if x.speed_m_s is not None]
     there = [v for v, yes in zip(speeds, present, strict=True) if yes]
     several = max(there) > (1.0 + CRITERIA.match.one_speed_share) * min(there)
@@ -120,7 +120,7 @@ def presence_of(
     )
     at = float(np.median([c for c, yes in zip(frequencies, present, strict=True) if yes]))
     mean = float(np.mean(there))
-    return LinePresence(
+    return SpectralLinePresence(
         scope=_scope(present, several=several, axis_proven=axis_proven),
         present=tuple(present),
         speeds_m_s=tuple(there),
@@ -209,8 +209,8 @@ def _chance(base: float, orders: Sequence[int], widths: Sequence[float]) -> floa
 
 
 def as_orders(
-    lines: Sequence[tuple[str, float, LinePresence]], extents_m: Sequence[float]
-) -> list[tuple[str, float, LinePresence]]:
+    lines: Sequence[tuple[str, float, SpectralLinePresence]], extents_m: Sequence[float]
+) -> list[tuple[str, float, SpectralLinePresence]]:
     """Return spectral lines (axis, frequency, presence), those that are orders of a turn named so.
 
     One seen at one speed may be one in time or in travel. It is an order when its wavenumber
@@ -246,8 +246,8 @@ def as_orders(
 
 
 def _named(
-    line: tuple[str, float, LinePresence], wave: float, order: int, base: float
-) -> tuple[str, float, LinePresence]:
+    line: tuple[str, float, SpectralLinePresence], wave: float, order: int, base: float
+) -> tuple[str, float, SpectralLinePresence]:
     """Return a spectral line as an order: in travel, whatever it was taken for before."""
     axis, frequency, presence = line
     presence = replace(presence, order=order, fundamental=base)
