@@ -5,6 +5,7 @@ __all__ = [
     "channel_units",
     "clock",
     "confidence",
+    "counted_noun",
     "effort",
     "errors",
     "events",

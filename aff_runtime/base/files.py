@@ -9,7 +9,7 @@ import stat
 from pathlib import Path
 
 NEW_FILE_MODE = 0o666  # less what the process's umask takes
-CLOSED = "you may not look there; with `sudo` before the command you may"
+CLOSED_TEXT = "you may not look there; with `sudo` before the command you may"
 
 
 def is_closed(path: Path) -> bool:

@@ -14,7 +14,7 @@ from typing import Any
 
 from aff_runtime.app.link.runtime_directory import default_directory
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.files import CLOSED
+from aff_runtime.base.files import CLOSED_TEXT
 from aff_runtime.base.release import release_text
 from aff_runtime.cli.terminal import complain, say
 
@@ -102,7 +102,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except OSError as error:  # of a file that a command did not reckon with
         if error.filename is None:
             raise
-        why = CLOSED if isinstance(error, PermissionError) else error.strerror
+        why = CLOSED_TEXT if isinstance(error, PermissionError) else error.strerror
         complain(f"aff-runtime: {error.filename}: {why}")
         return AffError.exit_code
 

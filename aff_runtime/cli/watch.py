@@ -10,7 +10,7 @@ from typing import Any
 
 from aff_runtime.base.clock import wall_time_iso
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.base.files import CLOSED
+from aff_runtime.base.files import CLOSED_TEXT
 from aff_runtime.base.printable import printable
 from aff_runtime.base.runs.window import names_a_run
 from aff_runtime.base.units import UnitError, read_number
@@ -134,7 +134,7 @@ def _runs(given: list[Path]) -> Iterator[Path]:
         try:
             inside = sorted(p for p in path.iterdir() if names_a_run(p)) if path.is_dir() else []
         except PermissionError:
-            raise ConfigError(f"{printable(str(path))}: {CLOSED}") from None
+            raise ConfigError(f"{printable(str(path))}: {CLOSED_TEXT}") from None
         except OSError as error:
             raise ConfigError(f"{printable(str(path))}: {error.strerror}") from None
         yield from inside if inside and not names_a_run(path) else [path]

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from aff_runtime.base.counted_noun import counted
 from aff_runtime.config.facts import Facts, facts_of
 from aff_runtime.config.findings import Finding, SiteFileError, dotted, in_file_order
 from aff_runtime.config.identified_drive import with_identified
@@ -58,10 +59,10 @@ class Report:
         return lines
 
     def _result(self) -> str:
-        warnings = _counted(len(self.warnings), "warning")
+        warnings = counted(len(self.warnings), "warning")
         if self.ok:
             return f"ok, {warnings}"
-        errors = _counted(len(self.errors) + len(self.refused), "error")
+        errors = counted(len(self.errors) + len(self.refused), "error")
         return f"refused, {errors}, {warnings}; the service does not start with this file"
 
 
@@ -118,10 +119,6 @@ def _drives(reading: Reading, learned: LearnedResponses) -> Iterator[str]:
             or reading.site.actuators[drive.actuator].uses_shape
         )
         yield str(drive) if is_known else f"{drive.actuator}: not known, its response is not read"
-
-
-def _counted(count: int, noun: str) -> str:
-    return f"{count or 'no'} {noun}{'' if count == 1 else 's'}"
 
 
 def _fact_lines(facts: Facts, bus: tuple[str, ...]) -> Iterator[str]:

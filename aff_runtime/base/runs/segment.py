@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.files import CLOSED, is_closed
+from aff_runtime.base.files import CLOSED_TEXT, is_closed
 from aff_runtime.base.runs.files import open_plain
 
 LARGEST_VALUES = 60_000_000
@@ -123,7 +123,7 @@ def rows_of(
     """
     nothing = np.empty((0, len(wanted)))
     if is_closed(path):
-        return nothing, [f"{path.name}: {CLOSED}"]
+        return nothing, [f"{path.name}: {CLOSED_TEXT}"]
     content, torn, altered = _unpacked(path)
     if altered:
         return nothing, [f"{path.name}: {ALTERED}"]

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.files import CLOSED, is_closed
+from aff_runtime.base.files import CLOSED_TEXT, is_closed
 from aff_runtime.base.printable import printable, text_or
 from aff_runtime.base.runs.files import text_of, yaml_values
 from aff_runtime.base.runs.join import (
@@ -266,7 +266,7 @@ def _about(folder: Path) -> Section:
     try:
         about = yaml_values(text_of(folder / MARK, _LARGEST_YAML))
         if not isinstance(about, Mapping):
-            raise AffError(no_run(folder))
+            raise AffError(no_run_text(folder))
         if "columns" not in about:
             raise ValueError(f"its {MARK} says no columns: cut off? copy it anew")
         names = about["columns"]
@@ -283,13 +283,13 @@ def _about(folder: Path) -> Section:
     return Section(dict(about))
 
 
-def no_run(folder: Path) -> str:
+def no_run_text(folder: Path) -> str:
     """Return what to say of a path that names no run: why not, and what was meant perhaps.
 
     Of one that we may not look at nobody can say that it is none.
     """
     if is_closed(folder / MARK):
-        return f"{printable(str(folder))}: {CLOSED}"
+        return f"{printable(str(folder))}: {CLOSED_TEXT}"
     return _not_a_run(folder, _why_none(folder))
 
 

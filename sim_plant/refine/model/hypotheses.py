@@ -11,6 +11,7 @@ from fnmatch import fnmatchcase
 from sim_plant.base.effects import Demand, Effect, Value
 from sim_plant.base.signatures import Frequency
 from sim_plant.effects.catalogue import CATALOGUE
+from sim_plant.effects.onset import HOLD_S
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.corrections import declared_numbers
 from sim_plant.line.declaration import Declaration
@@ -63,6 +64,11 @@ class Hypothesis:
     def key(self) -> EffectAt:
         """Its effect and location, by name."""
         return EffectAt(self.effect.name, self.location)
+
+    @property
+    def is_episode(self) -> bool:
+        """Whether how long it lasts is fitted: it ends again."""
+        return HOLD_S in self.names
 
     @property
     def idle(self) -> tuple[float, ...]:

@@ -1,4 +1,4 @@
-"""What a site file's names are of a line: actuators its driven rollers, channels its sensors.
+"""Which driven roller each actuator of a site file is, and which sensor each channel is.
 
 A site calls actuators and signals as it likes. An actuator is of the roller that its declared
 drive turns, else of the one that it is named after; a channel is what has its name, else what the
@@ -43,7 +43,7 @@ def actuators_of(line: Declaration, site: RunSite, roller: str) -> list[RunActua
 
 
 def channels_of(line: Declaration, site: RunSite, recorded: Collection[str]) -> dict[str, str]:
-    """Return by channel of the line the one of the site, of every sensor that is ``recorded``."""
+    """Return the channel of the site by that of the line, of every sensor that is ``recorded``."""
     return dict(_channels(line, site, recorded))
 
 
@@ -76,9 +76,9 @@ def _by_use(line: Declaration, site: RunSite, sensor: Sensor, recorded: Collecti
             line, site, sensor, recorded
         )
     unit_suffix = "_m_s" if sensor.scale_radius_m is not None else "_rad_s"
-    own = uses.get("speed", "")
-    if own.endswith(unit_suffix):
-        return own
+    speed = uses.get("speed", "")
+    if speed.endswith(unit_suffix):
+        return speed
     # a drive without a speed of its own: the line speed is that of the first one in m/s
     first = next((s for s in line.sensors if isinstance(s, DriveSpeed) and s.scale_radius_m), None)
     return site.speed if sensor is first else ""
@@ -87,9 +87,9 @@ def _by_use(line: Declaration, site: RunSite, sensor: Sensor, recorded: Collecti
 def _signal_of(line: Declaration, site: RunSite, cell: LoadCell) -> str:
     """Return the error signal of the actuator of this cell's tension loop, if it is a tension."""
     for loop in line.control.tension_pi:
-        own = actuators_of(line, site, loop.acts_on) if loop.load_cell == cell.roller else []
-        if own:
-            return own[0].signal if own[0].signal.endswith("_N") else ""
+        acting = actuators_of(line, site, loop.acts_on) if loop.load_cell == cell.roller else []
+        if acting:
+            return acting[0].signal if acting[0].signal.endswith("_N") else ""
     return ""
 
 
@@ -105,7 +105,7 @@ def _signal_downstream_of_drive(
     driven = sorted(line.body(d.roller) for d in line.control.drives)
     drive_upstream = max((k for k in driven if k < at), default=-1)
     next_drive = min((k for k in driven if k > at), default=len(line.rollers))
-    cells = [
+    unnamed_cells = [
         s
         for s in line.sensors
         if isinstance(s, LoadCell)
@@ -113,10 +113,13 @@ def _signal_downstream_of_drive(
         and drive_upstream < line.body(s.roller) < next_drive
     ]
     roller = line.rollers[drive_upstream].name if drive_upstream >= 0 else ""
-    if len(cells) > 1 or roller in ("", *(loop.acts_on for loop in line.control.tension_pi)):
+    if len(unnamed_cells) > 1 or roller in (
+        "",
+        *(loop.acts_on for loop in line.control.tension_pi),
+    ):
         return ""
-    own = actuators_of(line, site, roller)
-    return own[0].signal if own and own[0].signal.endswith("_N") else ""
+    acting = actuators_of(line, site, roller)
+    return acting[0].signal if acting and acting[0].signal.endswith("_N") else ""
 
 
 def tension_references(
@@ -127,12 +130,16 @@ def tension_references(
     That is the reference of what keeps the loop's own tension quiet: of the actuator that the
     loop acts on or whose signal is the loop's cell, and not where it is that of another cell.
     """
-    cells = {s.roller: channels.get(s.channel) for s in line.sensors if isinstance(s, LoadCell)}
+    channel_of_cell = {
+        s.roller: channels.get(s.channel) for s in line.sensors if isinstance(s, LoadCell)
+    }
     for loop in line.control.tension_pi:
-        own = cells.get(loop.load_cell)
+        loop_channel = channel_of_cell.get(loop.load_cell)
         for name, actuator in site.actuators.items():
             acts = driven_roller(line, name, actuator.roll) == loop.acts_on
-            elsewhere = actuator.signal != own and actuator.signal in cells.values()
-            is_own = actuator.signal == own or (acts and not elsewhere)
+            elsewhere = (
+                actuator.signal != loop_channel and actuator.signal in channel_of_cell.values()
+            )
+            is_own = actuator.signal == loop_channel or (acts and not elsewhere)
             if is_own and actuator.reference.endswith("_N"):
                 yield actuator.reference

@@ -12,7 +12,7 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
-from sim_plant.refine.records.limits import check_name, shown
+from sim_plant.refine.records.limits import check_name, path_text
 
 Table = tuple[dict[str, Array], list[str]]
 """Columns by header, and what is to be said about them."""
@@ -24,7 +24,7 @@ def header_of(path: Path, taken: Mapping[str, Array], name: str, unit: str) -> s
     check_name(path, header)
     if header in taken:
         said = printable(header, 60)
-        raise PlantError(f"{shown(path)}: a column name appears twice: {said}")
+        raise PlantError(f"{path_text(path)}: a column name appears twice: {said}")
     return header
 
 
@@ -34,10 +34,10 @@ def numbers(path: Path, name: str, values: Any) -> Array:
     said = printable(name, 60)
     if found.dtype.kind not in "fiub":
         kind = printable(str(found.dtype), 60)
-        raise PlantError(f"{shown(path)}: column {said} holds {kind}; expected numbers")
+        raise PlantError(f"{path_text(path)}: column {said} holds {kind}; expected numbers")
     if found.ndim != 1:
         raise PlantError(
-            f"{shown(path)}: column {said} holds arrays of shape {found.shape[1:]}; "
+            f"{path_text(path)}: column {said} holds arrays of shape {found.shape[1:]}; "
             "expected numbers"
         )
     return np.asarray(found, dtype=np.float64)
@@ -49,5 +49,5 @@ def module_of_extra(path: Path, module: str, package: str) -> Any:
         return importlib.import_module(module)
     except ImportError as error:
         raise PlantError(
-            f"{shown(path)}: needs {package}, of the extra records: pip install {package}"
+            f"{path_text(path)}: needs {package}, of the extra records: pip install {package}"
         ) from error

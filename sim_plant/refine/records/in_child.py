@@ -17,7 +17,7 @@ from aff_runtime.base.printable import printable
 from aff_runtime.base.python_child import module_command
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import megabytes
-from sim_plant.refine.records.limits import COLUMNS, VALUES, shown
+from sim_plant.refine.records.limits import COLUMNS, VALUES, path_text
 
 MEMORY_BYTES = 2 << 30
 """Address space: 0.4 GB of libraries, the file, and its values as doubles, twice; 38 million
@@ -74,7 +74,7 @@ def table_from_child(
             )
         except subprocess.TimeoutExpired as error:
             raise PlantError(
-                f"{shown(path)}: was not read in {wall_s:g} s and is given up; cut the record"
+                f"{path_text(path)}: was not read in {wall_s:g} s and is given up; cut the record"
             ) from error
         if done.returncode != 0:
             raise PlantError(_ended(path, done.returncode, last_words, cpu_s, memory_bytes))
@@ -85,13 +85,16 @@ def table_from_child(
 def _ended(path: Path, code: int, last_words: BinaryIO, cpu_s: int, memory_bytes: int) -> str:
     """Return what is said of a reader that ended without an answer."""
     if -code == signal.SIGXCPU:
-        return f"{shown(path)}: takes more than {cpu_s} s to read and is given up; cut the record"
+        return (
+            f"{path_text(path)}: takes more than {cpu_s} s to read and is given up; cut the record"
+        )
     last_words.seek(0)
     lines = last_words.read(1 << 20).decode("utf-8", "replace").splitlines()
     how = f"signal {-code}" if code < 0 else f"exit {code}"
     said = printable("; ".join([how, *lines[-1:]]), 200)
     return (
-        f"{shown(path)}: its reader ended ({said}), with {megabytes(memory_bytes)} to work in; "
+        f"{path_text(path)}: "
+        f"its reader ended ({said}), with {megabytes(memory_bytes)} to work in; "
         "export the record anew or cut it"
     )
 
@@ -104,7 +107,7 @@ def _taken(path: Path, out: BinaryIO, memory_bytes: int) -> tuple[dict[str, Arra
             raise PlantError(str(head["refused"]))
         if "no_room" in head:
             raise PlantError(
-                f"{shown(path)}: needs more than {megabytes(memory_bytes)} to be read; cut it"
+                f"{path_text(path)}: needs more than {megabytes(memory_bytes)} to be read; cut it"
             )
         sizes = [(str(name), int(size)) for name, size in head["columns"]]
         if len(sizes) > COLUMNS + 1 or not 0 <= sum(n for _, n in sizes) <= 2 * VALUES:
@@ -112,7 +115,9 @@ def _taken(path: Path, out: BinaryIO, memory_bytes: int) -> tuple[dict[str, Arra
         columns = {name: _column(out, size) for name, size in sizes}
         return columns, [str(text) for text in head["said"]]
     except (ValueError, TypeError, KeyError) as error:
-        raise PlantError(f"{shown(path)}: its reader gave no answer; export it anew") from error
+        raise PlantError(
+            f"{path_text(path)}: its reader gave no answer; export it anew"
+        ) from error
 
 
 def _column(out: BinaryIO, size: int) -> Array:

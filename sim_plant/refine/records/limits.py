@@ -32,12 +32,12 @@ def check_size(path: Path, columns: int, values: int) -> None:
     """
     if columns > COLUMNS:
         raise PlantError(
-            f"{shown(path)}: has {columns} columns, more than {COLUMNS}; "
+            f"{path_text(path)}: has {columns} columns, more than {COLUMNS}; "
             "export the channels that the line declares"
         )
     if values > VALUES:
         raise PlantError(
-            f"{shown(path)}: has {values} values or more, where {VALUES} are taken; "
+            f"{path_text(path)}: has {values} values or more, where {VALUES} are taken; "
             "cut the record, or export fewer channels"
         )
 
@@ -46,11 +46,11 @@ def check_name(path: Path, header: str) -> None:
     """Refuse a channel's name that is longer than any; PlantError with its start."""
     if len(header) > NAME_CHARACTERS:
         raise PlantError(
-            f"{shown(path)}: column {printable(header, 60)}: its name has {len(header)} "
+            f"{path_text(path)}: column {printable(header, 60)}: its name has {len(header)} "
             f"characters, more than {NAME_CHARACTERS}; export it with a short one"
         )
 
 
-def shown(path: Path) -> str:
+def path_text(path: Path) -> str:
     """Return a record's name as an error may say it."""
     return printable(str(path))

@@ -16,7 +16,7 @@ from typing import Any
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
-from sim_plant.refine.records.limits import shown
+from sim_plant.refine.records.limits import path_text
 
 FORMULA_KINDS = {"asammdf.blocks.v4_blocks": 3, "asammdf.blocks.v2_v3_blocks": 10}
 """Modules of asammdf that evaluate text, and the conversion type of a formula in each."""
@@ -53,7 +53,7 @@ def refuse_formulas(path: Path, mdf: Any) -> None:
 def refusal(path: Path, formula: str, where: str = "") -> str:
     """Return the sentence about a formula."""
     return (
-        f"{shown(path)}: {where}its conversion is the formula "
+        f"{path_text(path)}: {where}its conversion is the formula "
         f"'{printable(formula, _FORMULA_SHOWN)}', code that comes with the file and is not run; "
         "export the record with raw or with physical values"
     )
@@ -82,7 +82,7 @@ def nothing_evaluated(path: Path) -> Iterator[None]:
             for name, guard in replaced.items():
                 if not hasattr(module, name):
                     raise PlantError(
-                        f"{shown(path)}: this version of asammdf may evaluate formulas of the "
+                        f"{path_text(path)}: this version of asammdf may evaluate formulas of the "
                         "file; pip install 'asammdf>=8.5,<9'"
                     )
                 put_back.append((module, name, getattr(module, name)))

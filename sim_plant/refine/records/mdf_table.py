@@ -12,7 +12,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
 from sim_plant.refine.records.columns import Table, header_of, module_of_extra, numbers
-from sim_plant.refine.records.limits import check_size, shown
+from sim_plant.refine.records.limits import check_size, path_text
 from sim_plant.refine.records.mdf_formulas import nothing_evaluated, refuse_formulas
 
 
@@ -45,7 +45,7 @@ def mdf_table(path: Path, payload: bytes) -> Table:
         raise
     except Exception as error:  # its own and those of broken blocks: struct, zlib, index, value
         said = printable(f"{type(error).__name__}: {error}", 200)
-        raise PlantError(f"{shown(path)}: not a readable MDF file ({said})") from error
+        raise PlantError(f"{path_text(path)}: not a readable MDF file ({said})") from error
     return _on_common_stamps(path, [s for s in signals if s.timestamps.size])
 
 
@@ -65,7 +65,7 @@ def _check_sizes(path: Path, mdf: Any) -> None:
 def _on_common_stamps(path: Path, signals: list[Any]) -> Table:
     """Return all channels on the stamps of the group with most of them."""
     if not signals:
-        raise PlantError(f"{shown(path)}: holds no channel with values")
+        raise PlantError(f"{path_text(path)}: holds no channel with values")
     master = max((s.timestamps for s in signals), key=lambda stamps: stamps.size)
     time_s: Array = np.asarray(master - master[0], dtype=np.float64)
     table, said = {"time_s": time_s}, []
@@ -73,7 +73,7 @@ def _on_common_stamps(path: Path, signals: list[Any]) -> Table:
         values, name = numbers(path, signal.name, signal.samples), printable(signal.name, 60)
         if values.size != signal.timestamps.size:
             raise PlantError(
-                f"{shown(path)}: channel {name} has {values.size} values for "
+                f"{path_text(path)}: channel {name} has {values.size} values for "
                 f"{signal.timestamps.size} stamps; export it anew"
             )
         if signal.invalidation_bits is not None:
@@ -91,13 +91,14 @@ def _on_stamps(path: Path, signal: Any, values: Array, master: Array) -> Array:
     stamps = signal.timestamps
     if np.any(np.diff(stamps) <= 0.0):
         raise PlantError(
-            f"{shown(path)}: stamps of channel {printable(signal.name, 60)} stand still or go "
+            f"{path_text(path)}: stamps of channel {printable(signal.name, 60)} stand still or go "
             "back; export it anew"
         )
     longest = float(np.max(np.diff(stamps), initial=0.0))
     if stamps[0] - master[0] > longest or master[-1] - stamps[-1] > longest:
         raise PlantError(
-            f"{shown(path)}: channel {printable(signal.name, 60)} runs from {stamps[0]:.6g} s to "
+            f"{path_text(path)}: "
+            f"channel {printable(signal.name, 60)} runs from {stamps[0]:.6g} s to "
             f"{stamps[-1]:.6g} s, others from {master[0]:.6g} s to {master[-1]:.6g} s; "
             "cut the record to what all have"
         )

@@ -13,7 +13,7 @@ from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import megabytes
 from sim_plant.refine.records.columns import Table, header_of, module_of_extra, numbers
-from sim_plant.refine.records.limits import UNPACKED_BYTES, check_size, shown
+from sim_plant.refine.records.limits import UNPACKED_BYTES, check_size, path_text
 
 
 def parquet_table(path: Path, payload: bytes) -> Table:
@@ -37,7 +37,7 @@ def parquet_table(path: Path, payload: bytes) -> Table:
         raise
     except (arrow.ArrowException, OSError, ValueError) as error:
         said = printable(str(error), 200)
-        raise PlantError(f"{shown(path)}: not a readable Parquet file ({said})") from error
+        raise PlantError(f"{path_text(path)}: not a readable Parquet file ({said})") from error
 
 
 def _columns(path: Path, file: Any) -> dict[str, Array]:
@@ -68,20 +68,21 @@ def _check_footer(path: Path, file: Any, schema: Any, types: Any) -> None:
     check_size(path, columns, footer.num_rows * columns)
     groups = [footer.row_group(k) for k in range(footer.num_row_groups)]
     if any(g.num_rows < 0 or g.total_byte_size < 0 for g in groups):
-        raise PlantError(f"{shown(path)}: not a readable Parquet file (a size below 0)")
+        raise PlantError(f"{path_text(path)}: not a readable Parquet file (a size below 0)")
     unpacked_bytes = sum(g.total_byte_size for g in groups)
     if unpacked_bytes > UNPACKED_BYTES:
         raise PlantError(
-            f"{shown(path)}: has {megabytes(unpacked_bytes)} unpacked, more than "
+            f"{path_text(path)}: has {megabytes(unpacked_bytes)} unpacked, more than "
             f"{megabytes(UNPACKED_BYTES)}; cut the record"
         )
     if len(set(schema.names)) < len(schema):
-        raise PlantError(f"{shown(path)}: a column name appears twice")
+        raise PlantError(f"{path_text(path)}: a column name appears twice")
     for field in schema:
         kind = field.type
         taken = (types.is_integer, types.is_floating, types.is_boolean, types.is_null)
         if not any(is_one(kind) for is_one in (*taken, types.is_timestamp, types.is_date)):
             name = printable(field.name, 60)
             raise PlantError(
-                f"{shown(path)}: column {name} holds {printable(str(kind), 60)}; expected numbers"
+                f"{path_text(path)}: "
+                f"column {name} holds {printable(str(kind), 60)}; expected numbers"
             )

@@ -9,17 +9,18 @@ from pathlib import Path
 
 import numpy as np
 
+from aff_runtime.base.counted_noun import counted
 from aff_runtime.base.errors import PlantError
-from aff_runtime.base.files import CLOSED, is_closed
+from aff_runtime.base.files import CLOSED_TEXT, is_closed
 from aff_runtime.base.printable import printable
 from aff_runtime.base.runs.segment import segments_of
-from aff_runtime.base.runs.table import no_run
+from aff_runtime.base.runs.table import no_run_text
 from aff_runtime.base.runs.window import names_a_run
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import read_plain
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.in_child import table_from_child
-from sim_plant.refine.records.limits import FILE_BYTES, check_name, shown
+from sim_plant.refine.records.limits import FILE_BYTES, check_name, path_text
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.records.run_record import read_run_record
 from sim_plant.refine.records.sanity import even_grid, oddities, row_words, unwrapped
@@ -69,17 +70,17 @@ def read_record(path: str | Path) -> Recording:
     time_name = next((n for n in columns if n.lower().removesuffix("_s") in TIME_NAMES), None)
     if time_name is None:
         names = printable(str(sorted(columns)), 500)
-        raise PlantError(f"{shown(path)}: no time column; name one time_s (found {names})")
+        raise PlantError(f"{path_text(path)}: no time column; name one time_s (found {names})")
     time_s = columns.pop(time_name)
     if not columns:
-        raise PlantError(f"{shown(path)}: holds no channel beside {time_name}")
+        raise PlantError(f"{path_text(path)}: holds no channel beside {time_name}")
     for name, values in {time_name: time_s, **columns}.items():
         if values.shape != time_s.shape:
             raise PlantError(
-                f"{shown(path)}: column {name} holds {values.size} values where there are "
+                f"{path_text(path)}: column {name} holds {values.size} values where there are "
                 f"{time_s.size} stamps; export the channel anew"
             )
-        _finite(path, name, values)
+        _refuse_non_numbers(path, name, values)
     columns, counted = unwrapped(columns)
     sample_time_s, columns, findings = even_grid(path, time_s, columns)
     zeros_rad = {n: float(v[0]) for n, v in columns.items() if n.endswith("_angle_rad")}
@@ -101,12 +102,12 @@ def kind_of(path: Path) -> str:
             return kind
     folder, at, _ = str(path).rpartition("@")
     if os.path.isdir(path) or (at and os.path.isdir(folder)):
-        raise PlantError(no_run(path))
+        raise PlantError(no_run_text(path))
     if is_closed(path) or (at and is_closed(Path(folder))):
-        raise PlantError(f"{shown(path)}: {CLOSED}")
+        raise PlantError(f"{path_text(path)}: {CLOSED_TEXT}")
     what = "unknown kind of file" if os.path.exists(path) else "is not there"
     raise PlantError(
-        f"{shown(path)}: {what}; give .csv, .csv.gz, .parquet, .mf4 or "
+        f"{path_text(path)}: {what}; give .csv, .csv.gz, .parquet, .mf4 or "
         ".mdf, or the folder of a run (RUN_DIR or RUN_DIR@FROM..TO)"
     )
 
@@ -124,7 +125,7 @@ def si_name(header: str, path: Path) -> tuple[str, float]:
     unit = canonical(unit)
     if unit not in TO_SI:
         raise PlantError(
-            f"{shown(path)}: column {printable(header)!r}: unit {unit!r} is unknown; "
+            f"{path_text(path)}: column {printable(header)!r}: unit {unit!r} is unknown; "
             f"use one of {sorted(TO_SI)}"
         )
     suffix, factor = TO_SI[unit]
@@ -137,18 +138,24 @@ def _si_columns(path: Path, raw: Mapping[str, Array]) -> dict[str, Array]:
     for header, values in raw.items():
         name, factor = si_name(header, path)
         if name in columns:
-            raise PlantError(f"{shown(path)}: column {name} appears twice, in two units")
+            raise PlantError(f"{path_text(path)}: column {name} appears twice, in two units")
         with np.errstate(over="ignore"):  # what is too large is refused below, with its row
             columns[name] = values * factor
     return columns
 
 
-def _finite(path: Path, name: str, values: Array) -> None:
+def _refuse_non_numbers(path: Path, name: str, values: Array) -> None:
+    """Refuse readings that are missing, no numbers, or too large."""
     bad = np.flatnonzero(~(np.abs(values) < CRITERIA.records.largest_reading))
     if bad.size:
-        finite = bool(np.isfinite(values[bad]).all())
-        said = "are too large for a reading" if finite else "are missing or not numbers"
+        is_one = bad.size == 1
+        if bool(np.isfinite(values[bad]).all()):
+            what = "too large for a reading"
+        else:
+            what = "missing or not a number" if is_one else "missing or not numbers"
+        said = f"{counted(bad.size, 'value')} {'is' if is_one else 'are'} {what}"
+        where = "in" if is_one else "the first in"
         raise PlantError(
-            f"{shown(path)}: column {name}: {bad.size} values {said}, the first in "
+            f"{path_text(path)}: column {name}: {said}, {where} "
             f"{row_words(path, int(bad[0]))}; cut the record there or record it again"
         )

@@ -13,7 +13,7 @@ from aff_runtime.base.channel_units import unit_of_name
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.records.limits import shown
+from sim_plant.refine.records.limits import path_text
 
 RECORDS = CRITERIA.records
 SAME_LEVEL_SHARE = 1e-9
@@ -34,14 +34,15 @@ def even_grid(
     """
     if time_s.size < RECORDS.fewest_rows:
         raise PlantError(
-            f"{shown(path)}: has {time_s.size} rows, too few to judge; "
+            f"{path_text(path)}: has {time_s.size} rows, too few to judge; "
             f"give at least {RECORDS.fewest_rows}"
         )
     steps = np.diff(time_s)
     back = np.flatnonzero(steps < 0.0)
     if back.size:
         raise PlantError(
-            f"{shown(path)}: {row_words(path, int(back[0]) + 1)}: time_s goes back; sort the rows "
+            f"{path_text(path)}: "
+            f"{row_words(path, int(back[0]) + 1)}: time_s goes back; sort the rows "
             "by time, or give the part before it and the part after it as two records"
         )
     step = float(np.median(steps))
@@ -51,13 +52,14 @@ def even_grid(
     twice, gap = bad[steps[bad] == 0.0], bad[steps[bad] > 0.0]
     if twice.size:
         raise PlantError(
-            f"{shown(path)}: {twice.size} rows have the time_s of the row before, the first is "
+            f"{path_text(path)}: "
+            f"{twice.size} rows have the time_s of the row before, the first is "
             f"{row_words(path, int(twice[0]) + 1)}; give each moment one row"
         )
     if gap.size:
         at = int(gap[0])
         raise PlantError(
-            f"{shown(path)}: {gap.size} gaps in time_s, the first after {row_words(path, at)} "
+            f"{path_text(path)}: {gap.size} gaps in time_s, the first after {row_words(path, at)} "
             f"({steps[at]:.4g} s where {step:.4g} s is usual); give a record without gaps"
         )
     remarks = [f"{misplaced} misplaced stamp{'s' * (misplaced > 1)}"] if misplaced else []

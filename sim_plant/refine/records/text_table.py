@@ -15,7 +15,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import text_stream
-from sim_plant.refine.records.limits import LINE_CHARACTERS, UNPACKED_BYTES, check_size, shown
+from sim_plant.refine.records.limits import LINE_CHARACTERS, UNPACKED_BYTES, check_size, path_text
 
 _CELL_SHOWN = 60
 """Characters of a cell, and of a column's name, that an error quotes."""
@@ -38,7 +38,7 @@ def text_table(path: Path, payload: bytes) -> dict[str, Array]:
             return _columns(path, _lines(path, stream))
     except (OSError, EOFError, zlib.error, UnicodeDecodeError, csv.Error) as error:
         said = printable(str(error), 200)
-        raise PlantError(f"{shown(path)}: not a readable CSV file ({said})") from error
+        raise PlantError(f"{path_text(path)}: not a readable CSV file ({said})") from error
 
 
 def number_table(path: Path, payload: bytes, columns: int) -> Array:
@@ -56,14 +56,14 @@ def number_table(path: Path, payload: bytes, columns: int) -> Array:
                 cells = line.split()
                 if len(cells) != columns:
                     raise PlantError(
-                        f"{shown(path)}: line {number} has {len(cells)} columns, "
+                        f"{path_text(path)}: line {number} has {len(cells)} columns, "
                         f"declared are {columns}"
                     )
                 values.extend(map(float, cells))
                 check_size(path, columns, len(values))
     except (OSError, EOFError, zlib.error, ValueError) as error:
         said = printable(str(error), 200)
-        raise PlantError(f"{shown(path)}: not a table of numbers ({said})") from error
+        raise PlantError(f"{path_text(path)}: not a table of numbers ({said})") from error
     return np.array(values).reshape(-1, columns)
 
 
@@ -76,7 +76,8 @@ def _columns(path: Path, lines: Iterator[str]) -> dict[str, Array]:
     for number, cells in _rows(path, lines, separator):
         if len(cells) != len(header):
             raise PlantError(
-                f"{shown(path)}: line {number}: {len(cells)} values under {len(header)} columns"
+                f"{path_text(path)}: "
+                f"line {number}: {len(cells)} values under {len(header)} columns"
             )
         try:
             values.extend([float(cell) if cell.strip() else np.nan for cell in cells])
@@ -85,9 +86,9 @@ def _columns(path: Path, lines: Iterator[str]) -> dict[str, Array]:
         check_size(path, len(header), len(values))
     if number < 3:
         held = "no rows" if number < 2 else "one row"
-        raise PlantError(f"{shown(path)}: holds {held}; a record needs two or more")
+        raise PlantError(f"{path_text(path)}: holds {held}; a record needs two or more")
     if len(set(header)) < len(header):
-        raise PlantError(f"{shown(path)}: line 1: a column name appears twice")
+        raise PlantError(f"{path_text(path)}: line 1: a column name appears twice")
     rows = np.array(values).reshape(-1, len(header))
     return {h: np.ascontiguousarray(rows[:, k]) for k, h in enumerate(header)}
 
@@ -103,7 +104,9 @@ def _rows(path: Path, lines: Iterator[str], separator: str) -> Iterator[tuple[in
     def one_at_a_time() -> Iterator[str]:
         for at, line in enumerate(lines, start=2):
             if at > number:
-                raise PlantError(f"{shown(path)}: line {number}: a quote is left open; close it")
+                raise PlantError(
+                    f"{path_text(path)}: line {number}: a quote is left open; close it"
+                )
             yield line
 
     rows = csv.reader(one_at_a_time(), delimiter=separator)
@@ -122,10 +125,10 @@ def _no_number(path: Path, number: int, header: list[str], cells: list[str]) -> 
             float(cell.strip() or "nan")
         except ValueError:
             return (
-                f"{shown(path)}: line {number}: column {printable(name, _CELL_SHOWN)}: "
+                f"{path_text(path)}: line {number}: column {printable(name, _CELL_SHOWN)}: "
                 f"read '{printable(cell, _CELL_SHOWN)}'; expected a number"
             )
-    return f"{shown(path)}: line {number}: holds no numbers"
+    return f"{path_text(path)}: line {number}: holds no numbers"
 
 
 def _lines(path: Path, stream: TextIO) -> Iterator[str]:
@@ -135,6 +138,6 @@ def _lines(path: Path, stream: TextIO) -> Iterator[str]:
         number += 1
         if len(line) > LINE_CHARACTERS:
             raise PlantError(
-                f"{shown(path)}: line {number} is longer than {LINE_CHARACTERS} characters"
+                f"{path_text(path)}: line {number} is longer than {LINE_CHARACTERS} characters"
             )
         yield line.removesuffix("\n")

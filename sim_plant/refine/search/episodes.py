@@ -38,7 +38,7 @@ def ended_again(
     found: list[Candidate] = []
     step = EVENTS.ends_step_s
     moments = np.arange(axis.grid[0] + step, axis.grid[-1], step)
-    places = {c.hypothesis.key: c for c in reversed(shown) if HOLD_S in c.hypothesis.names}
+    places = {c.hypothesis.key: c for c in reversed(shown) if c.hypothesis.is_episode}
     for c in places.values():
         h = c.hypothesis
         columns = objective.whitened_all(

@@ -78,7 +78,7 @@ def placed(
     found = []
     for c in seen:
         best, onset = c, c.hypothesis.effect.onset
-        ends = HOLD_S in c.hypothesis.names
+        ends = c.hypothesis.is_episode
         for at in range(EVENTS.passes if onset is not None and onset.grid else 1):
             if ends:
                 # the best moments depend on the place: each is tried with moments of its own

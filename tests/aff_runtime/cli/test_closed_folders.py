@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.base.files import CLOSED
+from aff_runtime.base.files import CLOSED_TEXT
 from aff_runtime.base.runs.window import MARK
 from aff_runtime.cli.main import main
 from tests.aff_runtime.config.shipped import EUCLID
@@ -38,10 +38,10 @@ def test_what_may_not_be_looked_at_is_told_from_what_is_not_there(
         assert line.startswith(f"aff-runtime: {path}: ")
         return line.removeprefix(f"aff-runtime: {path}: ")
 
-    assert CLOSED not in said_of("nowhere")
+    assert CLOSED_TEXT not in said_of("nowhere")
     with closed(house):
-        assert said_of("there") == CLOSED
-        assert said_of("nowhere") == CLOSED  # nobody can know
+        assert said_of("there") == CLOSED_TEXT
+        assert said_of("nowhere") == CLOSED_TEXT  # nobody can know
 
 
 def test_a_run_whose_file_alone_is_closed_is_not_said_to_be_none(
@@ -53,7 +53,7 @@ def test_a_run_whose_file_alone_is_closed_is_not_said_to_be_none(
     capsys.readouterr()
     with closed(tmp_path / MARK):
         assert main(words) == 1
-    assert CLOSED in capsys.readouterr().err
+    assert CLOSED_TEXT in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("words", ["watch add {}/store {}/runs", "audit verify {}/audit.jsonl"])
@@ -69,7 +69,7 @@ def test_a_file_that_a_command_did_not_reckon_with_is_named_in_one_line(
         assert main(given) in (1, 2)
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith(f"aff-runtime: {house}/")
-    assert line.endswith(CLOSED)
+    assert line.endswith(CLOSED_TEXT)
 
 
 def test_check_says_that_responses_behind_a_closed_folder_are_not_checked(

@@ -157,7 +157,7 @@ SPOILT = {
     "a gap": (with_gap, ("1 gaps in time_s", "after line 801", "after row 800")),
     "a missing value": (
         with_nan,
-        ("column unwind_tension_N: 1 values are missing", "line 702", "row 701"),
+        ("column unwind_tension_N: 1 value is missing", "line 702", "row 701"),
     ),
     "a unit nobody knows": (
         renamed("unwind_tension_N", "unwind_tension [stone]"),

@@ -32,7 +32,7 @@ from aff_runtime.app.report.watching.tables import (
     ExchangeRow,
 )
 from aff_runtime.base.errors import ConfigError
-from aff_runtime.base.files import CLOSED, is_closed
+from aff_runtime.base.files import CLOSED_TEXT, is_closed
 from aff_runtime.base.runs.window import MARK
 
 VERSION = "1"
@@ -273,7 +273,7 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
     """
     paths = [folder / name for name in FILES]
     if is_closed(paths[0]):
-        raise ConfigError(f"{folder}: {CLOSED}")
+        raise ConfigError(f"{folder}: {CLOSED_TEXT}")
     if not paths[0].exists():
         if begin:
             return _begun(paths[2])

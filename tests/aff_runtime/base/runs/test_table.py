@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import AffError
-from aff_runtime.base.files import CLOSED
+from aff_runtime.base.files import CLOSED_TEXT
 from aff_runtime.base.runs import join as run_join
 from aff_runtime.base.runs import segment as run_segment
 from aff_runtime.base.runs import table as run_table
@@ -333,4 +333,4 @@ def test_a_segment_that_may_not_be_read_is_told_from_one_without_rows(run, monke
     monkeypatch.setattr(run_segment, "is_closed", lambda path: "0002" in path.name)
     table = read(run)
     assert table.columns["tick"].size == 200
-    assert table.lost == (f"signals-0002.csv.gz: {CLOSED}",)
+    assert table.lost == (f"signals-0002.csv.gz: {CLOSED_TEXT}",)

@@ -75,10 +75,7 @@ def backwards(k, row):
     ("change", "said"),
     [
         (drop_rows, "gaps in time_s, the first after line 51"),
-        (
-            blank,
-            "column unwind_tension_N: 1 values are missing or not numbers, the first in line 32",
-        ),
+        (blank, "column unwind_tension_N: 1 value is missing or not a number, in line 32"),
         (word, "line 32: column unwind_tension_N: read 'open'"),
         (word_behind_a_blank, "line 32: column unwind_tension_N: read 'open'"),
         (ragged, "line 32: 2 values under 3 columns"),
@@ -148,7 +145,7 @@ def test_every_flipped_bit_of_a_gzip_file_is_refused(tmp_path):
 def test_a_number_that_no_sensor_reads_is_refused(tmp_path):
     path = tmp_path / "r.csv"
     path.write_text(text(change=lambda k, row: [*row[:2], "1e300"] if k == 30 else row))
-    with pytest.raises(PlantError, match=r"1 values are too large for a reading, .* line 32"):
+    with pytest.raises(PlantError, match=r"1 value is too large for a reading, .* line 32"):
         read_record(path)
 
 

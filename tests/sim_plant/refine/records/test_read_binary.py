@@ -80,9 +80,7 @@ def test_a_parquet_null_is_a_missing_value_with_its_row(tmp_path):
         ("time_s", pyarrow.array(STAMPS), ""),
         ("unwind_tension_N", pyarrow.array(values), ""),
     )
-    with pytest.raises(
-        PlantError, match="1 values are missing or not numbers, the first in row 51"
-    ):
+    with pytest.raises(PlantError, match="1 value is missing or not a number, in row 51"):
         read_record(path)
 
 
@@ -152,9 +150,7 @@ def test_an_invalidated_mdf_sample_is_a_missing_value(tmp_path):
     bad = np.zeros(ROWS, dtype=bool)
     bad[7] = True
     path = mdf(tmp_path / "r.mf4", [signal("unwind_tension_N", invalidation_bits=bad)])
-    with pytest.raises(
-        PlantError, match="1 values are missing or not numbers, the first in row 8"
-    ):
+    with pytest.raises(PlantError, match="1 value is missing or not a number, in row 8"):
         read_record(path)
 
 
