@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from aff_runtime.base.confidence import TWO_SIDED_95
+from aff_runtime.base.confidence import ONE_SIDED_95, TWO_SIDED_95
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -33,8 +33,6 @@ NOISE_LIMIT = math.sqrt(math.log(20.0))
 """Size a of complex noise over its rms sigma, exceeded once in 20: exp(-a^2 / sigma^2) = 0.05."""
 NOT_TOLD = ("none", "unknown")
 """Of ``Change.bound``: there is no figure of the change."""
-ONE_SIDED_95 = 1.645
-"""Standard deviations that a normal deviate exceeds once in 20."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -248,16 +246,16 @@ def _log10(size: float) -> float:
 
 def change(before: Estimate, after: Estimate) -> Change:
     """Return the change between two windows."""
-    there, here = before.stands_out, after.stands_out
+    before_seen, after_seen = before.stands_out, after.stands_out
     is_unknown = math.isnan(before.floor) or math.isnan(after.floor)  # too few turns for one
-    if is_unknown or not (there or here):
+    if is_unknown or not (before_seen or after_seen):
         bound = "unknown" if is_unknown else "none"
         return Change(value_dB=math.nan, low_dB=math.nan, high_dB=math.nan, bound=bound)
     first, last = (e.amplitude if e.stands_out else e.floor for e in (before, after))
     value = 20.0 * (_log10(last) - _log10(first))
-    if not there or not here:
-        bound = "at_most" if there else "at_least"
-        low = math.nan if there else 20.0 * (_log10(after.low) - _log10(first))
+    if not before_seen or not after_seen:
+        bound = "at_most" if before_seen else "at_least"
+        low = math.nan if before_seen else 20.0 * (_log10(after.low) - _log10(first))
         return Change(value_dB=value, low_dB=low, high_dB=math.nan, bound=bound)
     shares = ((e.high - e.low) / (2.0 * e.amplitude) for e in (before, after))
     half = 20.0 / math.log(10.0) * math.hypot(*shares)

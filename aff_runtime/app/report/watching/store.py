@@ -41,13 +41,14 @@ MOST_HOURS, MOST_ORDERS = 10_000, 300_000
 MOST_EXCHANGES = 10_000
 LONGER_S = 1.0
 """An hour of which a run now has so much more is read anew: it was still being recorded."""
-FILES = (
-    "hours.parquet",
-    "orders.parquet",
-    "exchanges.parquet",
-    "drives.parquet",
-    "responses.parquet",
-)
+FILES = {
+    "hours": "hours.parquet",
+    "orders": "orders.parquet",
+    "exchanges": "exchanges.parquet",
+    "drives": "drives.parquet",
+    "responses": "responses.parquet",
+}
+"""By table, its file in the folder."""
 OF_HOURS = (("orders", ORDER_FIELDS), ("drives", DRIVE_FIELDS), ("responses", RESPONSE_FIELDS))
 """Tables whose rows belong to an hour, beside that of the hours."""
 LOCK_FLAGS = os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW | os.O_CLOEXEC
@@ -96,7 +97,7 @@ class Store:
         ConfigError
             It is a run of another line.
         """
-        return tuple(one for one, is_new in self._told_apart(run) if is_new)
+        return tuple(one for one, is_new in self._hours_and_whether_new(run) if is_new)
 
     def add(self, run: RunHours, reads: Sequence[HourRead] | None = None) -> Taken:
         """Take hours of a run that were read, by default all that are ``unread``.
@@ -106,12 +107,12 @@ class Store:
         ConfigError
             It is a run of another line.
         """
-        told_apart = list(self._told_apart(run))
+        hours_and_whether_new = list(self._hours_and_whether_new(run))
         if reads is None:
-            reads = [run.read(one) for one, is_new in told_apart if is_new]
+            reads = [run.read(one) for one, is_new in hours_and_whether_new if is_new]
         self.line = run.line
         row_of, known, too_old = self._row_of(run), 0, 0
-        for one, is_new in told_apart:
+        for one, is_new in hours_and_whether_new:
             at = row_of.get(one.hour)
             too_old += not is_new and at is None
             if not is_new and at is not None:
@@ -131,7 +132,7 @@ class Store:
         ours = np.flatnonzero(self.hours["run_id"] == run.run_id)
         return dict(zip(self.hours["hour"][ours].tolist(), ours.tolist(), strict=True))
 
-    def _told_apart(self, run: RunHours) -> Iterator[tuple[RecordedHour, bool]]:
+    def _hours_and_whether_new(self, run: RunHours) -> Iterator[tuple[RecordedHour, bool]]:
         """Yield every hour of a run, and whether it is to be read."""
         if self.line and run.line != self.line:
             raise ConfigError(
@@ -163,7 +164,7 @@ class Store:
             raise ConfigError(f"the store holds {MOST_EXCHANGES} exchanges; begin another one")
         row = ExchangeRow(roll=roll, on_utc=at, why=why)
         self.exchanges = _joined(old, table(EXCHANGE_FIELDS, [row]), EXCHANGE_FIELDS)
-        self._number()
+        self._work_out_travel_and_lives()
 
     def check_roller(self, roll: str) -> None:
         """Do nothing where the store follows a roller of this name.
@@ -212,7 +213,7 @@ class Store:
         ):
             if not self._thin_out():
                 break
-        self._number()
+        self._work_out_travel_and_lives()
 
     def _sort(self) -> None:
         for name in ("hours", *(name for name, _ in OF_HOURS)):
@@ -242,7 +243,7 @@ class Store:
             stays = np.fromiter((key in known for key in keys), np.bool_, old["hour"].size)
             setattr(self, name, _chosen(old, stays))
 
-    def _number(self) -> None:
+    def _work_out_travel_and_lives(self) -> None:
         """Work out how far the web had run at each hour, and the life of each roller."""
         hours = self.hours
         before = np.cumsum(hours["length_m"]) - hours["length_m"]
@@ -271,37 +272,32 @@ def load_store(folder: Path, *, begin: bool = False) -> Store:
     ConfigError
         It is not there, is not ours to look at, or one of its files cannot be read.
     """
-    paths = [folder / name for name in FILES]
-    if is_closed(paths[0]):
+    paths = {table: folder / name for table, name in FILES.items()}
+    if is_closed(paths["hours"]):
         raise ConfigError(f"{folder}: {CLOSED_TEXT}")
-    if not paths[0].exists():
+    if not paths["hours"].exists():
         if begin:
-            return _begun(paths[2])
+            return _begun(paths["exchanges"])
         raise ConfigError(
             f"{folder}: holds no store; `aff-runtime watch add STORE RUN_DIR` begins one"
         )
-    hours, about = read_parquet(paths[0], HOUR_FIELDS)
+    hours, about = read_parquet(paths["hours"], HOUR_FIELDS)
     if about.get("version") != VERSION or not about.get("line"):
         raise ConfigError(
-            f"{paths[0]}: is no store of this release's `aff-runtime watch`; move it away"
+            f"{paths['hours']}: is no store of this release's `aff-runtime watch`; move it away"
         )
     wanted = ("orders", *about.get("tables", "").split())
     if not all((folder / f"{name}.parquet").exists() for name in wanted):
         # somebody moved a broken one away: its hours are to be read again
-        return _begun(paths[2], about["line"])
-    tables = [
-        read_parquet(path, fields)[0] if path.exists() else empty(fields)
-        for path, fields in zip(
-            paths[1:], (ORDER_FIELDS, EXCHANGE_FIELDS, DRIVE_FIELDS, RESPONSE_FIELDS), strict=True
-        )
-    ]
+        return _begun(paths["exchanges"], about["line"])
+    others = {
+        name: read_parquet(paths[name], fields)[0] if paths[name].exists() else empty(fields)
+        for name, fields in (*OF_HOURS, ("exchanges", EXCHANGE_FIELDS))
+    }
     store = Store(
         line=about["line"],
         hours=hours,
-        orders=tables[0],
-        exchanges=tables[1],
-        drives=tables[2],
-        responses=tables[3],
+        **others,
         thinned_utc=np.datetime64(about.get("thinned_utc", str(NEVER)), "us"),
     )
     store.drop_orphans()
@@ -326,15 +322,15 @@ def save_store(folder: Path, store: Store) -> None:
     """
     about = {"line": store.line, "version": VERSION, "thinned_utc": str(store.thinned_utc)}
     about["tables"] = " ".join(name for name, _ in OF_HOURS)
-    named = (
-        (FILES[2], EXCHANGE_FIELDS, store.exchanges),
-        (FILES[4], RESPONSE_FIELDS, store.responses),
-        (FILES[3], DRIVE_FIELDS, store.drives),
-        (FILES[1], ORDER_FIELDS, store.orders),
-        (FILES[0], HOUR_FIELDS, store.hours),
+    in_order = (
+        ("exchanges", EXCHANGE_FIELDS, store.exchanges),
+        ("responses", RESPONSE_FIELDS, store.responses),
+        ("drives", DRIVE_FIELDS, store.drives),
+        ("orders", ORDER_FIELDS, store.orders),
+        ("hours", HOUR_FIELDS, store.hours),
     )
-    for name, fields, columns in named:
-        write_parquet(folder / name, fields, columns, about)
+    for name, fields, columns in in_order:
+        write_parquet(folder / FILES[name], fields, columns, about)
 
 
 @contextlib.contextmanager

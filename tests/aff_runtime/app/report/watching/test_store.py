@@ -186,13 +186,13 @@ def test_what_is_written_is_read_back(runs, tmp_path):
     store.exchange("r6", BEGAN + timedelta(days=2), "worn")
     save_store(tmp_path, store)
     assert_same(load_store(tmp_path), store)
-    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(FILES)
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted(FILES.values())
     assert_same(load_store(tmp_path / "nowhere", begin=True), Store())
 
 
 def test_a_write_that_fails_leaves_the_store_as_it_was(runs, tmp_path, monkeypatch):
     save_store(tmp_path, of(runs[0]))
-    before = {name: (tmp_path / name).read_bytes() for name in FILES}
+    before = {name: (tmp_path / name).read_bytes() for name in FILES.values()}
 
     def full(_descriptor):
         raise OSError(28, "No space left on device")
