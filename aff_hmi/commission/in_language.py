@@ -19,7 +19,7 @@ from aff_hmi.commission.shown import (
 )
 from aff_hmi.commission.typed_words import wanted
 from aff_hmi.words import N_, Say, figures_in
-from aff_runtime.app.card.standing import Stand
+from aff_runtime.app.card.standing import Stand, is_done
 from aff_runtime.app.commission.answers import State
 from aff_runtime.app.commission.messages import WORDS, Refusal, Why
 from aff_runtime.app.commission.views import (
@@ -91,12 +91,12 @@ def card_in(card: CardView, say: Say) -> CardView:
         card,
         steps=tuple(_step(one, say) for one in card.steps),
         remarks=tuple(sentence(text, say) for text in card.remarks),
-        undone=tuple(_undone(one, say) for one in card.steps if not _is_done(one)),
+        undone=tuple(
+            _undone(one, say)
+            for one in card.steps
+            if not is_done(one.stand, is_signed=one.signed is not None)
+        ),
     )
-
-
-def _is_done(one: StepView) -> bool:
-    return one.stand in (Stand.PASS, Stand.NOT_APPLICABLE) and one.signed is not None
 
 
 def _undone(one: StepView, say: Say) -> str:

@@ -46,8 +46,7 @@ class RunContext:
     @classmethod
     def from_json(cls, said: Any) -> RunContext:
         """Read plain values; what is not said is as by default, what is unknown is left out."""
-        names = {one.name for one in fields(cls)}
-        return cls(**{name: value for name, value in said.items() if name in names})
+        return cls(**_known(cls, said))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,8 +108,7 @@ class RecorderReport:
     @classmethod
     def from_json(cls, said: Any) -> RecorderReport:
         """Read plain values; what is unknown is left out."""
-        names = {one.name for one in fields(cls)}
-        return cls(**{name: value for name, value in said.items() if name in names})
+        return cls(**_known(cls, said))
 
     def seen(self, *, alive: bool) -> RecorderReport:
         """Return the report with whether its recorder lives."""
@@ -142,6 +140,12 @@ def report_of(line: bytes) -> RecorderReport | None:
     """Return the report of one line; None when it is none."""
     said = _object_in(line)
     return None if said is None else RecorderReport.from_json(said)
+
+
+def _known(record: type[RunContext | RecorderReport], said: Any) -> dict[str, Any]:
+    """Return those of plain values that a record has fields for."""
+    names = {one.name for one in fields(record)}
+    return {name: value for name, value in said.items() if name in names}
 
 
 def _object_in(line: bytes) -> Any:

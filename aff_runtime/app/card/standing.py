@@ -22,6 +22,11 @@ class Stand(StrEnum):
     NOT_APPLICABLE = "not applicable"
 
 
+def is_done(stand: str, *, is_signed: bool) -> bool:
+    """Return whether nothing is left to do: passed or not applicable, and signed."""
+    return stand in (Stand.PASS, Stand.NOT_APPLICABLE) and is_signed
+
+
 _OF_VERDICT = {
     Verdict.PASS: Stand.PASS,
     Verdict.FAIL: Stand.FAIL,
@@ -67,7 +72,7 @@ class StepStanding:
     @property
     def is_done(self) -> bool:
         """Whether nothing is left to do: passed or not applicable, and signed."""
-        return self.stand in (Stand.PASS, Stand.NOT_APPLICABLE) and self.signed is not None
+        return is_done(self.stand, is_signed=self.signed is not None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

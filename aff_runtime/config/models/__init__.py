@@ -12,7 +12,7 @@ from aff_runtime.config.models.gateway import (
 )
 from aff_runtime.config.models.guard import Freshness, Permissives, PlausibleRange
 from aff_runtime.config.models.rolls import Roll
-from aff_runtime.config.models.service import Probe, Recording
+from aff_runtime.config.models.service import Probe, RecordingSettings
 from aff_runtime.config.models.site import Line, Site
 from aff_runtime.config.models.words import (
     Applied,
@@ -47,7 +47,7 @@ __all__ = [
     "Probe",
     "ReadBlock",
     "ReadWord",
-    "Recording",
+    "RecordingSettings",
     "Roll",
     "Site",
     "Start",

@@ -105,7 +105,7 @@ class Probe(Section):
     )
 
 
-class Recording(Section):
+class RecordingSettings(Section):
     """The record of every run."""
 
     directory: Text = key(

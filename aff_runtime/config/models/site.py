@@ -9,7 +9,7 @@ from aff_runtime.config.models.actuators import Actuator
 from aff_runtime.config.models.gateway import Gateway
 from aff_runtime.config.models.guard import Freshness, Permissives, PlausibleRange
 from aff_runtime.config.models.rolls import Roll
-from aff_runtime.config.models.service import Probe, Recording
+from aff_runtime.config.models.service import Probe, RecordingSettings
 from aff_runtime.config.quantity import (
     Few,
     MetresPerSecond,
@@ -64,7 +64,9 @@ class Site(Section):
         "Where corrections go in; as many as gateway.write.corrections."
     )
     probe: Probe = key("The measurement of the loop response.", default_factory=Probe)
-    recording: Recording = key("The record of every run.", default_factory=Recording)
+    recording: RecordingSettings = key(
+        "The record of every run.", default_factory=RecordingSettings
+    )
 
     @property
     def cycle_s(self) -> float:

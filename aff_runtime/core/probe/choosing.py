@@ -22,7 +22,7 @@ from aff_runtime.core.probe.loud import (
     peak_of,
     unbiased,
 )
-from aff_runtime.core.probe.quiet import Window
+from aff_runtime.core.probe.quiet import QuietWindow
 from aff_runtime.core.probe.repeats import alike
 from aff_runtime.core.response import Response
 
@@ -79,7 +79,7 @@ class Choosing:
     ) -> None:
         self._p, self._probed, self._waves = params, probed, waves
         self._cycle_s = site.cycle_s
-        self.window = Window(
+        self.window = QuietWindow(
             waves[0].period,
             site.cycle_s,
             signals=len(probed),

@@ -28,7 +28,7 @@ STIFFENED = 1e-9
 MISSED_SHARE = 0.2
 
 
-class Window:
+class QuietWindow:
     """A stretch of signals and angles, as long as a wave takes to repeat.
 
     Parameters

@@ -9,7 +9,7 @@ from sim_plant.refine.report.tables import ShiftRow
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Facts:
+class RefineFacts:
     """What is known of line and records; empty where it is not.
 
     Attributes
@@ -39,4 +39,4 @@ class Facts:
         return tuple(row for row in self.shifts if row.is_far)
 
 
-NOTHING_KNOWN = Facts()
+NOTHING_KNOWN = RefineFacts()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
-from sim_plant.refine.report.facts import NOTHING_KNOWN, Facts
+from sim_plant.refine.report.facts import NOTHING_KNOWN, RefineFacts
 from sim_plant.refine.report.partly import incomplete, is_incomplete
 from sim_plant.refine.report.verdict import Ambiguity, EffectFinding, UnknownFinding, Verdict
 from sim_plant.refine.report.wording import claim_words, remedy
@@ -23,7 +23,7 @@ def next_step(
     verdict: Verdict,
     by: Mapping[str, str] = NO_BLOCK,
     above: Mapping[str, float] = ALL_WITHIN,
-    facts: Facts = NOTHING_KNOWN,
+    facts: RefineFacts = NOTHING_KNOWN,
     untold: Sequence[str] = (),
 ) -> str:
     """Return what the reader may do now: measure, mend, and cancel until that is done.
@@ -57,7 +57,7 @@ def next_step(
 
 
 def _of_effects(
-    effects: Sequence[EffectFinding], by: Mapping[str, str], facts: Facts
+    effects: Sequence[EffectFinding], by: Mapping[str, str], facts: RefineFacts
 ) -> list[str]:
     """Return what to do at the machine, and the block that cancels until it is done."""
     ripples = [e for e in effects if e.cancel and e.place.location in by]
@@ -83,7 +83,9 @@ def _of_effects(
     return said
 
 
-def _of_sets(ambiguous: Sequence[Ambiguity], by: Mapping[str, str], facts: Facts) -> list[str]:
+def _of_sets(
+    ambiguous: Sequence[Ambiguity], by: Mapping[str, str], facts: RefineFacts
+) -> list[str]:
     """Return what tells apart what these records do not, and that nothing is changed before."""
     said = []
     for one in ambiguous:
@@ -99,7 +101,7 @@ def _remedies(effects: Sequence[EffectFinding]) -> str:
     return "; ".join(dict.fromkeys(map(remedy, effects)))
 
 
-def _of_unknown(unknown: Sequence[UnknownFinding], facts: Facts) -> list[str]:
+def _of_unknown(unknown: Sequence[UnknownFinding], facts: RefineFacts) -> list[str]:
     """Return where to look for what no effect explains: in a log first where it has a moment."""
     if not unknown:
         return []
@@ -140,7 +142,7 @@ def _of_unknown(unknown: Sequence[UnknownFinding], facts: Facts) -> list[str]:
     return [*said, *look] or ["Record again, longer, and at other speeds and tensions."]
 
 
-def _not_explained(above: Mapping[str, float], facts: Facts) -> list[str]:
+def _not_explained(above: Mapping[str, float], facts: RefineFacts) -> list[str]:
     """Return what the amended line leaves, as a sentence, or nothing."""
     loud = [f"{name} {100.0 * (ratio - 1.0):.0f} % above noise" for name, ratio in above.items()]
     many = is_incomplete(facts)

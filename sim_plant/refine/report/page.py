@@ -15,7 +15,7 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.report.aff_block import AffBlock, actuators_for, aff_blocks
 from sim_plant.refine.report.beside_rival import beside_rival
-from sim_plant.refine.report.facts import NOTHING_KNOWN, Facts
+from sim_plant.refine.report.facts import NOTHING_KNOWN, RefineFacts
 from sim_plant.refine.report.near_steps import near_steps
 from sim_plant.refine.report.next_step import PERIODIC, next_step
 from sim_plant.refine.report.partly import partly
@@ -43,7 +43,7 @@ SHOWN_SHIFTS = 5
 """Declared numbers estimated anew that the page shows; it folds the others away."""
 
 
-def headline(verdict: Verdict, facts: Facts = NOTHING_KNOWN) -> str:
+def headline(verdict: Verdict, facts: RefineFacts = NOTHING_KNOWN) -> str:
     """Return the verdict in a few sentences: what, where, how large, and whether that is all."""
     if verdict.answer == "nothing":
         return "Nothing found: the declared line explains the record fitted to its noise."
@@ -64,7 +64,7 @@ def headline(verdict: Verdict, facts: Facts = NOTHING_KNOWN) -> str:
     return f"{text} {partly(verdict, facts)}".strip()
 
 
-def confidence(verdict: Verdict, facts: Facts = NOTHING_KNOWN) -> str:
+def confidence(verdict: Verdict, facts: RefineFacts = NOTHING_KNOWN) -> str:
     """Return how far each effect is ahead of what else might explain the record."""
     said, unsure = [], {a.place: a.alternatives for a in verdict.ambiguous}
     for e in verdict.effects:
@@ -99,7 +99,7 @@ def confidence(verdict: Verdict, facts: Facts = NOTHING_KNOWN) -> str:
     )
 
 
-def _seen(verdict: Verdict, facts: Facts) -> list[str]:
+def _seen(verdict: Verdict, facts: RefineFacts) -> list[str]:
     """Return what the readings themselves showed of an effect, where that is something else."""
     if not facts.sample_time_s:
         return []
@@ -169,7 +169,7 @@ def _left(judged: Evaluation, ranked: Sequence[int], *, is_amended: bool) -> str
     return f"As {line}, more than 10 % above noise: {named}."
 
 
-def next_of(outcome: Outcome, facts: Facts) -> str:
+def next_of(outcome: Outcome, facts: RefineFacts) -> str:
     """Return what the reader may do now; ``facts``: see ``facts_of``."""
     judged, verdict = outcome.evaluation, outcome.verdict
     return next_step(
@@ -181,9 +181,9 @@ def next_of(outcome: Outcome, facts: Facts) -> str:
     )
 
 
-def facts_of(outcome: Outcome) -> Facts:
+def facts_of(outcome: Outcome) -> RefineFacts:
     """Return what the words of the verdict need of line and records."""
-    return Facts(
+    return RefineFacts(
         along=tuple(roller.name for roller in outcome.declared.rollers),
         without=outcome.plan.without,
         sample_time_s=outcome.selection.record_axes[0].sample_time_s,

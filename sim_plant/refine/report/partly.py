@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from aff_runtime.base.channel_units import unit_of_name
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.report.facts import NOTHING_KNOWN, Facts
+from sim_plant.refine.report.facts import NOTHING_KNOWN, RefineFacts
 from sim_plant.refine.report.verdict import Verdict
 
 
@@ -22,17 +22,17 @@ def misses(verdict: Verdict) -> list[str]:
     return sorted(missed, key=lambda name: -power[name])
 
 
-def is_incomplete(facts: Facts) -> bool:
+def is_incomplete(facts: RefineFacts) -> bool:
     """Return whether more declared numbers left their tolerance than are worth a look each."""
     return len(facts.far) > CRITERIA.report.named_numbers
 
 
-def incomplete(facts: Facts) -> str:
+def incomplete(facts: RefineFacts) -> str:
     """Return how many declared numbers left their tolerance, as part of a sentence."""
     return f"{len(facts.far)} of {len(facts.shifts)} declared numbers had to leave their tolerance"
 
 
-def partly(verdict: Verdict, facts: Facts = NOTHING_KNOWN) -> str:
+def partly(verdict: Verdict, facts: RefineFacts = NOTHING_KNOWN) -> str:
     """Return what a model that names all its effects still misses, a sentence; "" if nothing."""
     if not verdict.effects or verdict.answer not in ("traced", "not_identifiable"):
         return ""

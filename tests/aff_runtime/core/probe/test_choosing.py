@@ -12,7 +12,7 @@ from aff_runtime.core.probe.choosing import Choosing
 from aff_runtime.core.probe.excitation import Waveform
 from aff_runtime.core.probe.loud import FIRST_SHARE, ROOM, Heard, allowed, peak_of, unbiased
 from aff_runtime.core.probe.probe import Probe, Stage
-from aff_runtime.core.probe.quiet import Window
+from aff_runtime.core.probe.quiet import QuietWindow
 from aff_runtime.core.response import Provenance
 from tests.aff_runtime.core.plants import (
     CYCLE_S,
@@ -215,7 +215,7 @@ def test_noise_is_told_beside_ripple_of_known_rolls():
     rng = np.random.default_rng(3)
     told = []
     for _ in range(12):
-        window = Window(samples, CYCLE_S, signals=1, angles=1, orders=6)
+        window = QuietWindow(samples, CYCLE_S, signals=1, angles=1, orders=6)
         angle = 5.03 * np.arange(samples) * CYCLE_S
         for one, n in zip(angle, rng.standard_normal(samples) * sigma, strict=True):
             window.take([50.0 + 4.0 * math.cos(one) + 2.0 * math.sin(3 * one) + n], [one])
@@ -228,7 +228,7 @@ def test_noise_is_told_beside_ripple_of_known_rolls():
 
 
 def test_a_window_with_too_many_holes_tells_nothing():
-    window = Window(1000, CYCLE_S, signals=1, angles=1, orders=2)
+    window = QuietWindow(1000, CYCLE_S, signals=1, angles=1, orders=2)
     for k in range(1000):
         window.take([math.nan if k % 3 == 0 else 1.0], [0.01 * k])
     work = window.weigh()

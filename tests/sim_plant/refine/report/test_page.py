@@ -6,7 +6,7 @@ import pytest
 
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.effect_at import EffectAt
-from sim_plant.refine.report.facts import Facts
+from sim_plant.refine.report.facts import RefineFacts
 from sim_plant.refine.report.next_step import next_step
 from sim_plant.refine.report.page import confidence, gain, headline
 from sim_plant.refine.report.plots import channels_by_error
@@ -115,7 +115,7 @@ def test_what_is_not_explained_is_said_beside_what_is(above, outside, end, ambig
 
 def outside_by(shift, *names):
     shifts = dict.fromkeys(names, shift)
-    return Facts(shifts=tuple(shift_rows(shifts, dict.fromkeys(shifts, 0.1))))
+    return RefineFacts(shifts=tuple(shift_rows(shifts, dict.fromkeys(shifts, 0.1))))
 
 
 def test_many_numbers_outside_say_that_the_explanation_is_incomplete():
@@ -151,7 +151,7 @@ def test_what_is_certain_is_acted_on_beside_what_is_not_told_apart():
     drag = finding("bearing_drag", "R4", {"constant_N_m": 0.05}, cancel=False)
     also = tuple(EffectAt("bearing_drag", name) for name in ("R5", "R3"))
     open_ = Ambiguity(place=drag.place, alternatives=also, experiments=("look",))
-    facts = Facts(along=("R3", "R4", "R5"))
+    facts = RefineFacts(along=("R3", "R4", "R5"))
     said = next_step(verdict_with(slow, drag, ambiguous=[open_]), facts=facts)
     assert said.startswith("At the machine: look for what is slow between load cell and drive")
     assert said.endswith("For bearing drag at R3 to R5: change nothing before this test: look.")
@@ -159,7 +159,9 @@ def test_what_is_certain_is_acted_on_beside_what_is_not_told_apart():
 
 
 def test_a_site_file_that_was_written_is_tried_and_no_block_pasted():
-    said = next_step(verdict_with(EFFECT), {"unwind": "unwind"}, facts=Facts(is_proposed=True))
+    said = next_step(
+        verdict_with(EFFECT), {"unwind": "unwind"}, facts=RefineFacts(is_proposed=True)
+    )
     assert "try site_proposed.yaml with `aff-runtime settings try`" in said
     assert "paste" not in said
 
@@ -167,7 +169,7 @@ def test_a_site_file_that_was_written_is_tried_and_no_block_pasted():
 def test_what_was_left_out_on_request_is_named():
     line = unknown("angle", {"roll": "unwind", "order": 1.003})
     found = verdict_with(unknown=[line], answer="unknown")
-    said = headline(found, Facts(without=("out_of_round_roll",)))
+    said = headline(found, RefineFacts(without=("out_of_round_roll",)))
     assert "library without out of round roll (left out on request) explains it." in said
     assert "Put a dial gauge on unwind and turn it once" in next_step(found)
 
@@ -176,9 +178,9 @@ def test_a_number_that_fits_elsewhere_is_told_in_its_own_unit():
     """A tolerance of 20 % is two standard deviations: -8.71 of them are -87.1 %."""
     where = {"declared": "web.kelvin_voigt_eta_s", "standard_deviations": -8.71}
     found = verdict_with(unknown=[unknown("state", where)], answer="unknown")
-    said = headline(found, Facts(tolerances={"web.kelvin_voigt_eta_s": 0.2}))
+    said = headline(found, RefineFacts(tolerances={"web.kelvin_voigt_eta_s": 0.2}))
     assert "inner damping of web (web.kelvin_voigt_eta_s) -87.1 % (tolerance 20 %)" in said
-    loud = Facts(loudest="unwind_speed_rad_s (1.99 of its noise), b.csv, 3.0 to 11.0 s")
+    loud = RefineFacts(loudest="unwind_speed_rad_s (1.99 of its noise), b.csv, 3.0 to 11.0 s")
     assert next_step(found, facts=loud).endswith("b.csv, 3.0 to 11.0 s: look there.")
 
 
