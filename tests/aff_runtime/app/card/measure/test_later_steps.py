@@ -83,16 +83,53 @@ BLOCK = BlockStatus(
 )  # fmt: skip
 
 
-def test_orders_have_a_cost_and_none_may_be_held():
+FOLLOWER = replace(
+    BLOCK, actuator="swrap_follower", name="swrap_follower 1x", roll="swrap_follower"
+)
+
+
+def held(block, why="its response is not sure"):
+    return replace(block, state="HELD phase", why=why)
+
+
+def test_orders_have_a_cost():
     found = orders.measure(evidence(blocks=(BLOCK,), state="ACTIVE"))
     assert figure(found, "cost").value == pytest.approx(4.0 / 2.0)  # mm/s over N
     assert figure(found, "cost").unit == "mm/s per N"
     assert figure(found, "reduction").value == 14.0
     assert found.verdict is Verdict.PASS
-    held = replace(BLOCK, state="HELD phase", why="its response is not sure")
-    bad = orders.measure(evidence(blocks=(BLOCK, held), state="ACTIVE"))
-    assert (bad.verdict, figure(bad, "orders held").value) == (Verdict.FAIL, 1.0)
-    assert "not sure" in bad.remarks[0]
+
+
+def test_a_held_order_fails_by_the_ripple_that_it_leaves_and_is_listed_in_any_case(tmp_path):
+    columns, _ = switched(26.0, [], off_N=0.4)
+    seen = window(recorded(tmp_path, columns))
+    silent = held(replace(BLOCK, name="unwind 2x", order=2))
+    found = orders.measure(evidence(seen, blocks=(BLOCK, silent), state="ACTIVE"))
+    of_silent = figure(found, "unwind 2x: held, its ripple (at most: in the noise)")
+    # rms of a mean of 26 s at 5 ms, times sqrt(2) of an amplitude's power, times sqrt(ln 20)
+    floor_N = 0.25 * 2.0 / math.sqrt(5200) * math.sqrt(math.log(20.0))
+    assert of_silent.value == pytest.approx(floor_N, rel=0.4)
+    assert (found.verdict, figure(found, "orders held").value) == (Verdict.PASS, 0.0)
+    assert "unwind 2x: HELD phase, its response is not sure" in found.remarks[0]
+
+    other = replace(FOLLOWER, name="swrap_follower 2x", order=2, ripple_before=19.0)
+    loud = orders.measure(evidence(seen, blocks=(other, held(FOLLOWER)), state="ACTIVE"))
+    left = figure(loud, "swrap_follower 1x: held, its ripple")
+    assert (left.value, left.good) == (pytest.approx(0.4, rel=0.05), False)  # of 19 N: 2.1 %
+    assert (loud.verdict, figure(loud, "orders held").value) == (Verdict.FAIL, 1.0)
+    among_more = (replace(other, ripple_before=21.0), held(FOLLOWER))  # 0.4 N are 1.9 % of it
+    assert (
+        orders.measure(evidence(seen, blocks=among_more, state="ACTIVE")).verdict is Verdict.PASS
+    )
+
+
+def test_a_held_order_whose_ripple_was_not_seen_long_enough_keeps_the_step_open(tmp_path):
+    seen = in_memory(tmp_path, steady(12.0))
+    found = orders.measure(evidence(seen, blocks=(BLOCK, held(BLOCK)), state="ACTIVE"))
+    assert found.verdict is Verdict.OPEN
+    assert "20 are needed" in found.missing[0]
+    unseen = orders.measure(evidence(blocks=(held(BLOCK),), state="ACTIVE"))
+    assert (unseen.verdict, "does not show" in unseen.missing[0]) == (Verdict.OPEN, True)
 
 
 def test_orders_without_a_correction_are_open():
