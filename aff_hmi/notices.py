@@ -142,15 +142,15 @@ def _service(seen: Observed) -> Iterator[Condition]:
         )
     for number, trouble in enumerate(facts.wire[:2]):
         said = told(trouble)
-        is_radius = said.trouble.is_radius
+        of_roll = said.trouble.is_of_a_roll
         yield Condition(
-            key=f"RADIUS {said.values['roll']}" if is_radius else f"WIRE {number}",
+            key=f"{said.name} {said.values['roll']}" if of_roll else f"WIRE {number}",
             rank=low,
             name=said.name,
             text=said.trouble.text,
             values=said.values,
             to_do=said.trouble.to_do,
-            page=ROLLS if is_radius else TIMING,
+            page=ROLLS if of_roll else TIMING,
         )
     for text in facts.status.config_differs[:1]:
         if seen.row is None or seen.row.alarm != 10:  # the alarm of that name says it too

@@ -23,6 +23,7 @@ CHECK_NODE = N_("check this device: power, wiring, node id and what its display 
 MEND_RADIUS = N_("mend the scale of this word, or the range of the roll in the site file")
 NUMBERS = {"seconds": r"[0-9.e-]+", "function": r"\d+", "code": r"\d+", "node": r"\d+"}
 LONGEST = 200
+OF_WIRE, OF_RADIUS, OF_COUNT = "WIRE", "RADIUS", "COUNT"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,13 +34,18 @@ class Trouble:
     ----------
     text, to_do : what it is and what to do, English.
     heard : pattern of the service's sentence, ``{name}`` for a value; empty: ``text`` is it.
-    is_radius : it is of a reading, not of the wire.
+    name : of the alarm; not ``WIRE`` where it is of a reading of one roll.
     """
 
     text: str
     to_do: str = CHECK_CABLE
     heard: str = ""
-    is_radius: bool = False
+    name: str = OF_WIRE
+
+    @property
+    def is_of_a_roll(self) -> bool:
+        """Whether it is of a reading, not of the wire that brings it."""
+        return self.name != OF_WIRE
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -60,7 +66,7 @@ class Told:
         """As an alarm has it: of a reading that is not taken, or of the wire that brings them."""
         if self.ended_the_plc:
             return "BEFORE PLC_STALE"
-        return "RADIUS" if self.trouble.is_radius else "WIRE"
+        return self.trouble.name
 
 
 EXCEPTIONS = {
@@ -186,8 +192,18 @@ TROUBLES = (
         to_do=N_("see the device's manual"),
     ),
     *(
-        Trouble(heard=f"{one}; {{rest}}", text=one, to_do=MEND_RADIUS, is_radius=True)
+        Trouble(heard=f"{one}; {{rest}}", text=one, to_do=MEND_RADIUS, name=OF_RADIUS)
         for one in RADII
+    ),
+    Trouble(
+        heard="{roll}: {signal}: its count starts over after {rest}, and the service loses its "
+        "phase each time: write wraps_after: {after}",
+        text=N_(
+            "{roll}: the count of {signal} starts over early, each time its phase is lost; its "
+            "word lacks wraps_after: {after}"
+        ),
+        to_do=N_("write that into the site file"),
+        name=OF_COUNT,
     ),
     *(Trouble(text=one, to_do=CHECK_NODE) for one in OF_NODES),
     Trouble(  # before OF_SYSTEM: its rest may be one of those errors

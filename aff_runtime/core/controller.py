@@ -129,9 +129,10 @@ class Controller:
         rolls = dict.fromkeys(block.roll for block in actuator.blocks)
         return [text for roll in rolls if (text := self._phases.by_name[roll].objection())]
 
-    def radius_notes(self) -> tuple[str, ...]:
-        """Return what is said of radii that are not taken."""
-        notes = (phase.radius_note() for phase in self._phases.by_name.values())
+    def roll_notes(self) -> tuple[str, ...]:
+        """Return what is said of radii that are not taken, and of counts that start over early."""
+        rolls = self._phases.by_name.values()
+        notes = (note for roll in rolls for note in (roll.radius_note(), roll.restarts.note()))
         return tuple(note for note in notes if note)
 
     def ripple(self) -> tuple[tuple[float, float], ...]:

@@ -27,6 +27,7 @@ class RollParams:
     ----------
     angle : encoder channel, rad; preferred source.
     angle_modulus_rad : the channel wraps by this much (2^32 counts in rad); None never wraps.
+    angle_counts : counts in ``angle_modulus_rad``; 0: not known, or none.
     speed : roll speed channel, integrated when there is no encoder.
     speed_is_surface : True when ``speed`` is m/s at the surface, False when it is rad/s.
     line_speed : line speed channel, m/s, over the radius: the last resort.
@@ -42,6 +43,7 @@ class RollParams:
     name: str
     angle: str | None = None
     angle_modulus_rad: float | None = None
+    angle_counts: int = 0
     speed: str | None = None
     speed_is_surface: bool = True
     line_speed: str | None = None

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import IntEnum
 
+from aff_runtime.core.count_wraps import CountWraps
 from aff_runtime.core.encoder import STUCK_SHARE, EncoderCheck, Trust
 from aff_runtime.core.long_gap import JITTER_S, JUMP_RAD, has_whole_turns, turned_in_gap
 from aff_runtime.core.params import RollParams
@@ -52,6 +53,7 @@ class RollPhase:
     origin_lost : in this tick the angle is known again after it was lost, but nobody knows how it
         stands to the one before: what was learned on it is worth nothing.
     origin_losses : how often that was.
+    restarts : whether the encoder's count starts over early.
     """
 
     __slots__ = (
@@ -83,6 +85,7 @@ class RollPhase:
         "origin_lost",
         "quality",
         "radius_m",
+        "restarts",
         "source",
         "theta_rad",
     )
@@ -98,6 +101,7 @@ class RollPhase:
         self._radius_read = math.nan
         self.theta_rad = 0.0
         self.origin_losses = 0
+        self.wraps = CountWraps(params)
         self.restart()
 
     def restart(self) -> None:
@@ -372,6 +376,9 @@ class RollPhase:
             self._candidate_span_s += gap_s
         else:
             self._agreeing = 1
+            expected = self.omega_rad_s * self._raw_gap_s
+            moved = self._turned(angle, self._raw, expected)
+            self.wraps.begin(moved, expected, self._theta_at_raw)
             self._candidate_span_rad = self._candidate_span_s = 0.0
         self._candidate = angle
         self._candidate_gap_s = 0.0
@@ -383,6 +390,7 @@ class RollPhase:
         self._tracked = self.theta_rad
         self._agreeing = 0
         self._candidate = math.nan
+        self.wraps.confirm()
         self._check.begin()
         self._accepted(_ENCODER)
         return True

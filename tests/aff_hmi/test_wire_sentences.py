@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import math
 import os
 import re
 import socket
@@ -25,6 +26,7 @@ from aff_hmi.wire_sentences import (
     told,
 )
 from aff_hmi.words import say_in
+from aff_runtime.base.early_wrap import EarlyWrap
 from aff_runtime.base.errors import WireError
 from aff_runtime.core.params import RollParams
 from aff_runtime.core.phase import RollPhase
@@ -85,6 +87,15 @@ def test_a_radius_outside_its_range_is_no_fault_of_a_cable(
 ) -> None:
     german = f"unwind: unwind_radius_m {where}: nicht übernommen, {what}"
     assert shown(radius_note(read_m, known_m)) == ("RADIUS", german, say_in("de")(MEND_RADIUS))
+
+
+def test_a_count_that_starts_over_early_is_told_with_what_its_word_lacks() -> None:
+    early = EarlyWrap(range_rad=0.5 * math.tau, off_rad=0.2, seen=4)
+    said = f"unwind: unwind_angle_rad: {early.words(16.0 * math.tau, 65536)}"
+    name, text, to_do = shown(said)
+    assert (name, text.rpartition(" ")[2]) == ("COUNT", "2048")
+    assert "beginnt zu früh von vorn" in text
+    assert "Anlagendatei" in to_do
 
 
 @pytest.mark.parametrize(

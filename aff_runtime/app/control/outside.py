@@ -64,7 +64,7 @@ class ControlOutside:
         self._site = assembly.site
         self._guard = assembly.guard
         self._law = assembly.law
-        self._troubles = TroubleLog(assembly.gateway, self._of_radii, self._say, self._show_wire)
+        self._troubles = TroubleLog(assembly.gateway, self._of_rolls, self._say, self._show_wire)
         self._link = link
         self._commands = CommandQueue(link)
         self._meta = meta
@@ -351,9 +351,9 @@ class ControlOutside:
         """Pass a sentence to the supervisor's log, the wire's text in it made printable."""
         self._link.send(messages.LogLine(text=printable(text)))
 
-    def _of_radii(self) -> tuple[str, ...]:
-        """Return what the law that runs now says of its radii."""
-        return self._law.controller.radius_notes()
+    def _of_rolls(self) -> tuple[str, ...]:
+        """Return what the law that runs now says of its rolls' radii and counts."""
+        return self._law.controller.roll_notes()
 
     def _show_wire(self, troubles: tuple[str, ...]) -> None:
         """Tell the supervisor what is wrong with the wire, for ``status``."""

@@ -139,6 +139,7 @@ def _roll(site: Site, name: str, roll: Roll, ranges_rad: Mapping[str, float]) ->
         name=name,
         angle=roll.angle,
         angle_modulus_rad=_modulus_rad(site, roll.angle, ranges_rad),
+        angle_counts=site.gateway.read.channels[roll.angle].range_counts if roll.angle else 0,
         speed=roll.speed,
         speed_is_surface=unit_of_channel(roll.speed or "") != "rad/s",
         line_speed=roll.line_speed or site.line.speed,

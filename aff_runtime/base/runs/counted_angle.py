@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from aff_runtime.base.early_wrap import ALIKE_SHARE, FEWEST_WRAPS, EarlyWrap
 from aff_runtime.base.runs.holes import cycle_s_of, holes_between
 from aff_runtime.base.units import UnitError, read_scale
 from aff_runtime.base.yaml_section import Section
@@ -35,10 +36,6 @@ RATE_READINGS = 200
 """Over so many the speed is a mean: one count is then a small share of the motion."""
 UNSEEN_SHARE = 0.02
 """Of the motion over a hole by the speeds around it: a line at one speed keeps within that."""
-FEWEST_WRAPS = 3
-"""That are alike, and as far apart as each is large: two may be a counter that was set anew."""
-ALIKE_SHARE = 0.8
-"""Of the steps that jump: so many are alike where a count starts over early."""
 JUMP_STEPS, JUMP_SPREADS = 2.5, 12.0
 """A step jumps that is off by more than so many steps, a late reading and the one after it, and
 so many medians of what steps are off by."""
@@ -84,34 +81,6 @@ def modulus_rad(channel: Section) -> float:
         return counts * abs(read_scale(channel.get("scale"), "rad")) or math.inf
     except UnitError:
         return math.inf
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EarlyWrap:
-    """A count that starts over before its range ends.
-
-    Attributes
-    ----------
-    range_rad : after which it does; ``off_rad`` : by which that may be off.
-    seen : how often it did.
-    """
-
-    range_rad: float
-    off_rad: float
-    seen: int
-
-    def words(self, modulus_rad: float, counts: int) -> str:
-        """Return what to write into its channel, which has ``counts`` in ``modulus_rad``."""
-        size_rad = modulus_rad / counts
-        turn, found = math.tau / size_rad, self.range_rad / size_rad
-        whole = round(found / turn) * turn
-        is_whole = whole > 0.0 and abs(whole - found) <= self.off_rad / size_rad < 0.5 * turn
-        after = round(whole if is_whole else found)
-        return (
-            f"its count starts over after {'' if is_whole else 'about '}{after} counts (seen "
-            f"{self.seen} times), not after {counts}, and the service loses its phase each time: "
-            f"write wraps_after: {after}"
-        )
 
 
 def early_wrap(time_s: Array, count_rad: Array, modulus_rad: float) -> EarlyWrap | None:

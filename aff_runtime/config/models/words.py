@@ -123,9 +123,14 @@ class Channel(Section):
     @property
     def range_rad(self) -> float | None:
         """Return after how much an angle starts over, rad; None where its word does not say."""
+        return self.range_counts * abs(self.scale) or None
+
+    @property
+    def range_counts(self) -> int:
+        """Return after how many counts it starts over; 0 where it does not, or nobody says."""
         if self.type is None or not self.wraps:
-            return None
-        return (self.wraps_after or WORD_COUNTS[self.type]) * abs(self.scale)
+            return 0
+        return self.wraps_after or WORD_COUNTS[self.type]
 
 
 class Applied(Section):
