@@ -132,7 +132,7 @@ class Controller:
     def roll_notes(self) -> tuple[str, ...]:
         """Return what is said of radii that are not taken, and of counts that start over early."""
         rolls = self._phases.by_name.values()
-        notes = (note for roll in rolls for note in (roll.radius_note(), roll.restarts.note()))
+        notes = (note for roll in rolls for note in (roll.radius_note(), roll.wraps.note()))
         return tuple(note for note in notes if note)
 
     def ripple(self) -> tuple[tuple[float, float], ...]:

@@ -53,7 +53,7 @@ class RollPhase:
     origin_lost : in this tick the angle is known again after it was lost, but nobody knows how it
         stands to the one before: what was learned on it is worth nothing.
     origin_losses : how often that was.
-    restarts : whether the encoder's count starts over early.
+    wraps : whether the encoder's count starts over early.
     """
 
     __slots__ = (
@@ -85,9 +85,9 @@ class RollPhase:
         "origin_lost",
         "quality",
         "radius_m",
-        "restarts",
         "source",
         "theta_rad",
+        "wraps",
     )
 
     def __init__(self, params: RollParams, channels: Mapping[str, int]) -> None:

@@ -12,14 +12,17 @@ from typing import Any
 
 import pytest
 
+from aff_runtime.app.check.result import CheckResult
 from aff_runtime.app.link.messages import ConfigDiffers, Parameters
 from aff_runtime.app.supervisor.response_ledger import NAME, ResponseLedger, learned_sentences
+from aff_runtime.config.loader import load_recorded_site
 from tests import quick_yaml
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
 from tests.security.learned_files import (
     REVISION_WORD,
     SIGNALS,
+    SITE,
     CheckInProcess,
     House,
     checked,
@@ -223,6 +226,18 @@ def test_what_our_own_probe_has_just_written_comes_in_at_once(house: House, site
     assert house.running == hashlib.sha256(text.encode()).hexdigest()
     assert house.edits.differs == ()
     assert any("(probed here)" in text for name, text in house.said if name == "CONFIG_APPLIED")
+
+
+def test_numbers_that_a_probe_identified_are_no_edit_of_the_site_file(
+    house: House, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    site = SITE.read_text().replace("settle_s: 6", "settle_s: 7")  # stands for a drive's number
+    found = house.parameters.model_copy(update={"site": load_recorded_site(site, "site.yaml")})
+    result = CheckResult(parameters=found, findings=())
+    monkeypatch.setattr(CheckInProcess, "result", lambda self: result)
+    house.look()
+    (said,) = [text for name, text in house.said if name == "EDIT"]
+    assert said.startswith("a probe identified actuators.unwind.blocks[0].settle_s: ")
 
 
 def test_an_edit_of_the_site_file_does_not_carry_a_strangers_response_in(

@@ -16,6 +16,7 @@ from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.response_exchange import exchanged_responses, exchanged_wire_files
 from aff_runtime.app.supervisor.validation import Validation
+from aff_runtime.base.site_in_force import IDENTIFIED
 from aff_runtime.config.diff import diff_sites, may_apply_while_active
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 
@@ -122,9 +123,11 @@ class EditSession:
         changes = diff_sites(running.site, parameters.site)
         exchanged = exchanged_responses(running, parameters, self._processes.probed)
         wire = exchanged_wire_files(running, parameters)
-        if changes:
+        is_edited = running.site_hash != parameters.site_hash
+        if changes and is_edited:
             self._processes.note("EDIT", f"{self._site}: {author_of(self._site)}")
-        for edit in (*changes, *exchanged, *(f"{what} ({author})" for what, author in wire)):
+        edits = changes if is_edited else [f"{IDENTIFIED}{change}" for change in changes]
+        for edit in (*edits, *exchanged, *(f"{what} ({author})" for what, author in wire)):
             self._processes.note("EDIT", str(edit))
         fixed = [change.path for change in changes if not change.may_change_while_active]
         fixed += [what for what, _ in wire]

@@ -24,6 +24,7 @@ from aff_runtime.base.runs.files import text_of, yaml_values
 from aff_runtime.base.text_digest import text_digest
 
 APPLIED, EDIT, DIFFERS = "CONFIG_APPLIED", "EDIT", "CONFIG_DIFFERS"
+SITE_CHANGED = "the site file was changed"
 SITE_SHA256 = "site_sha256"
 """Key of run.yaml: the hash of the text of the run's site.yaml."""
 HASH_DIGITS = 12
@@ -38,6 +39,12 @@ _APPLIED = re.compile(
     rf"(?:; text sha256 (?P<text>[0-9a-f]{{{HASH_DIGITS}}}))?"
 )
 _EDIT = re.compile(r"(?P<path>[\w.\[\]-]+): .* -> (?P<new>.*) \(applies at once\)")
+IDENTIFIED = "a probe identified "
+"""An event EDIT that begins so tells of a number of a drive that the site file leaves open."""
+_RESPONSE = re.compile(
+    r".*: response \S+ -> \S+ \((?P<source>probed here|brought from outside);.*"
+)
+_WIRE_FILE = re.compile(r".*: describes the wire, \S+ -> \S+ \(.*")
 _KEY = re.compile(r"[^.\[\]]+")
 _GONE = ("(absent)", "none")
 
@@ -141,6 +148,19 @@ def changes_noted(
         for time_s, row in rows
         if row.get("name") == EDIT or (row.get("name") == APPLIED and time_s in later_s)
     ]
+
+
+def change_words(row: Mapping[str, str]) -> str:
+    """Return what an event of `changes_noted` tells of: the site file, or what was measured."""
+    text = row.get("text", "")
+    response = _RESPONSE.fullmatch(text)
+    if text.startswith(IDENTIFIED):
+        return "numbers that a probe had identified were taken"
+    if response is not None and response["source"] == "probed here":
+        return "the response that a probe had measured was taken"
+    if response is not None:
+        return "a response that no probe of the service had measured was taken"
+    return "a file of the wire was changed" if _WIRE_FILE.fullmatch(text) else SITE_CHANGED
 
 
 def in_force_within(

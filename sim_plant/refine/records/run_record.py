@@ -16,6 +16,7 @@ from aff_runtime.base.probe_columns import STAGE
 from aff_runtime.base.runs.counted_angle import early_wrap
 from aff_runtime.base.runs.holes import BRIDGED_SHARE
 from aff_runtime.base.runs.join import SAME_CYCLE_SHARE
+from aff_runtime.base.runs.site_in_force import change_words
 from aff_runtime.base.runs.table import RunTable, few, other_line, read_table
 from aff_runtime.base.runs.window import not_recorded, run_window
 from sim_plant.base.arrays import Array
@@ -322,9 +323,9 @@ def _of_service(name: str) -> bool:
 
 
 def _edits(table: RunTable) -> list[str]:
-    """Return a sentence for every change of the site file within the run's window."""
+    """Return a sentence for every change of what ran within the run's window."""
     said = [
-        f"at {row.get('time_s', '?')} s the site file was changed ({row.get('text', '')}): "
+        f"at {row.get('time_s', '?')} s {change_words(row)} ({row.get('text', '')}): "
         "channels and units are those of the window's beginning, which no live edit changes"
         for row in table.site_changes
     ]

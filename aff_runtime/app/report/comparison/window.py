@@ -26,6 +26,7 @@ from aff_runtime.base.runs.roll_changes import roll_changes
 from aff_runtime.base.runs.table import RunTable, few, other_line, read_table
 from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.signals import Outcome, State, StateBits, Status
+from aff_runtime.base.site_in_force import change_words
 from aff_runtime.base.units import UnitError, read_number
 from aff_runtime.base.yaml_section import Section
 
@@ -235,7 +236,7 @@ def _odd(window: Window) -> list[str]:
         )
     changes = window.table.site_changes
     return said + few(
-        [f"the site file was changed at {r.get('time_s')} s: {r.get('text')}" for r in changes]
+        [f"{change_words(r)} at {r.get('time_s')} s: {r.get('text')}" for r in changes]
     )
 
 

@@ -202,7 +202,10 @@ def test_one_missed_row_is_filled_in_and_said(made, run):
 def test_a_site_file_that_was_edited_in_the_middle_is_named(run):
     with (run / "events.csv").open("a") as file:
         file.write('12.0,,,EDIT,,"actuators.unwind.limit_m_s: 0.05 -> 0.1"\n')
-    assert said_of(read_record(run), "at 12.0 s the site file was changed (actuators.unwind.limit")
+        file.write('14.0,,,EDIT,,"/l/unwind.json: response none -> c5 (probed here; root)"\n')
+    record = read_record(run)
+    assert said_of(record, "at 12.0 s the site file was changed (actuators.unwind.limit")
+    assert said_of(record, "at 14.0 s the response that a probe had measured was taken (/l/unw")
 
 
 @pytest.mark.parametrize("text", ["- 1", "line: {name: x}", "{", "line: 3\ngateway: 4"])

@@ -192,6 +192,20 @@ def test_windows_on_either_side_of_an_edit_and_on_the_same_side_differ_according
     assert any("the site file was changed at 42.0 s" in text for text in within.windows[1].labels)
 
 
+def test_what_a_probe_brought_is_told_as_such_and_not_as_an_edit_of_the_site_file(run):
+    with (run / "events.csv").open("a") as file:
+        file.write('42.0,,,EDIT,,"/l/unwind.json: response none -> c5 (probed here; root)"\n')
+        file.write('42.0,,,EDIT,,"a probe identified actuators.unwind.drive.zeta: none -> 1"\n')
+        file.write('43.0,,,EDIT,,"/l/unwind.json: response c5 -> d6 (brought from outside; x)"\n')
+        file.write('44.0,,,EDIT,,"line.dbc: describes the wire, aa -> bb (x)"\n')
+    labels = "\n".join(of(f"{run}@5..33", f"{run}@36..60").windows[1].labels)
+    assert "the response that a probe had measured was taken at 42.0 s: /l/unwind" in labels
+    assert "numbers that a probe had identified were taken at 42.0 s" in labels
+    assert "a response that no probe of the service had measured was taken at 43.0 s" in labels
+    assert "a file of the wire was changed at 44.0 s" in labels
+    assert "site file was changed" not in labels
+
+
 def test_a_window_that_ran_on_the_next_runs_site_file_already_differs_in_nothing(made, run):
     """The edit is of the first folder; the second one begins with what it made."""
     text = edited(run, at_s=4.0)
