@@ -84,7 +84,8 @@ def trend(options: argparse.Namespace) -> int:
     from aff_runtime.app.report.watching.wound_rolls import rankings  # noqa: PLC0415
 
     store = load_store(options.store)
-    found = findings.findings(store, _limits(options.limit), now=parse_utc(wall_time_iso()))
+    now = parse_utc(wall_time_iso())
+    found = findings.findings(store, _limits(options.limit), now=now)
     ranked = rankings(store)
     if options.json:
         say(sentences.as_json(store.line, found, supplier_rankings(ranked)))
@@ -92,6 +93,8 @@ def trend(options: argparse.Namespace) -> int:
     for line in sentences.notes(found):
         say(line)
     for line in sentences.table(found):
+        say(f"  {line}")
+    for line in sentences.unread(findings.unread(store, now=now)):
         say(f"  {line}")
     for line in (*sentences.rolls(ranked), *sentences.suppliers(supplier_rankings(ranked))):
         say(line)

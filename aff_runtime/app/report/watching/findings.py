@@ -152,6 +152,39 @@ def findings(
     return found + [_finding(one) for one in _responses(store, now)]
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unread:
+    """A roller, or a place of wound rolls, of which nothing was ever told in its present life.
+
+    Attributes
+    ----------
+    turns : of the stretch with the most. ``turn_s`` : one turn in it, NaN where not known.
+    """
+
+    roll: str
+    turns: int
+    turn_s: float
+
+
+def unread(store: Store, *, now: datetime | None = None) -> list[Unread]:
+    """Return what turned too little in every stretch; of a wound roll the newest one counts."""
+    orders, found = store.orders, []
+    for roll in sorted(set(orders["roll"])):
+        mine = orders["roll"] == roll
+        if orders["is_roll"][mine][-1]:
+            mine &= orders["roll_id"] == orders["roll_id"][mine][-1]
+        else:
+            mine &= orders["life"] == store.present_life(roll, now)
+        sizes = [orders[one.name][mine] for one in QUANTITIES]
+        if not mine.any() or np.isfinite(sizes).any():
+            continue
+        most = np.flatnonzero(mine)[int(np.argmax(orders["turns"][mine]))]
+        rate_Hz = float(orders["frequency_Hz"][most]) / int(orders["order"][most])
+        turn_s = 1.0 / rate_Hz if rate_Hz > 0.0 else math.nan
+        found.append(Unread(roll=roll, turns=int(orders["turns"][most]), turn_s=turn_s))
+    return found
+
+
 def _finding(readings: Readings) -> Finding:
     per_km = slope(readings.travelled_km, readings.size, readings.error)
     per_day = slope(readings.days, readings.size, readings.error)

@@ -51,7 +51,7 @@ class Learned:
 
 
 def order_rows(window: Window, hour: HourRow) -> Iterator[OrderRow]:
-    """Yield what a stretch says of every order that turned often enough in it."""
+    """Yield what a stretch says of every order; below ``FEWEST_TURNS`` its turns alone."""
     signals = dict(tensions(window))
     rows = 0
     for name, given in window.section("rolls").items():
@@ -67,9 +67,9 @@ def order_rows(window: Window, hour: HourRow) -> Iterator[OrderRow]:
                 rows += 1
                 if rows > MOST_ROWS:
                     return
-                if estimate.turns < FEWEST_TURNS:
-                    continue
-                learned = _learned(window, signal, (roll, order), frequency_Hz)
+                is_told = estimate.turns >= FEWEST_TURNS
+                at = (roll, order)
+                learned = _learned(window, signal, at, frequency_Hz) if is_told else Learned()
                 yield OrderRow(
                     run_id=hour.run_id,
                     hour=hour.hour,
@@ -85,7 +85,7 @@ def order_rows(window: Window, hour: HourRow) -> Iterator[OrderRow]:
                     radius_m=float(np.mean(angle.radius_m)),
                     frequency_Hz=frequency_Hz,
                     turns=estimate.turns,
-                    ripple_N=estimate.amplitude,
+                    ripple_N=estimate.amplitude if is_told else math.nan,
                     ripple_error_N=(estimate.high - estimate.amplitude) / TWO_SIDED_95,
                     floor_N=estimate.floor,
                     noise_N=_noise(values),

@@ -9,7 +9,8 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from aff_runtime.app.report.watching.findings import FRICTION, Finding, Readings
+from aff_runtime.app.report.comparison.turns import FEWEST_TURNS
+from aff_runtime.app.report.watching.findings import FRICTION, Finding, Readings, Unread
 from aff_runtime.app.report.watching.store import Taken
 from aff_runtime.app.report.watching.suppliers import MedianSize, SupplierRanking
 from aff_runtime.app.report.watching.trend import FEWEST_READINGS, SIGMA, Slope
@@ -22,6 +23,8 @@ SHOWN = {"m": ("um", 1e6), "rad": ("deg", math.degrees(1.0))}
 PER_KM = 1000.0  # a slope is shown per so many km
 A_LONG_TIME_WEEKS = 520.0
 MOST_ROLLS = 20
+WHOLE = FEWEST_TURNS + 2
+"""Turns in which so many are whole, wherever the first one begins."""
 
 
 def unit_shown(unit: str) -> tuple[str, float]:
@@ -59,6 +62,19 @@ def table(findings: Sequence[Finding]) -> Iterator[str]:
         yield f"{head}; {told}{_sign(readings)}"
 
 
+def unread(rolls: Sequence[Unread]) -> Iterator[str]:
+    """Yield why there is no line of a roller, or of the roll of web that is on."""
+    for one in rolls:
+        yield (
+            f"{one.roll}: no line, {_too_few(one.turns)}"
+            f"{f', {WHOLE * one.turn_s:.0f} s at one speed' if one.turn_s > 0.0 else ''}"
+        )
+
+
+def _too_few(turns: int) -> str:
+    return f"{turns} whole turns in its longest steady stretch, {FEWEST_TURNS} are needed"
+
+
 def rolls(rankings: Sequence[Ranking]) -> Iterator[str]:
     """Yield the rolls of web of each place, the farthest from round first, ``MOST_ROLLS`` at most.
 
@@ -76,6 +92,8 @@ def rolls(rankings: Sequence[Ranking]) -> Iterator[str]:
             if worst is not None:
                 interval = f"(+- {factor * TWO_SIDED_95 * worst.error:.2g})"
                 size = f"{factor * worst.size:.4g} {unit} {interval} at {worst.order}x"
+            elif 0 < roll.turns < FEWEST_TURNS:
+                size = f"not known, {_too_few(roll.turns)}"
             yield (
                 f"  {rank}. roll {roll.roll_id}: {size}, {roll.hours} hours from "
                 f"{np.datetime_as_string(roll.first, 'D')} on"

@@ -56,7 +56,8 @@ class OrderRow:
     Attributes
     ----------
     is_roll : it is wound web, exchanged in operation, so that it has no life to follow.
-    correcting : corrections went out. ``turns`` : that the ripple rests on.
+    correcting : corrections went out. ``turns`` : that the ripple rests on; of fewer than
+        ``FEWEST_TURNS`` nothing is told.
     floor_N : what noise alone exceeds once in 20 stretches. ``noise_N`` : of one reading.
     shape_m : deviation that law shape has learned. ``stroke_m`` : the plain law's correction as a
         length of web: its speed amplitude over its angular frequency.

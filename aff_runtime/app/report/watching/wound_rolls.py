@@ -38,6 +38,7 @@ class WoundRoll:
     first, last : UTC of the first and last reading of it. ``hours`` : of runs with a reading.
     sizes : by name of a quantity of ``RANKED``, each order's largest in any tension; ``worst`` :
         the largest of them. ``left`` : ripple while it was corrected.
+    turns : of the reading with the most; of fewer than ``FEWEST_TURNS`` no size is told.
     supplier : number of its supplier, the one that the PLC gave of it in the most hours; 0 where
         it gave none.
     """
@@ -49,6 +50,7 @@ class WoundRoll:
     hours: int
     sizes: dict[str, tuple[OrderSize, ...]]
     left: OrderSize | None
+    turns: int = 0
     supplier: int = 0
 
     @property
@@ -114,6 +116,7 @@ def _wound(orders: Columns, rows: np.ndarray, place: str, number: int) -> WoundR
         hours=len(hours),
         sizes={q.name: _sizes(part, q) for q in RANKED},
         left=max(_sizes(part, LEFT), key=lambda one: one.size, default=None),
+        turns=int(part["turns"].max()),
         supplier=_supplier(part),
     )
 

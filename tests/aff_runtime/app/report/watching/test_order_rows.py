@@ -10,7 +10,8 @@ import pytest
 from aff_runtime.app.report.comparison.window import window_of
 from aff_runtime.app.report.parquet import table
 from aff_runtime.app.report.watching import order_rows as module
-from aff_runtime.app.report.watching.findings import findings
+from aff_runtime.app.report.watching import sentences
+from aff_runtime.app.report.watching.findings import findings, unread
 from aff_runtime.app.report.watching.order_rows import order_rows
 from aff_runtime.app.report.watching.store import Store
 from aff_runtime.app.report.watching.tables import ORDER_FIELDS, HourRow
@@ -84,6 +85,21 @@ def test_ripple_frequency_and_radius_are_those_of_the_record_and_set_points_are_
     assert once.radius_m == pytest.approx(RADIUS_M)
     assert found["roller", 2].ripple_N < 0.02
     assert all(math.isnan(v) for v in (once.shape_m, once.stroke_m, once.response_ratio))
+
+
+def test_of_a_roll_that_turned_too_little_its_turns_are_kept_and_the_reason_is_told():
+    columns = law(OrderState.SETTLED, amplitude_m_s=0.003)
+    radius_m = SPEED_M_S * SECONDS / (5.5 * math.tau)  # 5.5 turns: 4 whole ones
+    slow = rows(SITE.replace("5 cm", f"{radius_m} m"), **columns)
+    once = slow["roller", 1]
+    assert (once.turns, math.isnan(once.ripple_N), math.isnan(once.stroke_m)) == (4, True, True)
+    made = Store(line="Euclid", orders=table(ORDER_FIELDS, list(slow.values())))
+    assert findings(made) == []  # the roll of web has no life
+    turn_s = SECONDS / 5.5
+    assert list(sentences.unread(unread(made))) == [
+        "roller: no line, 4 whole turns in its longest steady stretch, 8 are needed, "
+        f"{10.0 * turn_s:.0f} s at one speed"
+    ]
 
 
 def test_the_plain_laws_amplitude_is_a_stroke_over_its_angular_frequency():
