@@ -66,7 +66,11 @@ def measure(evidence: Evidence) -> StepResult:
     short = [one for one in turns if not one.good]
     return StepResult(
         figures=(*overall, *turns, *conditions, *_orders(pairs, wanted)),
-        missing=(*(() if overall else (NOTHING_PROVEN,)), *map(_too_short, short)),
+        missing=(
+            *(() if any(one.good is not None for one in overall) else (NOTHING_PROVEN,)),
+            *(_hidden(one) for one in overall if one.is_missing),
+            *map(_too_short, short),
+        ),
         remarks=(*_remarks(pairs), *map(_left_out, cut)),
     )
 
@@ -129,7 +133,8 @@ def reduction(changes: Sequence[Change]) -> Change:
     if bounds & {*NOT_TOLD, "at_least"} or not values:
         return Change(value_dB=NAN, low_dB=NAN, high_dB=NAN, bound="none")
     if bounds != {""}:
-        return Change(value_dB=min(values), low_dB=NAN, high_dB=NAN, bound="at_least")
+        surely = [-change.high_dB for change in changes]  # the lower end, of a bound itself
+        return Change(value_dB=min(surely), low_dB=NAN, high_dB=NAN, bound="at_least")
     halves = [0.5 * (change.high_dB - change.low_dB) for change in changes]
     mean = sum(values) / len(values)
     half = max(math.hypot(*halves) / len(values), 0.5 * (max(values) - min(values)))
@@ -235,8 +240,33 @@ def _overall(
             low=change.low_dB,
             high=change.high_dB,
             limit=f"above {bound:g} dB" + (" (promised)" if math.isfinite(promised) else ""),
-            good=change.value_dB >= bound if math.isfinite(change.value_dB) else None,
+            good=_is_kept(change, rows, bound),
+            needed=math.isfinite(promised),
         )
+
+
+def _is_kept(change: Change, pairs: Sequence[Sequence[OrderRow]], bound_dB: float) -> bool | None:
+    """Whether a reduction is what was promised; None where the noise hides whether it is."""
+    if change.value_dB >= bound_dB:
+        return True
+    if not change.bound:
+        return False
+    return None if max(map(_best_dB, pairs)) >= bound_dB else False
+
+
+def _best_dB(rows: Sequence[OrderRow]) -> float:
+    """Return what orders together fell by at best: what the noise hides when on is nothing."""
+    off, off_half = root_sum([row.before for row in rows], 1.0)
+    on, on_half = root_sum([row.after for row in rows], 0.0)
+    return _DB * math.log((off + off_half) / (on - on_half)) if on > on_half else math.inf
+
+
+def _hidden(figure: Figure) -> str:
+    shown = f"{figure.value:.1f} dB" if math.isfinite(figure.value) else "not known"
+    return (
+        f"{figure.name}: {shown}, {figure.limit}; the noise hides whether it is "
+        "more: make each off, and each on, longer"
+    )
 
 
 def _together(rows: Sequence[OrderRow]) -> Change:
@@ -245,9 +275,12 @@ def _together(rows: Sequence[OrderRow]) -> Change:
     on, on_half = root_sum([row.after for row in rows], 1.0)
     if off <= 0.0 or on <= 0.0:
         return Change(value_dB=NAN, low_dB=NAN, high_dB=NAN, bound="none")
-    value = _DB * math.log(on / off)
     if any(not row.after.stands_out for row in rows):
-        return Change(value_dB=value, low_dB=NAN, high_dB=NAN, bound="at_most")
+        if not off > off_half:
+            return Change(value_dB=NAN, low_dB=NAN, high_dB=NAN, bound="unknown")
+        most = _DB * math.log((on + on_half) / (off - off_half))
+        return Change(value_dB=most, low_dB=NAN, high_dB=most, bound="at_most")
+    value = _DB * math.log(on / off)
     half = _DB * math.hypot(off_half / off, on_half / on)
     return Change(value_dB=value, low_dB=value - half, high_dB=value + half, bound="")
 
@@ -255,14 +288,14 @@ def _together(rows: Sequence[OrderRow]) -> Change:
 def root_sum(ends: Sequence[Estimate], noise: float) -> tuple[float, float]:
     """Return the root of the sum of squares of amplitudes, and half its interval.
 
-    What is in the noise counts as ``noise`` times its floor: nothing when off, all when on, so
-    that the reduction is never better than is known.
+    What is in the noise counts as ``noise`` times the most that it may be: nothing when off, all
+    when on, so that the reduction is never better than is known.
     """
-    sizes = [end.amplitude if end.stands_out else noise * end.floor for end in ends]
+    sizes = [end.amplitude if end.stands_out else noise * end.most for end in ends]
     halves = [0.5 * (end.high - end.low) if end.stands_out else 0.0 for end in ends]
     total = math.sqrt(sum(size**2 for size in sizes))
     spread = math.sqrt(sum((s * h) ** 2 for s, h in zip(sizes, halves, strict=True)))
-    return total, spread / total if total else NAN
+    return total, spread / total if total else 0.0
 
 
 def _turns(pairs: Sequence[Comparison], wanted: frozenset[Key]) -> Iterator[Figure]:

@@ -37,9 +37,7 @@ def outcome(comparison: Comparison) -> Iterator[str]:
 
 def direction(row: OrderRow) -> int:
     """Return 1 where an order grew for sure, -1 where it fell, 0 where that is not told."""
-    change, before = row.change, row.before
-    if change.bound == "at_most":
-        return -1 if row.after.floor < before.low else 0
+    change = row.change
     if change.low_dB > 0.0:  # false of what is not known
         return 1
     return -1 if change.high_dB < 0.0 else 0

@@ -58,6 +58,14 @@ class Estimate:
         """Return whether it is more than noise."""
         return self.amplitude > self.floor
 
+    @property
+    def most(self) -> float:
+        """Return what it is at most, for sure to 95 %: the floor is no bound of what hides in it.
+
+        An order just above the floor is found below it in half of the windows.
+        """
+        return self.high if self.stands_out else max(self.high, self.floor)
+
 
 def order_per_turn(
     angle_rad: Array, signal: Array, good: Flags, orders: Sequence[int]
@@ -225,9 +233,8 @@ class Change:
 
     Attributes
     ----------
-    value_dB : after over before.
-    low_dB, high_dB : 95 % interval. Of ``at_least`` the lower end alone is known: that of the
-        amplitude after over the floor before; above 0 the order rose for sure.
+    value_dB : after over before; of a bound the ends of both that make it hold to 95 %.
+    low_dB, high_dB : 95 % interval; of a bound NaN, but for the end that it is.
     bound : ``at_most``: the amplitude after is in the noise, the change is that or less;
         ``at_least``: that before is; ``none``: both are; ``unknown``: of one or both too few
         turns were seen to tell; else empty.
@@ -251,12 +258,24 @@ def change(before: Estimate, after: Estimate) -> Change:
     if is_unknown or not (before_seen or after_seen):
         bound = "unknown" if is_unknown else "none"
         return Change(value_dB=math.nan, low_dB=math.nan, high_dB=math.nan, bound=bound)
-    first, last = (e.amplitude if e.stands_out else e.floor for e in (before, after))
-    value = 20.0 * (_log10(last) - _log10(first))
     if not before_seen or not after_seen:
-        bound = "at_most" if before_seen else "at_least"
-        low = math.nan if before_seen else 20.0 * (_log10(after.low) - _log10(first))
-        return Change(value_dB=value, low_dB=low, high_dB=math.nan, bound=bound)
+        return _bound(before, after)
+    value = 20.0 * (_log10(after.amplitude) - _log10(before.amplitude))
     shares = ((e.high - e.low) / (2.0 * e.amplitude) for e in (before, after))
     half = 20.0 / math.log(10.0) * math.hypot(*shares)
     return Change(value_dB=value, low_dB=value - half, high_dB=value + half, bound="")
+
+
+def _bound(before: Estimate, after: Estimate) -> Change:
+    """Return what a change is at most or at least, where one of the two is in the noise.
+
+    Of few turns the lower end of what stands out may be 0: then nothing is known of the change.
+    """
+    there = before.stands_out
+    large, small = (before.low, after.most) if there else (after.low, before.most)
+    if not large > 0.0:
+        return Change(value_dB=math.nan, low_dB=math.nan, high_dB=math.nan, bound="unknown")
+    size_dB = 20.0 * (_log10(large) - _log10(small))
+    if there:
+        return Change(value_dB=-size_dB, low_dB=math.nan, high_dB=-size_dB, bound="at_most")
+    return Change(value_dB=size_dB, low_dB=size_dB, high_dB=math.nan, bound="at_least")

@@ -149,10 +149,10 @@ def test_two_changes_are_one_reduction_with_both_their_spreads():
 
 def test_what_is_in_the_noise_is_a_bound_or_nothing():
     some = Change(value_dB=-20.0, low_dB=-21.0, high_dB=-19.0, bound="")
-    bound = Change(value_dB=-30.0, low_dB=math.nan, high_dB=math.nan, bound="at_most")
+    bound = Change(value_dB=-30.0, low_dB=math.nan, high_dB=-30.0, bound="at_most")
     none = Change(value_dB=math.nan, low_dB=math.nan, high_dB=math.nan, bound="none")
     found = proof.reduction([some, bound])
-    assert (found.value_dB, found.bound) == (20.0, "at_least")
+    assert (found.value_dB, found.bound) == (19.0, "at_least")
     assert proof.reduction([some, none]).bound == "none"
 
 
@@ -210,7 +210,20 @@ def test_orders_together_are_the_root_of_the_sum_of_their_squares():
     assert half == pytest.approx(math.hypot(3.0 * 0.3, 4.0 * 0.1) / 5.0)
 
 
-def test_what_is_in_the_noise_counts_for_nothing_when_off_and_for_its_floor_when_on():
+def test_what_is_in_the_noise_counts_for_nothing_when_off_and_for_its_most_when_on():
     noise = size(0.001, floor=0.2)
     assert proof.root_sum([noise], 0.0)[0] == 0.0
     assert proof.root_sum([noise], 1.0)[0] == pytest.approx(0.2)
+    assert proof.root_sum([size(0.1, 0.15, floor=0.2)], 1.0)[0] == pytest.approx(0.25)
+
+
+@pytest.mark.parametrize(("promised_dB", "good"), [(15.0, True), (25.0, None), (35.0, False)])
+def test_a_promise_that_the_noise_hides_is_undecided_and_one_that_it_cannot_hide_fails(
+    promised_dB, good
+):
+    """5 N when off; when on 0.1 N is seen, 0.4 N may be there: 34 dB at best, 21.7 at least."""
+    seen, hidden = row(1, size(4.0), size(0.1)), row(2, size(3.0), size(0.1, floor=0.4))
+    pairs = [[seen, hidden]] * 2
+    change = proof.reduction([proof._together(one) for one in pairs])
+    assert change.value_dB == pytest.approx(20.0 * math.log10(5.0 / math.hypot(0.1, 0.4)))
+    assert proof._is_kept(change, pairs, promised_dB) is good

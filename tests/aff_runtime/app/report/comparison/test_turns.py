@@ -135,10 +135,29 @@ def test_of_too_few_turns_for_a_noise_no_change_is_known(other):
         assert change_text(result) == "change not known"
 
 
-def test_a_rise_out_of_the_noise_is_at_least_that_of_its_lower_end_over_the_floor():
-    result = change(size(0.001), size(1.0, 0.2))
-    assert result.low_dB == pytest.approx(20.0 * math.log10(0.8 / size(0.001).floor))
-    assert math.isnan(result.high_dB)
+def test_a_bound_is_that_of_the_ends_which_make_it_hold():
+    rise = change(size(0.008, 0.012), size(1.0, 0.2))
+    assert rise.value_dB == rise.low_dB == pytest.approx(20.0 * math.log10(0.8 / 0.02))
+    fall = change(size(1.0, 0.2), size(0.001))  # its upper end is below the floor of 0.01
+    assert fall.value_dB == fall.high_dB == pytest.approx(20.0 * math.log10(0.01 / 0.8))
+    assert math.isnan(rise.high_dB)
+    assert math.isnan(fall.low_dB)
+    assert change(size(0.02, 0.02), size(0.001)).bound == "unknown"
+
+
+@pytest.mark.parametrize("of_floor", [0.5, 1.0, 1.3, 1.7])
+def test_a_bound_of_the_change_is_wrong_in_fewer_than_5_of_100_pairs_of_windows(of_floor):
+    """An order near the floor, which is found below it by chance, beside one of 8 floors."""
+    rng, floor, wrong = np.random.default_rng(5), 1.73 * math.sqrt(2.0 / 40), 0
+    for _ in range(200):
+        noise = rng.standard_normal((2, 40, 2)) @ [1.0, 1.0j]
+        hidden, seen = (
+            estimate(a * floor + n, encoder=True)
+            for a, n in zip((of_floor, 8.0), noise, strict=True)
+        )
+        found = change(hidden, seen)
+        wrong += found.bound == "at_least" and found.value_dB > 20.0 * math.log10(8.0 / of_floor)
+    assert wrong < 10
 
 
 def parts(size, noise, seed, lengths=(30, 47, 12, 90)):
