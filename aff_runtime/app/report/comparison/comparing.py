@@ -175,15 +175,18 @@ def _missed(columns: Mapping[str, Array]) -> tuple[int, int]:
     The service counts both: ``missed_count``, in an older record the periods before each row, and
     ``tick``, those that were done.
     """
-    by_count = _gone_up(columns.get("missed_count"))
+    by_count = gone_up(columns.get("missed_count"))
     periods = np.nan_to_num(columns.get(PERIODS, np.ones(1)))[1:]
     missed = by_count if by_count is not None else int(np.sum(np.maximum(periods - 1.0, 0.0)))
-    done = _gone_up(columns.get("tick"))
+    done = gone_up(columns.get("tick"))
     return missed, max(0, (done or 0) - columns["time_s"].size + 1)
 
 
-def _gone_up(counts: Array | None) -> int | None:
-    """Return by how much a count of the service went up in a window; None where it has none."""
+def gone_up(counts: Array | None) -> int | None:
+    """Return by how much a count of the service went up in a window; None where it has none.
+
+    From the first row in which it is a number to the last one.
+    """
     finite = counts[np.isfinite(counts)] if counts is not None else np.empty(0)
     return round(float(np.clip(finite[-1] - finite[0], 0.0, 2.0**53))) if finite.size else None
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-from aff_runtime.app.report.comparison.comparing import percentiles
+from aff_runtime.app.report.comparison.comparing import gone_up, percentiles
 from aff_runtime.app.report.comparison.turns import Array
 from aff_runtime.app.report.comparison.window import (
     Window,
@@ -56,6 +56,8 @@ PLACES = (0.0, 1.0 / 3.0, 2.0 / 3.0)
 """Where in an hour a stretch is looked for, as a share, until one is ``ENOUGH_S`` long."""
 ENOUGH_S = 60.0
 OF_A_SEGMENT = "signals-"
+MISSED = "missed_count"
+NOT_COUNTED = f"{MISSED} is a number in no row of a stretch: missed ticks are not known there"
 _LARGEST = 1 << 20  # bytes of a file of the run
 
 
@@ -172,6 +174,9 @@ class RunHours:
         stretch = steady(table, speed_channel(self.site))
         if stretch is not None:
             lost.update(dict.fromkeys(said_of_readings(stretch)))
+            counts = stretch.table.columns.get(MISSED)
+            if counts is not None and gone_up(counts) is None:
+                lost[NOT_COUNTED] = None
         return stretch
 
     def _read(self, one: RecordedHour, window: Window | None) -> HourRead:
@@ -363,14 +368,14 @@ def _of_stretch(window: Window | None) -> HourRow:
     columns = window.table.columns
     none = np.full(1, math.nan)
     wake, io, tick = (percentiles(columns.get(f"{n}_us", none)) for n in ("wake", "io", "tick"))
-    missed = columns.get("missed_count", none)  # since the process began to tick
+    missed = gone_up(columns.get(MISSED))  # since the process began to tick
     speed = window.speed
     return replace(
         blank,
         stretch_s=_seconds(window),
         speed_m_s=math.nan if speed is None else float(np.nanmean(np.abs(speed))),
         correcting=is_correcting(window),
-        missed_count=int(np.nan_to_num(missed[-1] - missed[0])),
+        missed_count=math.nan if missed is None else float(missed),
         wake_p99_us=wake[1],
         io_p99_us=io[1],
         tick_p50_us=tick[0],

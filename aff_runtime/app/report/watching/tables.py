@@ -25,6 +25,7 @@ class HourRow:
     covered_s : how much of the hour is recorded. ``stretch_s`` : length of its steady stretch.
     length_m : all web of the hour. ``offset_m`` : what ran of it until the middle of the stretch.
     travelled_km : all web in the store until there.
+    missed_count : ticks that never happened in the stretch.
     lacks : why nothing was measured; empty where it was.
     """
 
@@ -40,7 +41,7 @@ class HourRow:
     stretch_s: float = _number("s")
     speed_m_s: float = _number("m/s")
     correcting: bool = False
-    missed_count: int = 0
+    missed_count: float = _number("1")
     wake_p99_us: float = _number("us")
     io_p99_us: float = _number("us")
     tick_p50_us: float = _number("us")

@@ -4,11 +4,13 @@ import gzip
 import re
 import shutil
 import signal
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from aff_runtime.app.report.watching import ingest
+from aff_runtime.app.report.watching import run_hours as run_hours_module
 from aff_runtime.app.report.watching.run_hours import READ_S, RunHours, run_hours
 from aff_runtime.app.report.watching.store import load_store
 from aff_runtime.base.errors import ConfigError
@@ -183,3 +185,29 @@ def test_site_files_of_a_run_are_looked_at_once_whatever_is_read_of_it(tmp_path,
     found = run_hours(run)
     assert sum(found.read(hour).hour.stretch_s > 0.0 for hour in found.hours) > 0
     assert len(looked) == 1
+
+
+@pytest.mark.parametrize(
+    ("missing_rows", "missed"), [(slice(0, 0), 7.0), (slice(0, 3), 5.0), (slice(None), np.nan)]
+)
+def test_missed_ticks_are_counted_between_the_rows_that_have_a_number(
+    runs, monkeypatch, missing_rows, missed
+):
+    """They count up by 2, 2 and 3: the first three rows without a number take the first with."""
+    whole = run_hours_module.read_table
+
+    def with_counts(window, **more):
+        table = whole(window, **more)
+        rows = table.columns["time_s"].size
+        counts = np.full(rows, 10.0)
+        counts[2:] += 2.0
+        counts[rows // 10 :] += 2.0
+        counts[rows // 9 :] += 3.0
+        counts[missing_rows] = np.nan
+        return replace(table, columns=table.columns | {"missed_count": counts})
+
+    found = run_hours(runs[0])
+    monkeypatch.setattr(run_hours_module, "read_table", with_counts)
+    read = found.read(found.hours[0])
+    assert read.hour.missed_count == pytest.approx(missed, nan_ok=True)
+    assert (run_hours_module.NOT_COUNTED in read.lost) == np.isnan(missed)
