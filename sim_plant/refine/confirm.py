@@ -29,6 +29,7 @@ from sim_plant.refine.report.confidence import sizes_shown
 from sim_plant.refine.search.candidate import Progress
 from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
 from sim_plant.refine.search.set_apart import has_large_wander
+from sim_plant.refine.search.strongest_zone import Heard
 from sim_plant.refine.search.unexplained import Unknown, line_or_broadband, rings, strongest_peak
 from sim_plant.refine.search.unknown_event import event_in
 from sim_plant.refine.search.wandering import wander_changes
@@ -206,7 +207,12 @@ def stays_unknown(judged: RecordWithTwin, selection: Selection, evaluation: Eval
     if event is None or rings([after], event[1]):
         spectrum, at, _ = strongest_peak([after])
         sure = at * spectrum.extent >= LINE_CYCLES
-        return line_or_broadband([after], chi2_reduction, chi2_reduction) if sure else irregular
+        if not sure:
+            return irregular
+        first, step_s = evaluation.first, judged.record.sample_time_s
+        time_s: Array = np.arange(first, first + rest.shape[1], dtype=np.float64) * step_s
+        heard = Heard(line=judged.twin.declaration, names=names, left=rest, time_s=time_s)
+        return line_or_broadband([after], chi2_reduction, chi2_reduction, [heard])
     where = event[0] | {"held_out": judged.record.path.name}
     return Unknown(unknown_class="event", chi2_reduction=event[1], coordinate=where)
 

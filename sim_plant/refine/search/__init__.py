@@ -6,6 +6,7 @@ __all__ = [
     "outside_prior",
     "selection",
     "set_apart",
+    "strongest_zone",
     "unexplained",
     "unknown_event",
     "wandering",

@@ -45,7 +45,7 @@ from sim_plant.refine.search.selection import (
 )
 from sim_plant.refine.search.set_apart import own_spectral_lines, set_apart, wander_of
 from sim_plant.refine.search.two_at_one_line import two_at_one_line
-from sim_plant.refine.search.unexplained import Unknown
+from sim_plant.refine.search.unexplained import Unknown, heard
 from sim_plant.refine.spectra.aliases import with_aliases, with_orders, with_radii, with_resonances
 from sim_plant.refine.spectra.coordinates import axes_of, is_periodic
 
@@ -80,7 +80,10 @@ def forward_selection(
         more = [u for u in further.unknown if not any(u.same_roll_as(t) for t in known)]
         # before: with the lines that are now free terms, for the report
         selection = replace(
-            further, unknown=(*known, *more), spectra_declared=first.spectra_declared
+            further,
+            unknown=(*known, *more),
+            spectra_declared=first.spectra_declared,
+            heard_declared=first.heard_declared,
         )
     if whole is None:
         return _without_needless_numbers(objective, selection, progress)
@@ -220,6 +223,7 @@ def _nothing_yet(objective: Objective, nominal: Fit, chi2_of_free_terms: float) 
         spectra_declared=spectra,
         spectra_left=spectra,
         chi2_of_free_terms=chi2_of_free_terms,
+        heard_declared=tuple(heard(objective, nominal, record_axes)),
     )
 
 

@@ -13,6 +13,7 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import Spectra
+from sim_plant.refine.search.strongest_zone import Heard
 from sim_plant.refine.search.unexplained import Unknown, line_or_broadband
 from sim_plant.refine.spectra.coordinates import RecordAxes, is_periodic, orders_of
 
@@ -65,7 +66,7 @@ class Selection:
     Attributes
     ----------
     nominal, fit : without effects, and with those accepted.
-    record_axes : time, travel and angles of every record.
+    record_axes : time, travel and angles of each record. ``heard_declared`` : what is left there.
     spectra_declared, spectra_left : of free spectral lines in what ``nominal`` and ``fit`` leave.
     accepted : effects of ``fit``, in order.
     unknown : what no effect explains.
@@ -87,6 +88,7 @@ class Selection:
     adjustments: Mapping[str, float] = field(default_factory=dict)
     chi2_of_free_terms: float = 0.0
     wander_is_free: bool = False
+    heard_declared: tuple[Heard, ...] = ()
     ranges: tuple[Ranges, ...] = ()
 
 
@@ -307,10 +309,7 @@ def accept(
 
 
 def withdrawn(selection: Selection) -> Selection:
-    """Return the selection without its effects: what they explained is unknown.
-
-    Where unknowns are named already, those stay.
-    """
+    """Return the selection without its effects: that is unknown, or what is named as that."""
     bare = replace(
         selection,
         fit=selection.nominal,
@@ -322,7 +321,8 @@ def withdrawn(selection: Selection) -> Selection:
     if selection.unknown:
         return bare
     explained = selection.nominal.cost - selection.fit.cost
-    return replace(bare, unknown=(line_or_broadband(selection.spectra_declared, 0.0, explained),))
+    spectra, heard = selection.spectra_declared, selection.heard_declared
+    return replace(bare, unknown=(line_or_broadband(spectra, 0.0, explained, heard),))
 
 
 def without_accepted(selection: Selection, at: int) -> Selection:

@@ -139,7 +139,7 @@ def heard(objective: Objective, fit: Fit, record_axes: Sequence[RecordAxes]) -> 
 
 def with_zone(found: Unknown | None, records: Sequence[Heard]) -> Unknown | None:
     """Return a line in time with the zone in which it is strongest, all else as it is."""
-    if found is None or found.unknown_class != "time":
+    if found is None or found.unknown_class != "time" or not records:
         return found
     where = strongest_zone(records, float(found.coordinate["frequency_Hz"]))
     return replace(found, coordinate={**found.coordinate, **where})
@@ -208,10 +208,16 @@ def _over_records(
 
 
 def line_or_broadband(
-    after: Sequence[Sequence[SpectralLines]], excess: float, chi2_reduction: float
+    after: Sequence[Sequence[SpectralLines]],
+    excess: float,
+    chi2_reduction: float,
+    records: Sequence[Heard],
 ) -> Unknown:
-    """Return what is left as its strongest free spectral line, else ``broadband``, this strong."""
-    found = periodic_left(after, excess)
+    """Return what is left as its strongest free spectral line, else ``broadband``, this strong.
+
+    ``records`` : what ``after`` are the spectra of; a line in time is placed by them.
+    """
+    found = with_zone(periodic_left(after, excess), records)
     return found or Unknown(
         unknown_class="broadband", chi2_reduction=chi2_reduction, coordinate={}
     )

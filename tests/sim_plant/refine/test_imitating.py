@@ -24,6 +24,7 @@ from sim_plant.refine.search.selection import AcceptedEffect, Selection, without
 from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, one_peak, quiet
 
 SAMPLES = 2000
+IN_UNWIND = ("unwind_zone", "unwind_tension_N")
 DRAGS = [
     hypothesis(BY_NAME["bearing_drag"], place, fitted=("constant_N_m", "from_s"), line=LINE)
     for place in ("R5", "R7")
@@ -109,6 +110,7 @@ def test_what_an_imitation_leaves_is_unknown_where_the_record_shows_it(noise, si
     if kind == "time":
         (stays,) = found.selection.unknown
         assert stays.coordinate["frequency_Hz"] == pytest.approx(0.9, abs=0.04)  # half a bin
+        assert (stays.coordinate["zone"], stays.coordinate["channel"]) == IN_UNWIND
 
 
 def test_an_effect_that_may_have_no_size_is_not_claimed_and_what_stays_is_unknown():

@@ -21,6 +21,7 @@ from sim_plant.refine.search.selection import (
     withdrawn,
     without_accepted,
 )
+from sim_plant.refine.search.strongest_zone import Heard
 from sim_plant.refine.search.unexplained import Unknown
 from tests.sim_plant.refine.search.claims import (
     COST,
@@ -187,12 +188,20 @@ def test_effects_beside_a_line_that_leave_a_fair_share_imitate_something(excess,
     assert not imitates([drag], excess, there)
 
 
-@pytest.mark.parametrize(("line", "kind"), [(5000.0, "time"), (100.0, "broadband")])
-def test_effects_that_are_withdrawn_leave_their_line_unknown_or_something_irregular(line, kind):
+@pytest.mark.parametrize(
+    ("line", "kind", "zone"), [(5000.0, "time", "pull_roll_zone"), (100.0, "broadband", None)]
+)
+def test_effects_that_are_withdrawn_leave_their_line_unknown_or_something_irregular(
+    line, kind, zone
+):
     known = AcceptedEffect(hypothesis=DRAG, score=900.0, runner_up=None, margin=900.0, rejected=())
     found = selection(cost=COST - 900.0, nominal=COST, accepted=(known,), adjustments={"x": 1.0})
-    left = withdrawn(replace(found, spectra_declared=one_peak(line)))
-    assert [u.unknown_class for u in left.unknown] == [kind]
+    time_s = 0.01 * np.arange(2000)
+    wave = np.cos(2.0 * np.pi * time_s)  # where one_peak has its line
+    names = ["unwind_tension_N", "pullroll_tension_N"]
+    heard = Heard(line=LINE, names=names, left=np.stack([0.1 * wave, wave]), time_s=time_s)
+    left = withdrawn(replace(found, spectra_declared=one_peak(line), heard_declared=(heard,)))
+    assert [(u.unknown_class, u.coordinate.get("zone")) for u in left.unknown] == [(kind, zone)]
     assert (left.accepted, left.adjustments, left.fit) == ((), {}, left.nominal)
 
 
