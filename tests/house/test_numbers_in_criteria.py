@@ -1,7 +1,8 @@
 """A number that decides what refine finds stands in its criteria; what stays elsewhere says why.
 
 Criteria have unit and origin, so a number of another kind is no criterion: it has no origin but
-its own definition, or no answer depends on it. Literals within a function are not looked at.
+its own definition, or no answer depends on it. Of what stands within a function, numbers that are
+given by their name are looked at, and defaults: ``rounds=4`` decides, ``2.0 * size`` is a formula.
 """
 
 from __future__ import annotations
@@ -73,6 +74,23 @@ ELSEWHERE = {
 """Constants with a number that are no criteria, by file and kind."""
 
 
+GIVEN = {
+    "example.py": {"example": "duration_s=60.0"},
+    "fit/projection.py": {"guard": "rcond=1e-09"},
+    "fit/robust_covariance.py": {"guard": "rcond=1e-09"},
+    "report/aff_block.py": {"page": "width=88"},
+    "report/plots.py": {"page": "alpha=0.3 fontsize=8 fontsize=9 lw=0.7 lw=0.8 lw=0.9 ncols=3"},
+    "report/sketch.py": {"page": "fontsize=8 markersize=6 zorder=3"},
+    "search/screening.py": {"guard": "rcond=1e-09"},
+    "spectra/spectral_lines.py": {"formula": "count=3"},
+    "without_line/general/effect.py": {"formula": "order=5"},
+    "without_line/general/judging.py": {"limit": "maxsize=4"},
+    "without_line/pipeline.py": {"formula": "k=3"},
+    "without_line/record_filter.py": {"format": "default=40 le=500"},
+}
+"""Numbers that are given by their name or as a default, within functions, by file and kind."""
+PLAIN = {0, 1, -1, 2}
+"""Numbers of which every program has many: an axis, a rank, a first entry."""
 BEGINS = r"^(?:[a-z]\w*|(?:    )?[A-Z_][\w, ]*|    \w+(?=:))(?::[^\n=]*)? = "
 MAY_HAVE = re.compile(BEGINS + r"(?:.*\b\d|.*[\[({] *(?:#.*)?$)", re.M)
 """A line as such a constant begins: half of the files have none, and need no syntax tree."""
@@ -153,3 +171,30 @@ def test_every_way_to_write_a_constant_counts(case: tuple[str, list[str]]) -> No
     text, names = case
     assert [name for name, _ in constants(ast.parse(text))] == names
     assert MAY_HAVE.search(text) or not names
+
+
+def given(tree: ast.Module) -> Iterator[str]:
+    """Yield numbers but plain ones that stand behind a name in a call, or as a default."""
+    for node in ast.walk(tree):
+        pairs: list[tuple[str, ast.expr | None]] = []
+        if isinstance(node, ast.Call):
+            pairs = [(each.arg or "", each.value) for each in node.keywords]
+        elif isinstance(node, ast.arguments):
+            named = [*node.posonlyargs, *node.args]
+            last = named[len(named) - len(node.defaults) :]
+            pairs = [(a.arg, d) for a, d in zip(last, node.defaults, strict=True)]
+            pairs += [(a.arg, d) for a, d in zip(node.kwonlyargs, node.kw_defaults, strict=True)]
+        for name, value in pairs:
+            number = value.value if isinstance(value, ast.Constant) else None
+            is_number = isinstance(number, int | float) and not isinstance(number, bool)
+            if is_number and number not in PLAIN:
+                yield f"{name}={number!r}"
+
+
+def test_no_number_that_decides_is_given_within_a_function() -> None:
+    listed = {
+        name: {e for all_ in kinds.values() for e in all_.split()} for name, kinds in GIVEN.items()
+    }
+    paths = (path for path in sorted(REFINE.rglob("*.py")) if CRITERIA not in path.parents)
+    rows = {str(path.relative_to(REFINE)): set(given(tree_of(path))) for path in paths}
+    assert {name: row for name, row in rows.items() if row} == listed

@@ -165,6 +165,12 @@ class SpectraCriteria:
         "a speed that spreads less: no spectral line is free to grow with speed",
         NOT_RECORDED,
     )
+    fewest_cells: float = criterion(
+        16.0,
+        "cells",
+        "of the grid of a spectrum, at least",
+        "theory: they reach four cycles per record, and the slowest looked for has three",
+    )
     cells_per_cycle: int = criterion(
         8,
         "cells",
@@ -245,5 +251,24 @@ class FitCriteria:
         "simulations",
         "that bring rolls into step, each from the radii that the one before asks for",
         NOT_RECORDED,
+    )
+    rounds: int = criterion(
+        6,
+        "Gauss-Newton steps",
+        "at most, of a fit from the numbers of a first look",
+        "theory: the error of a step goes with the square of that before, so three do from a "
+        "tenth off; where a step is shortened it takes as many again",
+    )
+    rounds_near: int = criterion(
+        4,
+        "Gauss-Newton steps",
+        "at most, of a fit from numbers that were fitted already",
+        "theory: as from a first look, but two steps nearer",
+    )
+    rounds_again: int = criterion(
+        3,
+        "Gauss-Newton steps",
+        "at most, of a fit of declared numbers alone, or of one with slopes taken anew",
+        "theory: tolerances are percents, of which two steps leave nothing; the third shows it",
     )
     start_angles: StartAngleCriteria = field(default_factory=StartAngleCriteria)

@@ -42,6 +42,12 @@ class EventCriteria:
         "step between moments at which an effect that lasts is tried",
         "a zone's time constant",
     )
+    around: tuple[float, ...] = criterion(
+        (-1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5),
+        "of apart",
+        "distances of the moments that are tried around the best of those",
+        "half of wide_step_s on either side, which is what lies between two of them",
+    )
     known_apart_s: float = criterion(
         3.0,
         "s",
@@ -57,8 +63,20 @@ class EventCriteria:
     episode_step_s: float = criterion(
         0.5,
         "s",
-        "step between beginnings, and between ends, of an episode; a fifth of it beside the best",
+        "step between beginnings, and between ends, of an episode",
         "a fit finds an edge from a fraction of its rise, which is 0.5 s at the least",
+    )
+    beside_edge: tuple[float, ...] = criterion(
+        tuple(-0.8 + 0.2 * k for k in range(9)),
+        "of episode_step_s",
+        "distances of the edges that are tried beside the best beginning and end",
+        "a fifth of the rise: a fit goes on from there; the next step is a moment of its own",
+    )
+    least_energy_share: float = criterion(
+        0.1,
+        "of the energy of a response",
+        "a moment after which the record has less of it is not looked at",
+        "theory: the noise of a size goes with the root of it, 3.2 times that of a whole response",
     )
     episode_reach_s: float = criterion(
         4.0,

@@ -93,6 +93,24 @@ class GeneralCriteria:
     most_shift_samples: float = criterion(
         2.0, "samples", "by so much one of these moves the shift at most", NOT_RECORDED
     )
+    slope_share: float = criterion(
+        1e-3,
+        "of a number",
+        "step by which a slope is taken of it",
+        "theory: the slope is off by as much, and rounding is 1e-13 of it",
+    )
+    slope_least_share: float = criterion(
+        0.1,
+        "of the largest number of its effect",
+        "as large a number counts at least where its slope is taken",
+        "one near 0 has a step too; numbers of an effect are made of one size",
+    )
+    least_gain_share: float = criterion(
+        1e-6,
+        "of the weighted squares",
+        "a step that gains less ends the fit",
+        "theory: of 10 000 rows 0.01, far below what any effect has to gain",
+    )
     slope_samples: float = criterion(
         0.05, "samples", "by so much a shift or a delay is moved to find its slope", NOT_RECORDED
     )

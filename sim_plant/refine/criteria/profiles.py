@@ -34,6 +34,12 @@ class ProfileCriteria:
         "most similar names, its own among them, under which an outline is fitted",
         "names are alike in their low orders at one radius: pair 22 of data/cases/train",
     )
+    age_rounds: int = criterion(
+        8,
+        "Gauss-Newton steps",
+        "at most, of a fit of a profile as formed at another radius",
+        "it starts as far off as a radius of formation may be: two more than from a first look",
+    )
     age_room: float = criterion(
         3.0,
         "of the distance of its bounds",

@@ -70,6 +70,18 @@ class RecordCriteria:
         "a speed that is wrong by 2 % over 5.5 steps of 2 rad is off by 0.22 rad; of counts that "
         "begin anew anywhere a tenth is that close to a whole turn",
     )
+    scatter_share: float = criterion(
+        0.99,
+        "of the steps without a start over",
+        "the largest deviation of these is the scatter of an angle",
+        "of a hundred steps one may be a late reading, or a start over that was not told",
+    )
+    usual_step: float = criterion(
+        1.5,
+        "of the median step of time",
+        "a longer one is a hole and tells no speed",
+        "theory: with one reading missing it is 2; half way there",
+    )
     counter_wrap_scatter: float = criterion(
         4.0,
         "1",
@@ -82,6 +94,18 @@ class RecordCriteria:
         "robust standard deviations",
         "a sample further off the median of its 7 neighbours is reported as a spike",
         NOT_RECORDED,
+    )
+    spike_samples: int = criterion(
+        7,
+        "samples",
+        "whose median a sample is compared with",
+        "theory: a median of 7 is not moved by 3 spikes, and leaves a ramp as it is",
+    )
+    spike_counts: float = criterion(
+        1.5,
+        "counts of a coarse word",
+        "a sample that is off by less is no spike",
+        "theory: a word trembles by one count; half way to two",
     )
     run: RunCriteria = field(default_factory=RunCriteria)
 

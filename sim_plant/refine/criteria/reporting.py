@@ -57,6 +57,12 @@ class ReportCriteria:
         "lines that other code simulated, one record each: a flat spot 1.2 %, a delay 0.8 %, a "
         "modulus 0.5 %, an eccentricity 0.3 % off; noise alone would promise a hundredth of that",
     )
+    first_step_share: float = criterion(
+        0.05,
+        "of the usual size of a number",
+        "first step, at least, on the way to the ends of a number that is not fitted",
+        "doubled at each of the looks but one it comes to 3.2 times that size",
+    )
     block_s: float = criterion(
         2.0,
         "s",

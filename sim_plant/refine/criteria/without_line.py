@@ -95,6 +95,36 @@ class WithoutLineCriteria:
         "round, for one record with a varying speed to prove which it is",
         "decision: none is that much stronger by chance",
     )
+    sharp_share: float = criterion(
+        0.002,
+        "of a frequency",
+        "so far at least around it a spectral line is sharpened in one record, or 1 / extent",
+        "below the 0.003 by which spectral lines at known frequencies are the same",
+    )
+    sharp_points: int = criterion(
+        21,
+        "frequencies",
+        "of the grid on which it is sharpened, at least",
+        "theory: a tenth of what is searched on either side",
+    )
+    sharp_narrows: float = criterion(
+        0.15,
+        "of the width before",
+        "width of the next grid, around the best",
+        "theory: the best is within a tenth; half as much again",
+    )
+    sharp_passes: int = criterion(
+        3,
+        "grids",
+        "by which it is sharpened",
+        "theory: the last has steps of 0.002 / extent, 0.014 rad over the record",
+    )
+    presence_points: int = criterion(
+        9,
+        "frequencies",
+        "within 1 / extent on either side of a spectral line, at which it is looked for",
+        "theory: four per 1 / extent lose at most 5 % of its chi2 between two, 1 - sinc(1/8)^2",
+    )
     highest_order: int = criterion(
         40, "per turn", "highest multiple of a fundamental that a spectral line can be", "decision"
     )

@@ -87,7 +87,7 @@ def case_of(
 
 def nominal_fit(objective: Objective, shifts: dict[str, float] | None = None) -> Fit:
     """Return the declared line itself, its strong nuisances re-estimated from ``shifts``."""
-    return gauss_newton_fit(objective, (), (), shifts or {}, rounds=3)
+    return gauss_newton_fit(objective, (), (), shifts or {}, rounds=FIT.rounds_again)
 
 
 def jacobian(
@@ -158,7 +158,7 @@ def gauss_newton_fit(
     hypotheses: Sequence[Hypothesis],
     start: Sequence[Sequence[float]],
     shifts: dict[str, float],
-    rounds: int = 6,
+    rounds: int = FIT.rounds,
     quick: bool = True,
 ) -> Fit:
     """Return the best fit near ``start``: linearise, step, shorten a step that does not improve.

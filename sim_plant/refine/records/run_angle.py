@@ -77,7 +77,7 @@ def _expected(steps: Array, elapsed_s: Array) -> Array:
     The speed is the median of the usual steps around; starts over are fewer than half of these
     where the roll turns by less than half a turn from reading to reading.
     """
-    usual = (elapsed_s > 0.0) & (elapsed_s < 1.5 * np.median(elapsed_s))
+    usual = (elapsed_s > 0.0) & (elapsed_s < RECORDS.usual_step * np.median(elapsed_s))
     if not usual.any():
         return np.zeros_like(steps)
     at_s = np.cumsum(elapsed_s) - 0.5 * elapsed_s
@@ -87,5 +87,5 @@ def _expected(steps: Array, elapsed_s: Array) -> Array:
 
 def _scatter_rad(off: Array) -> float:
     """Return how far a step may be off the expected one, by those without a start over."""
-    usual = float(np.quantile(np.abs(off), 0.99)) if off.size else 0.0
+    usual = float(np.quantile(np.abs(off), RECORDS.scatter_share)) if off.size else 0.0
     return RECORDS.counter_wrap_rad + RECORDS.counter_wrap_scatter * usual

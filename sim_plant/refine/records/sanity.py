@@ -195,7 +195,8 @@ def spikes_in(values: Array, count_size: float = 0.0) -> int:
     Far is ``spike_sigma`` times the spread: 1.4826 of the median absolute deviation, half of the
     standard deviation at least. One count (``count_size``) of a coarse word to or fro is no spike.
     """
-    deviation = (values - median_filter(values, 7))[3:-3]  # at its ends a ramp looks like a spike
+    reach = RECORDS.spike_samples // 2  # at its ends a ramp looks like a spike
+    deviation = (values - median_filter(values, RECORDS.spike_samples))[reach:-reach]
     spread = max(
         1.4826 * float(np.median(np.abs(deviation - np.median(deviation)))),
         0.5 * float(np.std(deviation)),
@@ -203,5 +204,10 @@ def spikes_in(values: Array, count_size: float = 0.0) -> int:
     return (
         0
         if spread == 0.0
-        else int(np.sum(np.abs(deviation) > max(RECORDS.spike_sigma * spread, 1.5 * count_size)))
+        else int(
+            np.sum(
+                np.abs(deviation)
+                > max(RECORDS.spike_sigma * spread, RECORDS.spike_counts * count_size)
+            )
+        )
     )

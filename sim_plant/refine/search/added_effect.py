@@ -31,7 +31,7 @@ def with_effect(
     h: Hypothesis,
     start: Sequence[float],
     shifts: dict[str, float],
-    rounds: int = 6,
+    rounds: int = CRITERIA.fit.rounds,
 ) -> Fit | None:
     """Return ``base`` with ``h`` from ``start``, all numbers fitted again.
 

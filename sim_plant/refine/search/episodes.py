@@ -75,7 +75,7 @@ def best_episodes(
     begins = np.arange(max(-reach, -moment), min(reach, last), wide)
     ends = np.arange(begins[0] + wide, last, wide)
     begin, end = _best_pair(objective, h, change, residual, begins, ends)
-    close = wide * np.linspace(-0.8, 0.8, 9)
+    close = wide * np.array(EVENTS.beside_edge)
     begins, ends = begin + close[begin + close >= -moment], end + close
     begin, end = _best_pair(objective, h, change, residual, begins, ends[ends < last])
     return [with_episode(c, begin, end - begin), with_episode(c, begin, FOREVER_S)]

@@ -179,7 +179,7 @@ def _over_the_record(
     wide = np.arange(grid[0] + EVENTS.wide_step_s, grid[-1], EVENTS.wide_step_s)
     looks = [(h, float(m)) for h in places for m in wide]
     best = max(_shifted(objective, axis, looks, residual), key=lambda c: c.score)
-    close = moment_of(best) + EVENTS.apart * np.linspace(-1.5, 1.5, 7)
+    close = moment_of(best) + EVENTS.apart * np.array(EVENTS.around)
     inside = close[(close > grid[0]) & (close < grid[-1])]
     more = _shifted(objective, axis, [(best.hypothesis, float(m)) for m in inside], residual)
     return max((best, *more), key=lambda c: c.score)

@@ -260,7 +260,7 @@ def _taken_back(objective: Objective, selection: Selection, progress: Progress) 
         [fit.hypotheses[k] for k in kept],
         [fit.values[k] for k in kept],
         fit.shifts,
-        rounds=4,
+        rounds=CRITERIA.fit.rounds_near,
         quick=False,
     )
     return replace(

@@ -166,7 +166,12 @@ def _better(objective: Objective, fit: Fit, walks: Sequence[LikelyRange]) -> Fit
         if walk.best.cost > least or there == fit.values:
             return None
         found = gauss_newton_fit(
-            objective, fit.hypotheses, there, fit.shifts, rounds=4, quick=False
+            objective,
+            fit.hypotheses,
+            there,
+            fit.shifts,
+            rounds=CRITERIA.fit.rounds_near,
+            quick=False,
         )
         if found.cost < least:
             return found
@@ -190,7 +195,7 @@ def _hidden_walk(
     width, rise = scale, SPREAD**2 * (1.0 + REPORT.model_share**2 * max(explained, 0.0))
     if np.isfinite(columns).all():
         noise = float(objective.projector.linear_fit(fit.residual, columns).covariance[k, k])
-        width = min(max(math.sqrt(max(rise * noise, 0.0)), 0.05 * scale), scale)
+        width = min(max(math.sqrt(max(rise * noise, 0.0)), REPORT.first_step_share * scale), scale)
     else:
         columns = np.where(np.isfinite(columns), columns, 0.0)
     walk = likely_range(objective, wider, columns, k, width=width, rise=rise)

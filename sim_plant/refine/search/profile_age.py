@@ -40,7 +40,12 @@ def with_formation_radius(objective: Objective, fit: Fit, at: int) -> Fit:
         shifts = synchronising_shifts(objective, {}, start.hypotheses, start.values)
         aged.append(
             gauss_newton_fit(
-                objective, start.hypotheses, start.values, shifts, rounds=8, quick=False
+                objective,
+                start.hypotheses,
+                start.values,
+                shifts,
+                rounds=PROFILE.age_rounds,
+                quick=False,
             )
         )
     best = likeliest_age(fit, aged, sure_excess(objective))

@@ -19,7 +19,7 @@ from sim_plant.refine.search.candidate import bic_penalty
 from sim_plant.refine.search.profile_age import chi2_without_effects, with_numbers
 from sim_plant.refine.search.profile_name import with_best_name, without_unpaid_orders
 
-PROFILE = CRITERIA.search.profile
+FIT, PROFILE = CRITERIA.fit, CRITERIA.search.profile
 
 
 def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
@@ -31,14 +31,14 @@ def joint_refit(objective: Objective, fit: Fit) -> tuple[Objective, Fit]:
     their low orders: a further effect must explain more than a detail of them.
     """
     exact = gauss_newton_fit(
-        objective, fit.hypotheses, fit.values, fit.shifts, rounds=4, quick=False
+        objective, fit.hypotheses, fit.values, fit.shifts, rounds=FIT.rounds_near, quick=False
     )
     if not np.isfinite(exact.cost):
         return objective, fit
     keeps = _keeps_responses(objective, exact)
     near = relinearised_at(objective, exact.case, keep_nuisance_changes=keeps)
     exact = gauss_newton_fit(
-        near, fit.hypotheses, exact.values, exact.shifts, rounds=3, quick=False
+        near, fit.hypotheses, exact.values, exact.shifts, rounds=FIT.rounds_again, quick=False
     )
     better = with_later_numbers(near, with_profile_details(near, exact))
     if better is not exact:
@@ -85,7 +85,12 @@ def with_later_numbers(objective: Objective, fit: Fit) -> Fit:
                 continue
             wider = with_numbers(objective, fit, at, (name,), {name: float(known[name])})
             better = gauss_newton_fit(
-                objective, wider.hypotheses, wider.values, fit.shifts, rounds=6, quick=False
+                objective,
+                wider.hypotheses,
+                wider.values,
+                fit.shifts,
+                rounds=FIT.rounds,
+                quick=False,
             )
             pays = better.cost < fit.cost - bic_penalty(objective, 1)
             if pays and not better.hypotheses[at].at_bound(better.values[at]):
@@ -136,7 +141,7 @@ def with_paying_numbers(objective: Objective, fit: Fit, at: int, names: tuple[st
     if not improves_cross_validation(own[:rows], wider.residual[:rows], plain, halves):
         return fit
     better = gauss_newton_fit(
-        objective, wider.hypotheses, wider.values, fit.shifts, rounds=4, quick=False
+        objective, wider.hypotheses, wider.values, fit.shifts, rounds=FIT.rounds_near, quick=False
     )
     return better if better.cost < fit.cost - bic_penalty(objective, len(names)) else fit
 

@@ -58,7 +58,7 @@ def _named(objective: Objective, fit: Fit, at: int, profile: Profile) -> Fit:
     there = fit.with_effect_at(at, named, [start[name] for name in named.names])
     shifts = synchronising_shifts(objective, fit.shifts, there.hypotheses, there.values)
     return gauss_newton_fit(
-        objective, there.hypotheses, there.values, shifts, rounds=6, quick=False
+        objective, there.hypotheses, there.values, shifts, rounds=CRITERIA.fit.rounds, quick=False
     )
 
 

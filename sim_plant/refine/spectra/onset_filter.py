@@ -35,7 +35,7 @@ def onset_scores(white: Array, response: Array, onset: int, window: int) -> Arra
 
     ``white`` (channels, samples) are innovations; ``response`` the same of an effect that begins
     at the sample ``onset``, taken to be the same later or earlier, for ``window`` samples.
-    0 where less than a tenth of its energy would lie in the record.
+    0 where less than ``least_energy_share`` of its energy would lie in the record.
     Equation: (sum h w)^2 / sum h^2 over channels and the samples there are  [matched filter].
     """
     samples = white.shape[1]
@@ -47,7 +47,7 @@ def onset_scores(white: Array, response: Array, onset: int, window: int) -> Arra
     left = np.minimum(np.arange(samples, 0, -1), template.shape[1])
     inside = energy[left - 1]
     scores: Array = against**2 / np.maximum(inside, 1e-12 * max(float(energy[-1]), 1e-300))
-    return np.where(inside > 0.1 * energy[-1], scores, 0.0)
+    return np.where(inside > EVENTS.least_energy_share * energy[-1], scores, 0.0)
 
 
 def peaks(scores: Array, apart: int, most: int) -> list[int]:

@@ -84,7 +84,8 @@ def spectral_lines(
     """
     along = position - position[0]
     extent = float(along[-1])
-    cells = 1 << int(np.ceil(np.log2(max(16.0, 2.0 * SPECTRA.cells_per_cycle * highest * extent))))
+    wanted = max(SPECTRA.fewest_cells, 2.0 * SPECTRA.cells_per_cycle * highest * extent)
+    cells = 1 << int(np.ceil(np.log2(wanted)))
     # pad to twice the extent: bins at half the resolution
     step = 2.0 * extent / cells
     at = np.clip((along / step + 0.5).astype(np.int64), 0, cells - 1)

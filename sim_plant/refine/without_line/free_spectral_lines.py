@@ -229,12 +229,14 @@ def _best(spectra: Sequence[Sequence[SpectralLines]]) -> tuple[str, float, float
 def sharpest(item: Remainder, white: Array, axis: str, near: float) -> float:
     """Return the frequency of the strongest spectral line near ``near``, in one record alone."""
     u = position_of(item, axis)
-    reach = max(1.0 / float(u[-1]), 0.002 * near)
+    reach = max(1.0 / float(u[-1]), WITHOUT_LINE.sharp_share * near)
     best = near
-    for _ in range(3):
-        points = max(21, int(8.0 * reach * float(u[-1])) + 1)  # four per 1 / extent of the record
+    for _ in range(WITHOUT_LINE.sharp_passes):
+        four = int(8.0 * reach * float(u[-1])) + 1  # per 1 / extent of the record
+        points = max(WITHOUT_LINE.sharp_points, four)
         grid = np.linspace(best - reach, best + reach, points)
-        best, reach = float(grid[int(np.argmax(_power(white, u, grid)))]), 0.15 * reach
+        best = float(grid[int(np.argmax(_power(white, u, grid)))])
+        reach *= WITHOUT_LINE.sharp_narrows
     return best
 
 

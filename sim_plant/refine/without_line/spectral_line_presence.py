@@ -73,7 +73,7 @@ def chi2_reduction(
     position = position_of(item, axis)
     width = 1.0 / float(position[-1])
     best = 0.0
-    for at in np.linspace(frequency - width, frequency + width, 9):
+    for at in np.linspace(frequency - width, frequency + width, WITHOUT_LINE.presence_points):
         wave = np.exp(-2j * np.pi * at * position)
         here = np.abs((white * wave) @ weights.T) ** 2
         best = max(best, 2.0 / white.shape[1] * float(here.sum()))

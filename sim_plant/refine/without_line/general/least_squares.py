@@ -152,6 +152,6 @@ def refined(model: Model, records: Sequence[OutputRecord]) -> tuple[Model, Momen
             if there.total < before:
                 model, now, better = tried, there, True
                 break
-        if not better or before - now.total < 1e-6 * before:
+        if not better or before - now.total < GENERAL.least_gain_share * before:
             break
     return model, now

@@ -66,15 +66,16 @@ class Model:
         return replace(self, delays=delays, shifts=shifts, effects=effects)
 
     def steps(self) -> Array:
-        """Return a small step of every number: ``slope_samples`` of a time, 0.001 of any other.
+        """Return a small step of every number: ``slope_samples`` of a time, else ``slope_share``.
 
-        A number counts as a tenth of its effect's largest at least: one near 0 has a step too.
+        A number counts as ``slope_least_share`` of its effect's largest at least.
         """
         times = len(self.delays) + max(0, len(self.shifts) - 1)
         found = [GENERAL.slope_samples] * times
         for x in self.effects:
             largest = max((abs(v) for v in x.numbers), default=0.0)
-            found += [1e-3 * max(abs(v), 0.1 * largest, 1e-12) for v in x.numbers]
+            least = max(GENERAL.slope_least_share * largest, 1e-12)
+            found += [GENERAL.slope_share * max(abs(v), least) for v in x.numbers]
         return np.array(found)
 
 
