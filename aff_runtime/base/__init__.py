@@ -6,6 +6,7 @@ __all__ = [
     "clock",
     "confidence",
     "counted_noun",
+    "early_wrap",
     "effort",
     "errors",
     "events",

@@ -16,7 +16,7 @@ from aff_runtime.app.supervisor.pending import Pending
 from aff_runtime.app.supervisor.processes import Processes
 from aff_runtime.app.supervisor.response_exchange import exchanged_responses, exchanged_wire_files
 from aff_runtime.app.supervisor.validation import Validation
-from aff_runtime.base.site_in_force import IDENTIFIED
+from aff_runtime.base.runs.site_in_force import IDENTIFIED
 from aff_runtime.config.diff import diff_sites, may_apply_while_active
 from aff_runtime.config.site_paths import STATE_DIRECTORY
 

@@ -23,10 +23,10 @@ from aff_runtime.base.runs.files import yaml_values
 from aff_runtime.base.runs.holes import cycle_s_of, holes_between
 from aff_runtime.base.runs.join import PERIODS, SAME_CYCLE_SHARE
 from aff_runtime.base.runs.roll_changes import roll_changes
+from aff_runtime.base.runs.site_in_force import change_words
 from aff_runtime.base.runs.table import RunTable, few, other_line, read_table
 from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.signals import Outcome, State, StateBits, Status
-from aff_runtime.base.site_in_force import change_words
 from aff_runtime.base.units import UnitError, read_number
 from aff_runtime.base.yaml_section import Section
 
