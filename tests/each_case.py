@@ -13,16 +13,19 @@ from typing import Any
 
 
 def each_case(
-    name: str, cases: Iterable[Any], *, ids: Callable[[Any], object] = str
+    names: str | tuple[str, ...], cases: Iterable[Any], *, ids: Callable[[Any], object] = str
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Have a test run for every case, all of them even where some fail.
 
     Parameters
     ----------
-    name : of the test's argument that takes a case; what else it takes is a fixture's.
+    names : of the test's argument that takes a case, or of those that take the parts of one;
+        what else it takes is a fixture's, or of another ``each_case``: every case of the one
+        with every case of the other.
     ids : the name of a case in the report.
     """
     all_of_them = list(cases)
+    taken = (names,) if isinstance(names, str) else names
 
     def of(test: Callable[..., None]) -> Callable[..., None]:
         @wraps(test)
@@ -30,16 +33,17 @@ def each_case(
             failed = []
             for case in all_of_them:
                 try:
-                    test(**{name: case}, **more)
+                    parts = (case,) if isinstance(names, str) else case
+                    test(**dict(zip(taken, parts, strict=True)), **more)
                 except Exception as error:
                     error.add_note(f"case: {ids(case)}")
                     failed.append(error)
-            assert all_of_them, f"no case of {name}"
+            assert all_of_them, f"no case of {names}"
             if failed:
                 raise ExceptionGroup(f"{len(failed)} of {len(all_of_them)} cases", failed)
 
         signature = inspect.signature(test)
-        others = [one for one in signature.parameters.values() if one.name != name]
+        others = [one for one in signature.parameters.values() if one.name not in taken]
         over_all.__signature__ = signature.replace(parameters=others)  # type: ignore[attr-defined]
         return over_all
 

@@ -16,6 +16,7 @@ from aff_hmi.layout import layout_of
 from tests.aff_hmi.asgi import HOST, get, screen, shake
 from tests.aff_hmi.moments import facts
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 
 FILES = served(has_hand=False)
 OWN = [("host", HOST), ("origin", f"http://{HOST}")]
@@ -176,7 +177,7 @@ def test_a_page_asks_for_nothing_off_the_host(app, language: str) -> None:
         assert [one for one in found if "w3.org" not in one] == []
 
 
-@pytest.mark.parametrize("page", PAGES)
+@each_case("page", PAGES)
 def test_script_and_style_of_a_page_are_small(page: str) -> None:
     """Its own: 53 kB of uPlot come beside it where there are charts."""
     files = served(has_hand=True)

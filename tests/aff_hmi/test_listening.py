@@ -10,6 +10,7 @@ import pytest
 from aff_hmi.listening import LOOPBACK, PORT, host_and_port, listening
 from aff_hmi.main import main
 from aff_runtime.base.errors import ConfigError
+from tests.each_case import each_case
 
 
 def at(listen: str, hosts: tuple[str, ...] = (), tls: Path | None = None):
@@ -86,9 +87,7 @@ def test_a_browser_leaves_out_the_port_of_its_scheme(
     assert {name for name in place.hosts if not host_and_port(name)[1]} == bare
 
 
-@pytest.mark.parametrize(
-    "listen", ["", "8480", "x:8480", "127.0.0.1:0", "127.0.0.1:99999", "a:b:c"]
-)
+@each_case("listen", ["", "8480", "x:8480", "127.0.0.1:0", "127.0.0.1:99999", "a:b:c"])
 def test_what_is_no_address_is_refused_with_an_example(listen: str) -> None:
     with pytest.raises(ConfigError, match=r"such as 127\.0\.0\.1:8480"):
         at(listen)

@@ -6,14 +6,13 @@ import re
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
-
 from aff_hmi.objections import BY_GUARD, LONGEST, SENTENCES, translated
 from aff_hmi.words import say_in
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.params import BlockParams
 from aff_runtime.core.response import Provenance, Response, ResponsePoint, arming_objections
 from tests.aff_runtime.core.plants import GRID_HZ, LagDelay, Line, measured, site, with_blocks
+from tests.each_case import each_case
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 ROOT = Path(__file__).parents[2]
@@ -37,7 +36,7 @@ def too_fast(*orders: int, stands_in: bool) -> tuple[str, ...]:
     return tuple(text for text in law.arming_objections()["unwind"] if "plain law" in text)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "found",
     [
         arming_objections(None, [("unwind_1x", 1.0)]),

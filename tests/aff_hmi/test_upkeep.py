@@ -14,6 +14,7 @@ from aff_hmi.words import say_in
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_hmi.moments import facts, seen
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 
 DAY_S = 86_400.0
 MB = 1_000_000
@@ -29,7 +30,7 @@ def names(moment: Observed) -> list[str]:
     return [one.name for one in conditions_of(moment, "READY")]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("free", "more", "expected"),
     [
         (500 * MB, {}, []),
@@ -53,7 +54,7 @@ def test_a_disk_says_what_is_left_and_what_may_come() -> None:
     assert notice.text == ("123 MB are left on the disk of the records, which may grow by 400 MB")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("left_s", "text"),
     [
         (None, None),

@@ -25,6 +25,7 @@ from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.phase import Source
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests.aff_hmi.moments import LINE, facts, row, seen
+from tests.each_case import each_case
 from tests.parameter_records import EUCLID
 
 SAY = say_in("en")
@@ -57,7 +58,7 @@ def test_two_orders_of_one_frequency_are_one_ripple() -> None:
     assert two["without:unwind"] == pytest.approx(math.sqrt((9 + 16 + 16) / 2), rel=1e-5)
 
 
-@pytest.mark.parametrize("state", [State.READY, State.BYPASS, State.FAULT, State.OFF, State.ARMED])
+@each_case("state", [State.READY, State.BYPASS, State.FAULT, State.OFF, State.ARMED])
 def test_without_is_not_claimed_while_nothing_goes_out(state: State) -> None:
     view = shown(seen(row(state)))
     assert "without:unwind" not in view.values
@@ -87,7 +88,7 @@ def test_numbers_are_in_the_units_of_the_page() -> None:
     assert view.values["reference:unwind_tension_N"] == 90.0
 
 
-@pytest.mark.parametrize("state", [State.FAULT, State.BYPASS, State.READY, State.SHADOW])
+@each_case("state", [State.FAULT, State.BYPASS, State.READY, State.SHADOW])
 def test_of_an_output_that_rests_the_correction_is_that_of_now(state: State) -> None:
     """Ten seconds of 30 mm/s are in the window, and it has come down to 2 mm/s."""
     before = seen(row(state, correction_unwind_m_s=-0.03))
@@ -138,7 +139,7 @@ def test_what_is_not_believed_is_not_shown_as_alive_when_another_reason_stands_f
     assert len(set(doubted)) == len(doubted)
 
 
-@pytest.mark.parametrize("blocked", ["", "WEB_INTACT=0", "PLC_STALE", "TENSION_IMPLAUSIBLE"])
+@each_case("blocked", ["", "WEB_INTACT=0", "PLC_STALE", "TENSION_IMPLAUSIBLE"])
 def test_nothing_else_is_doubted(blocked: str) -> None:
     assert shown(seen(facts=facts(blocked=blocked))).doubted == ()
 
@@ -162,7 +163,7 @@ def test_what_comes_next_is_said_in_minutes() -> None:
     assert coming.radius_mm == 154
 
 
-@pytest.mark.parametrize("event", TABLE, ids=lambda e: e.name)
+@each_case("event", TABLE, ids=lambda e: e.name)
 def test_the_screen_has_the_words_of_status(event: Event) -> None:
     for state, blocked in product(State, ["", "WEB_INTACT=0", "PLC_STALE 0.3 s"]):
         compare_words(state, event, blocked)
@@ -193,7 +194,7 @@ def test_an_alarm_comes_first_with_its_step() -> None:
     assert (second.rank, second.name) == (3, "CONFIG_DIFFERS")
 
 
-@pytest.mark.parametrize("name", ["NONE", "POWER_UP", "BYPASSED", "SPLICE", "PERMISSIVE_LOST"])
+@each_case("name", ["NONE", "POWER_UP", "BYPASSED", "SPLICE", "PERMISSIVE_LOST"])
 def test_what_asks_for_nobody_is_no_alarm(name: str) -> None:
     assert name not in PRIORITIES
     assert shown(seen(row(State.FAULT, alarm=BY_NAME[name].code))).alarms == ()
@@ -241,7 +242,7 @@ def test_what_waits_for_its_delay_is_told_once_it_stands() -> None:
     ]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("source", "told"),
     [
         (Source.NONE, []),
@@ -298,7 +299,7 @@ def test_an_alarm_names_the_signal_that_the_guard_names() -> None:
         assert [one.name for one in shown(moment).alarms] == [name]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("trouble", "told"),
     [
         ("no reply within 0.05 s", "keine Antwort innerhalb von 0,05 s"),

@@ -34,6 +34,7 @@ from aff_runtime.fieldbus.modbus.frames import exception_text
 from aff_runtime.fieldbus.modbus.tcp_wire import resolved
 from tests.aff_hmi.moments import facts, seen
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 
 STANDARD = (1, 2, 3, 4, 5, 6, 8, 10, 11)  # MODBUS Application Protocol V1.1b3, section 7
 
@@ -43,8 +44,8 @@ def shown(sentence: str, language: str = "de") -> tuple[str, str, str]:
     return one.name, one.text, one.to_do
 
 
-@pytest.mark.parametrize("function", [3, 16, 23])
-@pytest.mark.parametrize("code", [*STANDARD, 7, 9, 171])
+@each_case("function", [3, 16, 23])
+@each_case("code", [*STANDARD, 7, 9, 171])
 def test_every_exception_of_the_service_has_its_words_its_code_and_its_advice(
     code: int, function: int
 ) -> None:
@@ -73,7 +74,7 @@ BELOW, ABOVE = "liegt unter radius_min_m 0,1 m", "liegt über radius_max_m 0,3 m
 STAYS, NONE = "es bleibt der letzte im Bereich, 0,25 m", "es ist kein Radius bekannt"
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("read_m", "known_m", "where", "what"),
     [
         (0.09, 0.25, BELOW, STAYS),
@@ -140,7 +141,7 @@ def test_the_events_tell_it_in_the_readers_language_too() -> None:
     assert "liegt über radius_max_m 0,3 m" in line.text
 
 
-@pytest.mark.parametrize("number", OF_SYSTEM, ids=errno.errorcode.__getitem__)
+@each_case("number", OF_SYSTEM, ids=errno.errorcode.__getitem__)
 def test_what_the_system_says_of_a_socket_is_told_in_german_with_the_place(number: int) -> None:
     sentence = f"192.0.2.7:502: {os.strerror(number)}"
     name, text, to_do = shown(sentence)

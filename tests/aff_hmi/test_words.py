@@ -11,6 +11,7 @@ import pytest
 import aff_hmi
 from aff_hmi.words import LANGUAGES, figures_in, language_of, say_in
 from tests.aff_hmi.msgids import all_texts
+from tests.each_case import each_case
 
 pytest.importorskip("babel")
 
@@ -45,7 +46,7 @@ def test_every_language_has_a_catalogue_and_speaks() -> None:
     assert say_in("en")("READY") == say_in("xx")("READY") == "READY"
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "german"),
     [
         ("0.05", "0,05"),
@@ -104,7 +105,7 @@ def test_what_is_tried_is_kept_and_taken_back_in_words_of_its_own() -> None:
     assert german == {"keep": "Behalten", "undo": "Zurücknehmen"}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("wanted", "accepted", "language"),
     [
         ("de", "en", "de"),

@@ -5,6 +5,7 @@ import pytest
 from benchmarks.intervals.draws import drawn, draws, forms, true_numbers
 from benchmarks.intervals.page import document, error_ratio, estimated, number_class, page
 from sim_plant.refine.fit.spread import SPREAD
+from tests.each_case import each_case
 
 
 def number(value, true, low, high):
@@ -64,7 +65,7 @@ def test_the_page_counts_what_is_held_and_names_what_no_fit_stands_of():
     assert "No fit stands: c." in text
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("held", "missed", "says"),
     [(95, 5, "met"), (80, 20, "**missed**"), (9, 1, "met"), (10, 0, "too few draws to say")],
 )

@@ -9,14 +9,15 @@ import pytest
 
 from aff_runtime.base.signals import StateBits, Status
 from aff_runtime.config.loader import load_site
+from tests.each_case import each_case
 
 CONFIG = Path(__file__).parents[2] / "config"
 GUIDE = Path(__file__).parents[2] / "deploy" / "plc" / "COMMISSIONING.md"
 BLOCK = Path(__file__).parents[2] / "docs" / "technician" / "gateway-block.md"
 
 
-@pytest.mark.parametrize("page", [GUIDE, BLOCK], ids=lambda page: page.stem)
-@pytest.mark.parametrize("bits", [Status, StateBits])
+@each_case("page", [GUIDE, BLOCK], ids=lambda page: page.stem)
+@each_case("bits", [Status, StateBits])
 def test_every_bit_of_both_words_stands_on_the_plcs_pages_with_its_value(
     page: Path, bits: type[Status | StateBits]
 ) -> None:

@@ -163,7 +163,7 @@ def test_the_table_names_no_command_that_no_page_has():
     assert len(ROWS) == text(TABLE).count("\n| `")
 
 
-@pytest.mark.parametrize("key", ROWS)
+@each_case("key", ROWS)
 def test_the_tests_of_the_table_speak_of_the_command(key):
     test = ROWS[key][1]
     if test:

@@ -2,8 +2,7 @@
 
 import re
 
-import pytest
-
+from tests.each_case import each_case
 from tests.house.documents import ROOT, text
 
 FOLDER = ROOT / "docs" / "adr"
@@ -16,7 +15,7 @@ def test_numbers_have_no_holes():
     assert [int(p.name[:4]) for p in PAGES] == list(range(1, len(PAGES) + 1))
 
 
-@pytest.mark.parametrize("path", PAGES, ids=lambda p: p.stem)
+@each_case("path", PAGES, ids=lambda p: p.stem)
 def test_a_decision_has_status_date_and_its_parts(path):
     found = text(path)
     assert found.startswith(f"# {path.name[:4]} ")

@@ -26,3 +26,15 @@ def test_a_test_without_a_case_fails():
 
     with pytest.raises(AssertionError, match="no case of number"):
         never()
+
+
+def test_parts_of_a_case_go_to_their_names_and_each_meets_all_of_another():
+    seen = []
+
+    @each_case("sign", [1, -1])
+    @each_case(("number", "text"), [(1, "one"), (2, "two")])
+    def looked_at(number, text, sign):
+        seen.append((sign * number, text))
+
+    looked_at()
+    assert seen == [(1, "one"), (2, "two"), (-1, "one"), (-2, "two")]

@@ -12,6 +12,7 @@ import pytest
 from benchmarks.campaign.effect_table import EFFECTS, LIBRARY
 from benchmarks.campaign.report import page
 from sim_plant.effects.catalogue import BY_NAME
+from tests.each_case import each_case
 from tests.house.trees import tree_of
 
 ROOT = Path(__file__).parents[2]
@@ -105,7 +106,7 @@ def test_the_campaigns_page_tells_which_effects_of_the_catalogue_it_does_not_dra
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("code", "names"),
     [
         ('x = {"roll_bounce": 1}', ["roll_bounce"]),

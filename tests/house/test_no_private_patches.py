@@ -3,8 +3,6 @@
 import ast
 from pathlib import Path
 
-import pytest
-
 from tests.each_case import each_case
 
 TESTS = Path(__file__).parents[1] / "sim_plant" / "refine"
@@ -37,7 +35,7 @@ def test_no_private_name_of_refine_is_patched(path):
     assert not found, f"{path}: {found}; build a small real record (tests/sim_plant/refine/small)"
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "names"),
     [
         ('monkeypatch.setattr(claim, "_missed", f)', ["_missed"]),

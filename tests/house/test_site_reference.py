@@ -3,7 +3,6 @@
 import json
 
 import annotated_types
-import pytest
 
 from aff_runtime.config import quantity
 from aff_runtime.config.declared import keys_of, walk
@@ -72,7 +71,7 @@ def test_float_key_spells_its_unit(path):
     assert path.endswith(f"_{suffix}")
 
 
-@pytest.mark.parametrize("section", list(_sections()), ids=lambda section: section.__name__)
+@each_case("section", list(_sections()), ids=lambda section: section.__name__)
 def test_section_refuses_a_misspelt_key_and_never_changes(section):
     assert section.model_config["extra"] == "forbid"
     assert section.model_config["frozen"] is True

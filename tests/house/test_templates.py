@@ -6,7 +6,7 @@ import re
 from html.parser import HTMLParser
 from pathlib import Path
 
-import pytest
+from tests.each_case import each_case
 
 TEMPLATES = sorted((Path(__file__).parents[2] / "aff_hmi" / "templates").glob("*.html"))
 _BLOCK = re.compile(r"({%.*?%})", re.DOTALL)
@@ -49,8 +49,8 @@ def one_way(text: str, *, first: bool) -> str:
     return _VALUE.sub("x", "".join(parts))
 
 
-@pytest.mark.parametrize("first", [True, False])
-@pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.name)
+@each_case("first", [True, False])
+@each_case("path", TEMPLATES, ids=lambda path: path.name)
 def test_no_element_has_an_attribute_twice(path: Path, first: bool) -> None:
     assert Doubles(one_way(path.read_text(encoding="utf-8"), first=first)).found == []
 

@@ -24,6 +24,7 @@ from aff_runtime.app.supervisor import edit_session
 from aff_runtime.app.supervisor.settings import desk as settings_desk
 from aff_runtime.base.signals import State
 from tests.aff_runtime.app.supervisor.settings.rig import AtOnce, Rig
+from tests.each_case import each_case
 
 OWN = Person(role=Role.OPERATE, place=Place.PANEL, has_hand=True)
 CARL = replace(OWN, role=Role.COMMISSION)
@@ -91,7 +92,7 @@ def test_in_remote_nothing_is_tried_or_kept_and_the_way_back_is_open() -> None:
     assert may(Action.UNDO, CARL, tried) == ()
 
 
-@pytest.mark.parametrize("action", OF_SETTINGS)
+@each_case("action", OF_SETTINGS)
 def test_settings_are_for_who_commissions_and_has_the_hand_at_the_panel(action) -> None:
     now = Circumstances(
         state=State.ACTIVE, ceiling=Role.COMMISSION, trying=action not in (Action.TRY, Action.SAVE)

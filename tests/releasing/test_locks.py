@@ -6,12 +6,12 @@ import re
 import tomllib
 from pathlib import Path
 
-import pytest
 from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from releasing.commands import ROOT
 from releasing.lock import BUILD, EXTRAS, LOCKS, pins
+from tests.each_case import each_case
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 NAMES = (*EXTRAS, BUILD)
@@ -48,8 +48,8 @@ def locked(name: str, python: str) -> dict[str, str]:
     return found
 
 
-@pytest.mark.parametrize("python", PYTHONS)
-@pytest.mark.parametrize("name", NAMES)
+@each_case("python", PYTHONS)
+@each_case("name", NAMES)
 def test_a_lock_covers_every_dependency_inside_its_range(name: str, python: str) -> None:
     found = locked(name, python)
     wrong = [
@@ -60,7 +60,7 @@ def test_a_lock_covers_every_dependency_inside_its_range(name: str, python: str)
     assert wrong == [], "run: make lock"
 
 
-@pytest.mark.parametrize("name", NAMES)
+@each_case("name", NAMES)
 def test_every_pin_has_a_hash_and_no_lock_names_a_host(name: str) -> None:
     text = (LOCKS / f"{name}.txt").read_text()
     assert pins(LOCKS / f"{name}.txt")

@@ -14,6 +14,7 @@ from aff_runtime.app.hand.accounts import LEAST_CHARACTERS, MOST_CHARACTERS, PIN
 from aff_runtime.app.hand.audit import KEPT_FILES, MAX_BYTES
 from releasing.commands import ROOT
 from releasing.lock import LOCKS, pins
+from tests.each_case import each_case
 
 PAGE = (ROOT / "docs" / "trust.md").read_text()
 ROWS = {"gateway": "every gateway"}
@@ -31,7 +32,7 @@ def locked(lock: str) -> set[str]:
     return {canonicalize_name(Requirement(pin).name) for pin in pins(LOCKS / f"{lock}.txt")}
 
 
-@pytest.mark.parametrize("lock", ROWS)
+@each_case("lock", ROWS)
 def test_a_row_names_the_packages_that_its_lock_brings_beside_those_of_every_gateway(
     lock: str,
 ) -> None:

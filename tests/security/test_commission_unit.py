@@ -16,6 +16,7 @@ from aff_runtime.app.commission.messages import NAME as SOCKET
 from aff_runtime.app.link.runtime_directory import INSTALLED
 from aff_runtime.cli.main import build_parser
 from aff_runtime.config.site_paths import STATE_DIRECTORY
+from tests.each_case import each_case
 from tests.security.installed_units import (
     DEPLOY,
     analyze,
@@ -36,7 +37,7 @@ SITE = STATE_DIRECTORY / "site" / "site.yaml"
 COMPILES = "MemoryDenyWriteExecute=no\n"
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("key", "words"),
     [
         ("User", SERVICE["User"][0]),

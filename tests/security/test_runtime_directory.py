@@ -25,6 +25,7 @@ from aff_runtime.base.errors import AffError, RefusedError
 from aff_runtime.cli import operate
 from aff_runtime.cli.main import main
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 from tests.security.desk import answering
 
 NOBODY = 65534
@@ -267,7 +268,7 @@ def test_bypass_waits_for_the_end_of_the_fade_and_then_says_so() -> None:
     assert next(answers, None) is None
 
 
-@pytest.mark.parametrize(
+@each_case(
     "stuck",
     [shown("ACTIVE", 0.01), shown("BYPASS", 0.01), shown("STARTING"), read_answer({"ok": True})],
 )

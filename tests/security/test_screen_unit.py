@@ -18,6 +18,7 @@ from aff_runtime.app.link.runtime_directory import check_trusted
 from aff_runtime.app.supervisor.door import Door
 from aff_runtime.app.supervisor.packet_listener import SCREEN_USER
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 from tests.security.installed_units import (
     DEPLOY,
     STUB,
@@ -39,7 +40,7 @@ SLICE = "system-affview.slice"
 OF_SCREEN = ("aff-hmi", "aff-door", "affview", "[hmi]", "aff-commission", "screen.conf")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("key", "words"),
     [
         ("User", SCREEN_USER),
@@ -108,7 +109,7 @@ def test_screen_and_service_do_not_need_each_other(name: str) -> None:
         assert not (line.partition("=")[0] in ties and other in line), line
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("address", "reached"),
     [("127.0.0.1", True), ("::1", True), ("192.168.7.31", False), ("10.0.0.1", False)],
 )

@@ -23,6 +23,7 @@ from aff_runtime.config.yaml_marks import parse_marked
 from aff_runtime.fieldbus.can.dbc import load_dbc
 from aff_runtime.fieldbus.canopen.eds_file import MOST_ODD_LINES, load_eds
 from tests.aff_runtime.config.shipped import copied, edited
+from tests.each_case import each_case
 
 ROOT = Path(__file__).parents[2]
 SITE = ROOT / "config" / "euclid.yaml"
@@ -283,7 +284,7 @@ DBC = {
 }
 
 
-@pytest.mark.parametrize("name", DBC)
+@each_case("name", DBC)
 def test_a_dbc_with_numbers_that_no_frame_has_is_refused(name: str) -> None:
     text, said = DBC[name]
     with pytest.raises(ConfigError) as caught:
@@ -291,7 +292,7 @@ def test_a_dbc_with_numbers_that_no_frame_has_is_refused(name: str) -> None:
     assert said in str(caught.value)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "text",
     [
         message("64", signal_of("0|512")),
@@ -321,7 +322,7 @@ EDS = {
 }
 
 
-@pytest.mark.parametrize("name", EDS)
+@each_case("name", EDS)
 def test_an_eds_with_more_than_it_holds_is_refused(name: str) -> None:
     text, said = EDS[name]
     before_s = time.process_time()

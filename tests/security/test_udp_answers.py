@@ -3,8 +3,6 @@
 import socket
 import struct
 
-import pytest
-
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.modbus.frames import ModbusFrames, WireFunction
@@ -13,6 +11,7 @@ from aff_runtime.fieldbus.modbus.udp_wire import UdpWire
 from sim_plant.servers.faults import FaultBoard
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.modbus_udp import ModbusUdpServer
+from tests.each_case import each_case
 
 READ_2_FROM_0 = bytes.fromhex("0007 0000 0006 01 03 0000 0002")
 ANSWER = bytes.fromhex("0007 0000 0003 01 83 02")
@@ -69,7 +68,7 @@ def reply(tid, word):
     return struct.pack(">HHHBBBH", tid, 0, 5, 1, 3, 2, word)
 
 
-@pytest.mark.parametrize("laid", [[2, 2], [2, 2, 2, 3], [JUNK, 2, 2], [JUNK] * 40 + [2], [2] * 99])
+@each_case("laid", [[2, 2], [2, 2, 2, 3], [JUNK, 2, 2], [JUNK] * 40 + [2], [2] * 99])
 def test_an_answer_laid_before_its_question_was_asked_is_not_believed(laid):
     """One datagram was taken away per tick; the next one was the answer to the next question."""
     clock = MonotonicClock()

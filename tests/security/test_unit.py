@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.app.check.limits import MEMORY_BYTES, PATIENCE_S
+from tests.each_case import each_case
 from tests.security.installed_units import (
     DEPLOY,
     analyze,
@@ -27,7 +28,7 @@ from tests.security.installed_units import (
 SERVICE = settings("aff-runtime.service")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("key", "words"),
     [
         ("User", "aff-runtime"),
@@ -72,7 +73,7 @@ def test_a_start_lasts_longer_than_the_check_may() -> None:
     assert int(SERVICE["TimeoutStartSec"][0]) > PATIENCE_S + 10
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("address", "reached"),
     [
         ("127.0.0.1", True),

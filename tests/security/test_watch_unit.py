@@ -9,6 +9,7 @@ import pytest
 
 from aff_runtime.cli.main import build_parser
 from aff_runtime.config.site_paths import STATE_DIRECTORY
+from tests.each_case import each_case
 from tests.security.installed_units import (
     DEPLOY,
     analyze,
@@ -26,7 +27,7 @@ COMMISSIONER = settings("aff-commission.service")
 STORE = STATE_DIRECTORY / "watch"
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("key", "words"),
     [
         ("User", SERVICE["User"][0]),

@@ -11,8 +11,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
-
 from aff_hmi.commission.card_lacks import LACKS
 from aff_hmi.commission.in_language import card_in
 from aff_hmi.commission.sentences import sentence
@@ -25,6 +23,7 @@ from aff_runtime.app.card.standing import card_of
 from aff_runtime.app.commission.card_view import card_view
 from tests.aff_hmi.commission.test_card_sentences import said
 from tests.aff_runtime.app.card.made import BAD, INPUTS, add, book, measured, signed
+from tests.each_case import each_case
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 MEASURES = Path(__file__).parents[3] / "aff_runtime" / "app" / "card" / "measure"
@@ -70,7 +69,7 @@ def _texts(node: ast.AST) -> Iterator[ast.expr]:
             yield text
 
 
-@pytest.mark.parametrize(("where", "text"), list(lacks()))
+@each_case(("where", "text"), list(lacks()))
 def test_what_a_step_waits_for_has_its_german(where: str, text: str) -> None:
     assert sentence(text, ENGLISH) == text
     assert sentence(text, GERMAN) != text
@@ -83,7 +82,7 @@ def test_they_are_found() -> None:
     assert files >= {"ripple.py", "shadow.py", "load_cell.py", "words.py"}
 
 
-@pytest.mark.parametrize("text", BY_HAND)
+@each_case("text", BY_HAND)
 def test_what_is_put_together_elsewhere_has_its_german_too(text: str) -> None:
     german = sentence(text, GERMAN)
     assert sentence(text, ENGLISH) == text

@@ -11,8 +11,6 @@ from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
-
 from aff_hmi.commission.card_sentences import CARD
 from aff_hmi.commission.in_language import card_in
 from aff_hmi.commission.sentences import sentence
@@ -23,6 +21,7 @@ from aff_runtime.app.card.standing import changed, not_compared
 from aff_runtime.app.card.steps import STEPS
 from aff_runtime.app.commission.views import CardView, StepView
 from aff_runtime.app.supervisor.settings.desk import RETURN_ALREADY
+from tests.each_case import each_case
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 APP = Path(__file__).parents[3] / "aff_runtime" / "app"
@@ -74,7 +73,7 @@ def said(node: ast.expr) -> str:
     return "".join(said(part) for part in node.values)
 
 
-@pytest.mark.parametrize(("where", "text"), list(refusals()))
+@each_case(("where", "text"), list(refusals()))
 def test_every_refusal_of_the_card_has_its_german(where: str, text: str) -> None:
     assert sentence(text, ENGLISH) == text
     assert sentence(text, GERMAN) != text
@@ -86,7 +85,7 @@ def test_the_refusals_are_found() -> None:
     assert {where.partition(":")[0] for where in found} >= {"gather.py", "search.py", "book.py"}
 
 
-@pytest.mark.parametrize("text", BY_HAND)
+@each_case("text", BY_HAND)
 def test_what_is_said_by_way_of_another_has_its_german_too(text: str) -> None:
     assert sentence(text, ENGLISH) == text
     assert sentence(text, GERMAN) != text

@@ -37,6 +37,7 @@ from aff_runtime.core.shape.trial import Fit
 from tests.aff_hmi.commission.steps_of import Steps
 from tests.aff_hmi.moments import facts as told
 from tests.aff_hmi.moments import seen
+from tests.each_case import each_case
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 SITES = sorted((Path(__file__).parents[3] / "config").glob("*.yaml"))
@@ -98,7 +99,7 @@ MOST_OF_SQUARE, MANY = 1.5, 100
 KEEPS = f"unwind: {SAVED} keeps its shape; its correction of P is of"
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "german"),
     [
         (

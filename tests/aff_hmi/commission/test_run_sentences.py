@@ -20,6 +20,7 @@ from aff_runtime.app.commission.refine_views import AskedOf, RefinedRow, Refined
 from aff_runtime.base.refinement import Summary
 from sim_plant.refine.model import record_match, run_caveats
 from sim_plant.refine.report import announce
+from tests.each_case import each_case
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 LACKS: tuple[Any, ...] = (
@@ -64,15 +65,13 @@ def sentences_of(function: Any) -> Iterator[str]:
             yield text.removeprefix("7: ")
 
 
-@pytest.mark.parametrize(
-    "text", [text for function in LACKS for text in sentences_of(function)] + list(AGAINST)
-)
+@each_case("text", [text for function in LACKS for text in sentences_of(function)] + list(AGAINST))
 def test_a_sentence_is_said_in_german_and_stays_as_it_is_in_english(text: str) -> None:
     assert sentence(text, ENGLISH) == text
     assert sentence(text, GERMAN) != text
 
 
-@pytest.mark.parametrize(
+@each_case(
     "text",
     [
         "/l.yaml: the line file is not there; copy yours there",

@@ -52,6 +52,7 @@ from aff_runtime.app.setup.interview import (
 )
 from aff_runtime.app.setup.quantities import angles, quantities
 from aff_runtime.app.setup.questions import AnswerError, Question, bit, one_of
+from tests.each_case import each_case
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 SECOND = "swrap_follower"
@@ -81,13 +82,13 @@ def questions() -> list[Question]:
     ]
 
 
-@pytest.mark.parametrize("text", [one.text for one in questions()])
+@each_case("text", [one.text for one in questions()])
 def test_every_question_is_asked_in_german_and_stays_as_it_is_in_english(text: str) -> None:
     assert sentence(text, ENGLISH) == text
     assert sentence(text, GERMAN) != text or text in SAME
 
 
-@pytest.mark.parametrize("wanted", [*quantities(SECOND), *angles(SECOND)], ids=lambda q: q.channel)
+@each_case("wanted", [*quantities(SECOND), *angles(SECOND)], ids=lambda q: q.channel)
 def test_what_is_asked_of_a_display_is_translated_to_its_end(wanted) -> None:
     said = sentence(
         f"What does the drive show now as {wanted.asked}, all digits and the unit?", GERMAN
@@ -96,7 +97,7 @@ def test_what_is_asked_of_a_display_is_translated_to_its_end(wanted) -> None:
     assert wanted.asked not in said
 
 
-@pytest.mark.parametrize(
+@each_case(
     "wanted", [one for one in quantities(SECOND) if one.moves is not None], ids=lambda q: q.channel
 )
 def test_how_a_quantity_is_moved_is_told_to_its_end(wanted) -> None:
@@ -111,7 +112,7 @@ def test_how_a_quantity_is_moved_is_told_to_its_end(wanted) -> None:
         assert wanted.asked not in said
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("why", "german"),
     [
         (
@@ -161,13 +162,13 @@ ROLES = (
 )
 
 
-@pytest.mark.parametrize("text", [one.text for one in BUS])
+@each_case("text", [one.text for one in BUS])
 def test_what_is_asked_of_a_bus_is_asked_in_german_too(text: str) -> None:
     assert sentence(text, ENGLISH) == text
     assert sentence(text, GERMAN) != text
 
 
-@pytest.mark.parametrize("role", ROLES, ids=lambda role: role.name)
+@each_case("role", ROLES, ids=lambda role: role.name)
 def test_which_signal_is_what_is_asked_in_german_to_its_end(role: Role) -> None:
     text = which_signal(role)
     said = sentence(text, GERMAN)
@@ -187,7 +188,7 @@ ROWS = RowReader(rows=frozenset({1, 2}), at={}, choices=("again", "none"))
 NO_ROWS = RowReader(rows=frozenset(), at={}, choices=("again", "move"))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("read", "text", "english", "german"),
     [
         (
@@ -279,7 +280,7 @@ def _text(node: ast.expr) -> str:
 OF_MANY_WORDS = re.compile(r"word +7: 7|warning .*")  # a table of readings; a file's finding
 
 
-@pytest.mark.parametrize("text", told())
+@each_case("text", told())
 def test_what_the_engine_says_is_said_in_german(text: str) -> None:
     if OF_MANY_WORDS.fullmatch(text):
         return
@@ -287,7 +288,7 @@ def test_what_the_engine_says_is_said_in_german(text: str) -> None:
     assert sentence(text, GERMAN) != text
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "german"),
     [
         (
@@ -319,9 +320,7 @@ def test_rows_are_told_with_their_reasons(text: str, german: str) -> None:
     assert sentence(text, ENGLISH) == text
 
 
-@pytest.mark.parametrize(
-    "text", ["", "{site}", "no pattern of ours", "<b>", "x" * 5000, "(" * 300]
-)
+@each_case("text", ["", "{site}", "no pattern of ours", "<b>", "x" * 5000, "(" * 300])
 def test_what_is_in_no_pattern_is_told_as_it_is(text: str) -> None:
     assert sentence(text, GERMAN) == text
 

@@ -16,6 +16,7 @@ from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.next_step import ANOTHER_SPEED
 from sim_plant.refine.report.wording import coordinate_text, place_words
+from tests.each_case import each_case
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 DRAG = "turn R4 by hand with the web off; clean, grease or change its bearings"
@@ -33,7 +34,7 @@ def test_what_is_known_of_effects_is_still_what_the_catalogue_says():
     assert set(REMEDIES) <= {one.remedy for one in said}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "where"),
     [
         ("time", {"frequency_Hz": 12.5}),
@@ -197,7 +198,7 @@ TRUED = (
 )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "words"),
     [
         (f"First at the machine: {TRUED}.", ["Zuerst an der Maschine: Messuhr an R8 setzen"]),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from aff_hmi.scope.spectrum import MOST_LINES, lines_of
+from tests.each_case import each_case
 
 CYCLE_S = 0.005
 TIME_S = 100.0 + CYCLE_S * np.arange(1000)  # five seconds: lines 0.2 Hz apart
@@ -17,7 +18,7 @@ def tone(f_Hz: float, size: float) -> np.ndarray:
     return size * np.cos(2.0 * np.pi * f_Hz * TIME_S + 1.0)
 
 
-@pytest.mark.parametrize("f_Hz", [1.6, 3.0, 3.07, 12.5, 61.33])
+@each_case("f_Hz", [1.6, 3.0, 3.07, 12.5, 61.33])
 def test_two_tones_on_a_slope_in_noise_are_told_with_their_size(f_Hz: float) -> None:
     """Amplitudes to 2 %, frequencies to a twentieth of a line, wherever they lie between lines."""
     values = 90.0 + 0.5 * TIME_S + tone(f_Hz, 1.2) + tone(30.0, 0.4) + NOISE

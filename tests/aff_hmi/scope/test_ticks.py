@@ -10,6 +10,7 @@ from aff_hmi.scope.ticks import KEPT_S, MOST_TICKS, Ticks
 from aff_hmi.words import say_in
 from tests.aff_hmi.moments import LINE
 from tests.aff_hmi.scope.played import COLUMNS, CYCLE_S, SIGNALS, UTC_S, record
+from tests.each_case import each_case
 
 
 def begun(cycle_s: float = CYCLE_S) -> Ticks:
@@ -44,7 +45,7 @@ def test_a_quick_cycle_costs_no_more_memory() -> None:
     assert len(ticks._head) == MOST_TICKS
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("since", "most", "found"),
     [
         (40, 5, [40, 41, 42, 43, 44]),

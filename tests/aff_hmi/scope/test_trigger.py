@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 
-import pytest
-
 from aff_hmi.scope.shot import ShotRequest, asked_of, shot_of
 from aff_hmi.scope.ticks import Ticks
 from aff_hmi.scope.trigger import On, Trigger, places
 from aff_runtime.base.events import BY_NAME
 from tests.aff_hmi.scope.played import COLUMNS, CYCLE_S, SIGNALS, cut_of, record
+from tests.each_case import each_case
 
 T = "unwind_tension_N"
 
@@ -51,7 +50,7 @@ def test_a_change_of_state_and_events_fire() -> None:
     assert places(ticks.cut(), Trigger(on=On.FIRST_OUT)).tolist() == [7]
 
 
-@pytest.mark.parametrize(("pre", "first"), [(0, 500), (20, 460), (50, 400), (80, 340), (100, 301)])
+@each_case(("pre", "first"), [(0, 500), (20, 460), (50, 400), (80, 340), (100, 301)])
 def test_a_shot_lies_around_its_trigger(pre: int, first: int) -> None:
     cut = cut_of(1000, float)
     asked = ShotRequest(names=(T,), seconds=1, trigger=at(On.RISE, 500.0), pre_percent=pre)
@@ -88,7 +87,7 @@ def test_without_a_trigger_it_ends_where_it_is_asked_to() -> None:
     assert (found.cut.ticks[0], found.cut.ticks[-1]) == (301, 700)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "query",
     [
         {"seconds": "3"},

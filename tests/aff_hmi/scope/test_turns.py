@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from aff_hmi.scope.turns import MOST_ORDERS, orders_of, turns_of
+from tests.each_case import each_case
 
 RATE_HZ, TURNS_PER_S = 200.0, 2.3
 T_S = np.arange(0.0, 10.0, 1.0 / RATE_HZ)
@@ -47,7 +48,7 @@ def test_what_does_not_turn_with_the_roll_is_floor_and_no_order() -> None:
     assert np.median(noisy) == pytest.approx(floor, rel=1.0)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "turns", [np.zeros(2000), ANGLE[:100], np.full(2000, np.nan), np.linspace(0.0, 900.0, 2000)]
 )
 def test_less_than_two_turns_or_too_few_samples_tell_nothing(turns: np.ndarray) -> None:

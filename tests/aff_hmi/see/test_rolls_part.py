@@ -16,6 +16,7 @@ from aff_runtime.base.signals import State
 from aff_runtime.core.monitor import OrderState
 from aff_runtime.core.phase import Source
 from tests.aff_hmi.moments import LINE, facts, row, seen
+from tests.each_case import each_case
 
 SAY = say_in("en")
 TURN = {"unwind.omega_rad_s": 5.0, "swrap.omega_rad_s": 16.0}
@@ -154,7 +155,7 @@ def test_names_and_texts_of_others_are_made_printable() -> None:
     assert len(part.texts) <= 8
 
 
-@pytest.mark.parametrize("state", list(State))
+@each_case("state", list(State))
 def test_every_moment_is_json_without_nan(state: State) -> None:
     spoilt = {key: math.nan for key in row() if "." in key or key.endswith(("_m", "_m_s"))}
     for more in ({}, spoilt):

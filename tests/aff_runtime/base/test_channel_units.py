@@ -1,16 +1,15 @@
 """The end of a name says its unit, once for every reader."""
 
-import pytest
-
 from aff_runtime.base.channel_units import (
     suffix_of_unit,
     unit_of_channel,
     unit_of_name,
     without_unit,
 )
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "unit"),
     [
         ("unwind_tension_N", "N"),

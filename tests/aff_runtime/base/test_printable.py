@@ -1,13 +1,13 @@
 """Foreign text in a log or on a terminal: one line, nothing that acts."""
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from aff_runtime.base.printable import printable
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "shown"),
     [
         ("Bahnspannung [µm] °", "Bahnspannung [µm] °"),

@@ -15,9 +15,10 @@ from aff_runtime.base.units import (
     unit_info,
 )
 from tests import quick_yaml
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "unit", "expected"),
     [
         ("300 m/min", "m/s", 5.0),
@@ -48,13 +49,13 @@ def test_text_with_a_unit_becomes_the_keys_unit(text, unit, expected):
     assert read_number(text, unit) == pytest.approx(expected, rel=1e-12)
 
 
-@pytest.mark.parametrize("unit", ["m", "m/s", "ms", "N", ""])
+@each_case("unit", ["m", "m/s", "ms", "N", ""])
 def test_bare_number_already_is_in_the_keys_unit(unit):
     assert read_number(7, unit) == 7.0
     assert read_number(0.25, unit) == 0.25
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("value", "unit", "said"),
     [
         ("20 lbf", "m/s", '"20 lbf" is a force, expected a speed'),

@@ -14,6 +14,7 @@ from aff_runtime.config import yaml_marks
 from aff_runtime.config.yaml_marks import parse_marked
 from sim_plant.line import yaml_file
 from sim_plant.line.yaml_file import parse_yaml
+from tests.each_case import each_case
 
 BOUNDS = Bounds(depth=2, events=12, characters=5)
 
@@ -34,7 +35,7 @@ def test_a_text_without_a_value_has_no_root() -> None:
     assert compose("# nothing\n", BOUNDS) is None
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "fault", "place"),
     [
         ("a: [1\n", Fault.SYNTAX, (2, 1)),
@@ -52,10 +53,10 @@ def test_a_fault_is_told_by_its_kind_and_place(
     assert (caught.value.fault, caught.value.place) == (fault, place)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "read", [lambda text: parse_marked(text.encode(), "f"), lambda text: parse_yaml(text, "f")]
 )
-@pytest.mark.parametrize(
+@each_case(
     ("text", "place"), [("a: [1\n", "f:2:1"), ("a: 1\nb: \x01\n", "f:2:4"), ("a: b: c\n", "f:1:5")]
 )
 def test_site_files_and_line_files_name_the_same_place(

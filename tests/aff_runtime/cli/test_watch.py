@@ -25,6 +25,7 @@ from aff_runtime.cli.status import watch_lines
 from aff_runtime.config.loader import load_site
 from aff_runtime.core.controller import Controller
 from tests.doubles.virtual_weeks import Weeks, write_weeks
+from tests.each_case import each_case
 from tests.parameter_records import CONFIG
 
 DAYS = 14
@@ -199,7 +200,7 @@ def test_duckdb_and_pandas_read_an_exported_run_with_its_units(runs, tmp_path, c
     assert {name: units[name] for name in wanted} == wanted
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "unit"),
     [
         ("unwind_angle_rad", "rad"),

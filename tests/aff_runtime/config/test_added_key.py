@@ -9,6 +9,7 @@ from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.config.edited_text import EditedText
 from aff_runtime.config.leaves import leaves
 from aff_runtime.config.loader import load_site
+from tests.each_case import each_case
 from tests.parameter_records import CONFIG
 
 TEXT = """\
@@ -36,7 +37,7 @@ last:
 """
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("path", "new", "before", "after"),
     [
         (("line", "speed"), "v_m_s", "  #speed: line_speed_m_s\n", "  speed: v_m_s\n"),
@@ -62,7 +63,7 @@ def test_a_key_stands_below_its_comment_or_beside_the_others(path, new, before, 
     assert str(value) == new
 
 
-@pytest.mark.parametrize(
+@each_case(
     "path", [("one", "x"), ("base", "x"), ("empty", "x"), ("two", 2, "x"), ("line", "name", "x")]
 )
 def test_where_no_place_shows_it_is_told_so(path) -> None:
@@ -71,7 +72,7 @@ def test_where_no_place_shows_it_is_told_so(path) -> None:
         EditedText(TEXT).with_values({path: "1"})
 
 
-@pytest.mark.parametrize("new", ["", "1, y: 2", "5 # five", "{a: 1}", "5\nline: 6", "[1"])
+@each_case("new", ["", "1, y: 2", "5 # five", "{a: 1}", "5\nline: 6", "[1"])
 def test_what_is_no_single_value_is_not_added(new) -> None:
     with pytest.raises(RefusedError):
         EditedText(TEXT).with_values({("line", "cycle_ms"): new})

@@ -6,6 +6,7 @@ import pytest
 
 from aff_runtime.config.check import check_site
 from tests.aff_runtime.config.shipped import EUCLID, edited
+from tests.each_case import each_case
 
 
 def test_good_file_gives_facts_and_exit_code_0():
@@ -98,7 +99,7 @@ def test_defaults_in_use_are_listed_and_given_keys_are_not():
     assert not any(line.startswith("line.cycle_ms") for line in defaults)
 
 
-@pytest.mark.parametrize("speed", [0.0, -1.0, math.nan, math.inf])
+@each_case("speed", [0.0, -1.0, math.nan, math.inf])
 def test_speed_without_meaning_is_refused(speed):
     with pytest.raises(ValueError, match="above 0"):
         check_site(EUCLID, speeds_m_s=[speed])

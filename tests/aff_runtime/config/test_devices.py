@@ -7,6 +7,7 @@ import pytest
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.check import check_site
 from aff_runtime.config.devices import load_device
+from tests.each_case import each_case
 
 FOLDER = Path(__file__).parents[3] / "config" / "devices"
 NAMES = {"abb", "siemens", "danfoss", "schneider", "sew", "lenze", "generic_plc"}
@@ -19,7 +20,7 @@ def test_every_promised_device_has_a_profile_with_its_source() -> None:
     assert all(device.manual and device.lost_master for device in devices.values())
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "register", "wire"),
     [
         ("abb", 400001, 0),
@@ -45,7 +46,7 @@ def test_a_profile_with_an_unknown_key_is_refused(tmp_path: Path) -> None:
         load_device(path)
 
 
-@pytest.mark.parametrize("name", sorted(NAMES))
+@each_case("name", sorted(NAMES))
 def test_a_profile_in_the_place_of_a_site_file_is_named_once(name: str) -> None:
     (error,) = check_site(FOLDER / f"{name}.yaml").errors
     assert "this is a device profile" in error.text

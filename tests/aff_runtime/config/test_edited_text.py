@@ -7,6 +7,7 @@ import yaml
 
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.config.edited_text import EditedText
+from tests.each_case import each_case
 
 TEXT = """\
 # of the line
@@ -25,7 +26,7 @@ two:
 """
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("path", "written"),
     [
         (("line", "name"), "Euclid"),
@@ -70,7 +71,7 @@ def test_a_list_in_one_line_is_one_value() -> None:
         EditedText(text).with_values({path: "3"})
 
 
-@pytest.mark.parametrize(
+@each_case(
     "new", ["", " ", "1, x: 2", "5 # five", "&a 5", "[1]", "{a: 1}", "5\nline: 6", "'", "x" * 81]
 )
 def test_what_is_no_single_value_is_not_written(new) -> None:

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.yaml_marks import MAX_BYTES, parse_marked, read_marked
+from tests.each_case import each_case
 
 
 def assert_every_line_has_a_place(said):
@@ -19,7 +20,7 @@ def refused(text):
     return str(caught.value).split("\n")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "expected"),
     [
         ("a: 1\nb: 2\na: 3\n", "site.yaml:3:1  a: key stands twice, first in line 1."),
@@ -127,7 +128,7 @@ def test_any_yaml_like_text_gives_a_tree_or_a_config_error(text):
         assert_every_line_has_a_place(str(error))
 
 
-@pytest.mark.parametrize("escape", ["\\0", "\\e[2J", "\\x7f", "\\x85"])
+@each_case("escape", ["\\0", "\\e[2J", "\\x7f", "\\x85"])
 def test_a_control_character_is_refused_where_it_stands(escape: str) -> None:
     with pytest.raises(ConfigError, match=r"t:2:7  name: holds a control character"):
         parse_marked(f'version: 1\nname: "a{escape}b"\n'.encode(), "t")

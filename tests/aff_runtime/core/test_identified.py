@@ -10,6 +10,7 @@ import pytest
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.core.identified import Estimate, IdentifiedDrive
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
+from tests.each_case import each_case
 
 
 def estimate(value: float, share: float = 0.1) -> Estimate:
@@ -60,7 +61,7 @@ def test_a_file_without_a_drive_reads_and_is_written_as_before():
     assert Response.from_json(text).drive is None
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("key", "value"),
     [
         ("inertia_kg_m2", {"value": 0.4, "low": 0.5, "high": 0.6}),

@@ -27,6 +27,7 @@ from tests.aff_runtime.core.plants import (
 from tests.aff_runtime.core.shape_site import DRIVE
 from tests.aff_runtime.core.test_lost_angle import GRID_HZ, LosesAngle
 from tests.aff_runtime.core.test_phase import INDEX, NAN, ROLL, encoder
+from tests.each_case import each_case
 
 RADIUS_M, OMEGA = 0.2, 5.0
 CLOSE_RAD = 3.0 * COUNT_RAD
@@ -68,8 +69,8 @@ class Turning:
         return math.remainder(self.phase.theta_rad - self.theta, math.tau)
 
 
-@pytest.mark.parametrize("speed", [True, False])
-@pytest.mark.parametrize(
+@each_case("speed", [True, False])
+@each_case(
     "parts",
     [[(3.0, 0.9 * OMEGA)], [(5.0, 0.0)], [(1.0, OMEGA), (60.0, 0.0)], [(30.0, 1.1 * OMEGA)]],
 )
@@ -87,8 +88,8 @@ def test_a_counter_that_went_on_keeps_the_frame(parts, speed):
     assert roll.phase.origin_losses == 0
 
 
-@pytest.mark.parametrize("start", [1000.0, -1000.0])
-@pytest.mark.parametrize("omega", [OMEGA, -OMEGA])
+@each_case("start", [1000.0, -1000.0])
+@each_case("omega", [OMEGA, -OMEGA])
 def test_a_counter_that_began_anew_has_another_origin(start, omega):
     roll = Turning(start=start)
     roll.run(2.0, omega)
@@ -167,8 +168,8 @@ def test_a_word_of_a_turn_or_two_keeps_the_frame_of_a_line_that_stands(seconds, 
     assert roll.phase.origin_losses == 0
 
 
-@pytest.mark.parametrize("omega", [OMEGA, -OMEGA])
-@pytest.mark.parametrize("turns", [1, 2])
+@each_case("omega", [OMEGA, -OMEGA])
+@each_case("turns", [1, 2])
 def test_a_word_of_a_turn_or_two_keeps_the_frame_of_a_line_that_runs_on_a_little(turns, omega):
     modulus_rad = turns * math.tau
     slack_rad = NOISE_RAD + NOISE_S * OMEGA
@@ -203,8 +204,8 @@ def test_a_word_of_a_turn_or_two_that_began_anew_is_seldom_taken_for_known(secon
     assert kept <= CHANCE * places + 1  # of a range that ends between two places
 
 
-@pytest.mark.parametrize("gap_s", [0.1, 0.2, 0.3, 0.45])
-@pytest.mark.parametrize("omega", [5.0 * OMEGA, -5.0 * OMEGA])
+@each_case("gap_s", [0.1, 0.2, 0.3, 0.45])
+@each_case("omega", [5.0 * OMEGA, -5.0 * OMEGA])
 def test_a_word_of_one_turn_is_unfolded_about_the_way_of_a_short_gap(omega, gap_s):
     """In 0.3 s the roll turns 7.2 rad, more than half the range, and slows down meanwhile."""
     params = replace(ROLL, angle_modulus_rad=math.tau)

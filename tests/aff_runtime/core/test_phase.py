@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from aff_runtime.core.params import RollParams
 from aff_runtime.core.phase import Quality, RollPhase, Source
 from tests.aff_runtime.core.plants import COUNT_RAD, CYCLE_S, MODULUS_RAD
+from tests.each_case import each_case
 
 INDEX = {"angle": 0, "speed": 1, "line": 2, "radius": 3}
 ROLL = RollParams(
@@ -204,7 +205,7 @@ def test_angle_is_finite_and_moves_plausibly_whatever_comes(samples):
         assert abs(phase.theta_rad - before) <= ROLL.max_omega_rad_s * (gap + 2 * CYCLE_S) + 0.4
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("factor", "said"),
     [
         (-1.0, "counts against"),

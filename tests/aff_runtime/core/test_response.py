@@ -9,6 +9,7 @@ import pytest
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.core.response import Provenance, Response, ResponsePoint, arming_objections
 from tests.aff_runtime.core.plants import GRID_HZ, LagDelay, measured
+from tests.each_case import each_case
 
 
 def test_interpolates_a_lag_with_delay_between_points():
@@ -60,7 +61,7 @@ def test_text_and_back_is_the_same_response():
     assert math.isnan(new.provenance.radius_m)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "text",
     [
         "",
@@ -101,7 +102,7 @@ def test_objections_name_order_and_reason():
     assert "coherence" in texts
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("key", "value"),
     [
         ("relative_error", -1.0),

@@ -6,6 +6,7 @@ import pytest
 
 from aff_runtime.base.signals import Outcome
 from tests.aff_runtime.loop.rig import FADE_TICKS, PERIOD_NS, Rig
+from tests.each_case import each_case
 
 PATIENCE_TICKS = 10**9 // PERIOD_NS  # 1 s
 SILENT = [Outcome.TIMEOUT, Outcome.NOT_CONNECTED, Outcome.BAD_REPLY, Outcome.EXCEPTION]
@@ -91,7 +92,7 @@ def test_zeros_are_counted_from_the_first_that_was_sent_after_a_read() -> None:
     assert rig.cycle.zero_stands
 
 
-@pytest.mark.parametrize("outcome", SILENT)
+@each_case("outcome", SILENT)
 def test_where_nothing_but_zeros_went_out_the_end_is_not_waited_for(outcome: Outcome) -> None:
     never = Rig()
     never.plc.outcome = outcome

@@ -12,6 +12,7 @@ from aff_runtime.base.signals import NO_ECHO, Outcome
 from aff_runtime.safety.echo_check import EchoCheck
 from aff_runtime.safety.params import EchoParams
 from tests.aff_runtime.safety.snapshots import GOOD
+from tests.each_case import each_case
 
 WORD = 1 << 16
 MS = 1_000_000
@@ -112,8 +113,8 @@ def test_without_the_word_nothing_is_ever_judged() -> None:
     assert not judge.heard
 
 
-@pytest.mark.parametrize("first", [0, 65_500, 65_535])
-@pytest.mark.parametrize(("age", "is_ours"), [(0, True), (50, True), (51, False), (65_535, False)])
+@each_case("first", [0, 65_500, 65_535])
+@each_case(("age", "is_ours"), [(0, True), (50, True), (51, False), (65_535, False)])
 def test_ours_is_what_was_sent_within_the_window_across_the_wrap(
     first: int, age: int, is_ours: bool
 ) -> None:

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aff_runtime.safety.envelope import Envelope
+from tests.each_case import each_case
 
 DT_S = 0.005
 SOFT_S, FADE_S = 1.5, 0.150
@@ -26,7 +27,7 @@ def test_it_opens_as_a_raised_cosine() -> None:
     assert levels == sorted(levels)
 
 
-@pytest.mark.parametrize("opened_ticks", [1, 10, 77, 150, 300, 1000])
+@each_case("opened_ticks", [1, 10, 77, 150, 300, 1000])
 def test_it_is_exactly_zero_one_fade_after_any_point(opened_ticks: int) -> None:
     gate = envelope()
     for _ in range(opened_ticks):

@@ -10,6 +10,7 @@ from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import Outcome, State, StateBits
 from aff_runtime.safety.params import AppliedParams
 from tests.aff_runtime.safety.bench import FADE_S, PARAMS, PERIOD_NS, PERIOD_S, STEP, Bench
+from tests.each_case import each_case
 
 FADE_TICKS = round(FADE_S / PERIOD_S)
 FAULT_TICKS = round(PARAMS.freshness.fault_after_s / PERIOD_S)
@@ -73,7 +74,7 @@ LATCHING = [
 ]
 
 
-@pytest.mark.parametrize(("spoil", "name", "within_ticks"), LATCHING)
+@each_case(("spoil", "name", "within_ticks"), LATCHING)
 def test_a_fault_is_noticed_in_time_fades_to_zero_and_latches(
     spoil: Callable[[Bench], None], name: str, within_ticks: int
 ) -> None:

@@ -8,6 +8,7 @@ import pytest
 from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import Outcome, State, StateBits, Status
 from tests.aff_runtime.safety.bench import FADE_S, PARAMS, PERIOD_S, STEP, Bench
+from tests.each_case import each_case
 
 FADE_TICKS = round(FADE_S / PERIOD_S)
 FAULT_TICKS = round(PARAMS.freshness.fault_after_s / PERIOD_S)
@@ -78,7 +79,7 @@ def test_arming_opens_softly_from_zero_to_the_whole_wish() -> None:
     assert bench.alarm == 0
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("spoil", "reason"),
     [
         (lambda b: b.clear(Status.WEB_INTACT), "blocked by WEB_INTACT=0"),

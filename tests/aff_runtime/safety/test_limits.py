@@ -8,6 +8,7 @@ import pytest
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.safety.limits import SLEW_SHARE, Limiter, makes_sense
 from aff_runtime.safety.params import ActuatorLimits
+from tests.each_case import each_case
 
 DT_S = 0.005
 FADE_S = 0.150
@@ -103,7 +104,7 @@ def test_a_bound_smaller_than_the_value_does_not_help_a_law_past_the_limit() -> 
     assert at_the_limit < 0.6  # clipped it would be 89 % of the time
 
 
-@pytest.mark.parametrize(
+@each_case(
     "bad",
     [
         ActuatorStep(value=nan, peak_bound=1.0, slew_bound=1.0),

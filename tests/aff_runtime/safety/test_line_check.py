@@ -10,6 +10,7 @@ from aff_runtime.safety.causes import bit
 from aff_runtime.safety.line_check import LineCheck
 from aff_runtime.safety.params import ChannelParams, GuardParams
 from tests.aff_runtime.safety.bench import ALL_WELL, PARAMS, PERIOD_NS
+from tests.each_case import each_case
 
 
 class Line:
@@ -51,7 +52,7 @@ def test_a_healthy_line_has_no_cause_and_is_moving() -> None:
     assert line.judge.missing() == ()
 
 
-@pytest.mark.parametrize(
+@each_case(
     "missing",
     [
         Status.LINE_RUN,

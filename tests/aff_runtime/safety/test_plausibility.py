@@ -6,21 +6,20 @@ import pytest
 
 from aff_runtime.safety.params import ChannelParams, RadiusParams
 from aff_runtime.safety.plausibility import ChannelCheck, RadiusCheck
+from tests.each_case import each_case
 
 
 def channel(**settings: float) -> ChannelCheck:
     return ChannelCheck(ChannelParams(channel=0, name="tension_N", **settings))  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("value", [nan, inf, -inf])
-@pytest.mark.parametrize("running", [False, True])
+@each_case("value", [nan, inf, -inf])
+@each_case("running", [False, True])
 def test_a_number_that_is_none_is_never_plausible(value: float, running: bool) -> None:
     assert not channel().is_plausible(value, 0.005, running)
 
 
-@pytest.mark.parametrize(
-    ("value", "plausible"), [(1.0, True), (0.999, False), (400.0, True), (400.001, False)]
-)
+@each_case(("value", "plausible"), [(1.0, True), (0.999, False), (400.0, True), (400.001, False)])
 def test_range_counts_while_running(value: float, plausible: bool) -> None:
     judge = channel(minimum=1.0, maximum=400.0)
     assert judge.is_plausible(value, 0.005, running=True) is plausible
@@ -59,15 +58,15 @@ def test_a_roll_goes_one_way_within_tolerance_until_the_next_roll(shrinks: bool)
     assert judge.is_plausible(0.2)
 
 
-@pytest.mark.parametrize("radius_m", [nan, inf, 0.0, -0.1, 0.19, 0.21])
+@each_case("radius_m", [nan, inf, 0.0, -0.1, 0.19, 0.21])
 def test_a_jump_or_no_radius_at_all_is_implausible(radius_m: float) -> None:
     judge = RadiusCheck(RadiusParams(channel=0, name="r", tolerance_m=0.005))
     assert judge.is_plausible(0.2)
     assert not judge.is_plausible(radius_m)
 
 
-@pytest.mark.parametrize("shrinks", [True, False])
-@pytest.mark.parametrize("wrong", [1, 2])
+@each_case("shrinks", [True, False])
+@each_case("wrong", [1, 2])
 def test_a_wrong_radius_just_within_the_tolerance_condemns_no_right_one(
     shrinks: bool, wrong: int
 ) -> None:

@@ -2,10 +2,9 @@ from __future__ import annotations
 
 from itertools import product
 
-import pytest
-
 from aff_runtime.base.signals import State
 from aff_runtime.safety.state_machine import Inputs, Standing, advance
+from tests.each_case import each_case
 
 replace = Inputs._replace
 CALM = Inputs(
@@ -30,7 +29,7 @@ def test_it_starts_in_fault_unarmed() -> None:
     assert Standing() == standing(State.FAULT, armed=False)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("before", "inputs", "after"),
     [
         # leaving rest needs an edge

@@ -6,8 +6,6 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
-import pytest
-
 from aff_runtime.telemetry.header import Right, RingHeader, RunMeta
 from aff_runtime.telemetry.recorder_messages import (
     Note,
@@ -20,6 +18,7 @@ from aff_runtime.telemetry.recorder_messages import (
 from aff_runtime.telemetry.run_folder import RunFolder
 from tests.aff_runtime.telemetry.heads import head_of
 from tests.doubles.run_reader import read_run
+from tests.each_case import each_case
 
 META = RunMeta(
     config_hash="3f9a",
@@ -168,7 +167,7 @@ def test_the_recorder_reports_about_itself_and_others_see_whether_it_lives() -> 
     assert report.seen(alive=True) == replace(report, alive=True)
 
 
-@pytest.mark.parametrize("line", [b"", b"{", b"[1]", b"7", b"\xff"])
+@each_case("line", [b"", b"{", b"[1]", b"7", b"\xff"])
 def test_a_line_that_is_none_is_no_word(line: bytes) -> None:
     assert context_of(line) is None
     assert note_of(line) is None

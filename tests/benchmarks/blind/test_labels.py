@@ -4,10 +4,11 @@ import numpy as np
 import pytest
 
 from benchmarks.blind.cases import runs, visible
+from tests.each_case import each_case
 
 
 # best rms over noise in a record and in its best 2 s; the labels of shared/data/cases say so
-@pytest.mark.parametrize(
+@each_case(
     ("rms", "window", "seen"),
     [(1.092, 1.811, False), (1.438, 4.083, False), (1.41, 4.774, True), (2.249, 3.993, True)],
 )

@@ -15,6 +15,7 @@ from benchmarks.campaign.score import (
     told_apart,
     wilson,
 )
+from tests.each_case import each_case
 
 ECC = {"effect": "eccentric_roller", "location": "R2", "size": 1e-5}
 SHAKES = {"effect": "unbalanced_measuring_roller", "location": "R5", "size": 1e-4}
@@ -57,7 +58,7 @@ def row(*effects, faults=(ECC,), verdict="traced", unknown=(), group="single 0.4
     } | more
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("case", "expected"),
     [
         (row(said()), "exact"),
@@ -108,7 +109,7 @@ def test_wilson_bounds_are_those_of_the_formula():
     assert wilson(0, 20)[1] == pytest.approx(0.1611, abs=1e-4)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("case", "expected"),
     [
         (row(said(), faults=(ECC, SHAKES)), ["exact", "missed"]),

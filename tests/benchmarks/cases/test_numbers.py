@@ -5,6 +5,7 @@ import math
 import pytest
 
 from benchmarks.cases.numbers import Declared, errors
+from tests.each_case import each_case
 
 LINE = Declared(wound_strain=0.01, cell_Hz=20.0)
 
@@ -14,7 +15,7 @@ def off(effect, hidden, found):
     return errors({"effect_class": effect, "parameters": hidden}, verdict, LINE)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("effect", "hidden", "found", "expected"),
     [
         ("eccentric_roller", {"eccentricity_m": 2e-4}, {"eccentricity_m": 2.04e-4}, 2.0),
@@ -40,7 +41,7 @@ def test_a_number_is_compared_by_the_meaning_that_the_label_gives_it(
     assert list(off(effect, hidden, found).values()) == pytest.approx([expected], abs=1e-9)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("effect", "hidden", "found"),
     [
         ("torque_ripple", {"order": 6}, {"order": 6.0}),

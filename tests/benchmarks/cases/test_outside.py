@@ -1,8 +1,7 @@
 """What counts as right of something that no library holds."""
 
-import pytest
-
 from benchmarks.cases.outside import is_honest
+from tests.each_case import each_case
 
 WORDS = {"what": "words", "every_s": 1.36, "hold_s": 0.5}
 PLAY = {"what": "play", "band_N": 0.9}
@@ -15,7 +14,7 @@ def unknown(*rows, effects=()):
     return {"unknown": [{**first, "alternatives": others}], "effects": list(effects)}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("hidden", "said", "right"),
     [
         (WORDS, unknown(("time", {"period_s": 1.36})), True),

@@ -6,6 +6,7 @@ import pytest
 
 from benchmarks.cases.report import page
 from benchmarks.cases.score import Label, label_of, outcome, over_floor, share_of
+from tests.each_case import each_case
 
 
 def label(*effects, healthy=False, outside=False, visible=True, numbers=None) -> Label:
@@ -42,7 +43,7 @@ def verdict(*effects, beside=(), unknown=()):
 DRAG, SLIP = ("bearing_drag", "R7"), ("slip", "swrap_lead")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("truth", "said", "expected"),
     [
         ([DRAG], verdict(DRAG), "exact"),

@@ -21,6 +21,7 @@ from sim_plant.refine.report.verdict import (
     UnknownFinding,
     Verdict,
 )
+from tests.each_case import each_case
 
 TRUE, OTHER = EffectAt("eccentric_roller", "R6"), EffectAt("eccentric_roller", "R7")
 HIDDEN = EffectEntry(
@@ -78,7 +79,7 @@ def test_a_look_costs_what_it_took_of_a_core_where_that_was_counted():
     assert "50 h of a core: 5.0 cores" in text  # 36 s each by the clock
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("verdict", "fate"),
     [
         (told(TRUE), "named"),

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 
-import pytest
-
 from benchmarks.runtime.facts import Row, Section
 from benchmarks.screen.churn import verdict
 from benchmarks.screen.targets import of_targets, target
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("found", "said"), [(60.0, "met"), (60.1, "MISSED"), (math.nan, "MISSED"), (-1.0, "met")]
 )
 def test_the_bound_itself_is_met_and_what_is_not_known_is_missed(found: float, said: str) -> None:
@@ -37,7 +36,7 @@ def test_every_miss_stands_in_the_list_of_targets() -> None:
     ]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("seconds", "most_MB", "slope_MB_h", "after", "said"),
     [
         (120.0, 94.0, 52.1, (11, 2), "too short to judge"),

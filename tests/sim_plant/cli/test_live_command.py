@@ -16,6 +16,7 @@ from sim_plant.cli import demo, live
 from sim_plant.cli.demo import ROOT, live_command, plan_of
 from sim_plant.demo.unusual_plants import LINE, PLANTS
 from sim_plant.servers.map_file import load_plc_map
+from tests.each_case import each_case
 
 needs_make = pytest.mark.skipif(shutil.which("make") is None, reason="make is needed")
 RUNS = [
@@ -92,7 +93,7 @@ def test_what_is_no_line_of_ours_is_refused(asked: list[str]) -> None:
             plan_of(parsed([name, *asked]))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("asked", "said"),
     [
         (["--plant", "CANopen"], "write --fresh too"),

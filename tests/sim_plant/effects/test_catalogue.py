@@ -13,6 +13,7 @@ from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.corrections import declared_numbers
 from sim_plant.line.locations import candidate_locations
 from sim_plant.refine.model.parameter_effects import equivalents
+from tests.each_case import each_case
 from tests.sim_plant.effects.running import effect, euclid, run
 
 WAVE_M_S = 0.005 * np.sin(2.0 * np.pi * 1.5 * 0.005 * np.arange(200))
@@ -55,20 +56,20 @@ def test_an_effect_at_its_defaults_is_bit_identical_to_its_absence(row: Effect, 
     assert all(np.array_equal(there[name], bare[name]) for name in bare)
 
 
-@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+@each_case("row", CATALOGUE, ids=lambda row: row.name)
 def test_a_parameter_it_does_not_know_is_refused(row: Effect) -> None:
     place = candidate_locations(euclid(), row)[0]
     with pytest.raises(PlantError, match=r"unknown key 'nonsense'"):
         run(effect(row.name, place, nonsense=1.0))
 
 
-@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+@each_case("row", CATALOGUE, ids=lambda row: row.name)
 def test_a_location_that_does_not_exist_is_refused(row: Effect) -> None:
     with pytest.raises(PlantError, match=r"effects\.0\.location"):
         run(effect(row.name, "nowhere"))
 
 
-@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+@each_case("row", CATALOGUE, ids=lambda row: row.name)
 def test_what_tracing_reads_is_consistent(row: Effect) -> None:
     forms = row.onset.forms if row.onset is not None else ()
     assert {*row.fitted, *(name for form in forms for name in form)} <= set(row.accepts)
@@ -94,7 +95,7 @@ def _check_parameter(name: str, parameter: Parameter) -> None:
         assert parameter.typical != parameter.default, name
 
 
-@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+@each_case("row", CATALOGUE, ids=lambda row: row.name)
 def test_what_shows_as_a_line_has_coordinates(row: Effect) -> None:
     if isinstance(row.shows, Orders):
         at = row.shows.at(row.parameters, 0.1)
@@ -106,7 +107,7 @@ def test_what_shows_as_a_line_has_coordinates(row: Effect) -> None:
     assert all(math.isfinite(x) and x >= 0.0 for x in at)
 
 
-@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+@each_case("row", CATALOGUE, ids=lambda row: row.name)
 def test_only_what_acts_in_the_web_once_or_more_a_turn_is_cancelled(row: Effect) -> None:
     if row.cancel_orders:
         assert row.order_locked
@@ -114,7 +115,7 @@ def test_only_what_acts_in_the_web_once_or_more_a_turn_is_cancelled(row: Effect)
         assert all(order >= 1 for order in row.cancelled(row.parameters))
 
 
-@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+@each_case("row", CATALOGUE, ids=lambda row: row.name)
 def test_a_remedy_says_where_on_the_machine(row: Effect) -> None:
     assert len(row.remedy.format(place="R99")) > 10
     assert not row.remedy.endswith(".")
@@ -122,7 +123,7 @@ def test_a_remedy_says_where_on_the_machine(row: Effect) -> None:
         assert "R99" in row.remedy.format(place="R99")
 
 
-@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+@each_case("row", CATALOGUE, ids=lambda row: row.name)
 def test_names_beside_the_parameters_are_names_of_parameters(row: Effect) -> None:
     assert {number.parameter for number in row.declared_as} <= set(row.accepts)
     for name in row.fitted_later:  # the one try is what it is until a record tells
@@ -135,7 +136,7 @@ def test_names_beside_the_parameters_are_names_of_parameters(row: Effect) -> Non
         assert set(row.accepts) <= set(BY_NAME[row.name_in_version_1].accepts)
 
 
-@pytest.mark.parametrize("row", CATALOGUE, ids=lambda row: row.name)
+@each_case("row", CATALOGUE, ids=lambda row: row.name)
 def test_an_effect_that_is_a_declared_number_names_one_that_the_line_has(row: Effect) -> None:
     known = {number.name for number in declared_numbers(euclid())}
     mine = [e for e in equivalents(euclid()) if e.effect is row]

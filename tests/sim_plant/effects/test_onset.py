@@ -5,6 +5,7 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.changing_numbers import level
+from tests.each_case import each_case
 from tests.sim_plant.effects.running import effect, euclid, line, run, span
 
 SAMPLE_S = 0.005
@@ -48,7 +49,7 @@ def test_warmth_that_ends_leaves_the_line_as_it_was() -> None:
     assert abs(gone[-200:]).max() < 0.02
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("time_s", "expected"),
     [(0.9, 0.0), (1.0, 0.0), (1.5, 0.5), (2.0, 1.0), (4.9, 1.0), (5.5, 0.5), (6.0, 0.0)],
 )

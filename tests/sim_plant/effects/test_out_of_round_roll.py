@@ -11,6 +11,7 @@ from sim_plant.effects.out_of_round_roll import (
     profile_orders,
     profile_starts,
 )
+from tests.each_case import each_case
 from tests.sim_plant.effects.running import effect, euclid, run
 
 OVAL = {**EFFECT.parameters, "shape": "ellipse", "size_m": 0.002}
@@ -150,7 +151,7 @@ def test_a_round_roll_named_flat_is_the_nominal_line() -> None:
     assert np.array_equal(same["span_tension_N"], run()["span_tension_N"])
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("given", "said"),
     [
         ({"finest_order": 0}, "finest_order: read 0; expected a whole number, 1 to 256"),

@@ -5,6 +5,7 @@ import pytest
 
 from sim_plant.effects.splice import EFFECT
 from sim_plant.line.spliced_spans import on_wrap
+from tests.each_case import each_case
 from tests.sim_plant.effects.running import (
     SPEED_M_S,
     at_rest,
@@ -104,7 +105,7 @@ def test_a_seam_leaves_nothing_behind_when_it_is_on_the_roll() -> None:
     assert made["span_tension_N"] == pytest.approx(plain["span_tension_N"], abs=0.02)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("found", "is_seam"),
     [
         ({"step_m": 5e-4, "piece_m": 0.1}, True),

@@ -15,6 +15,7 @@ from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.line.locations import candidate_locations
 from sim_plant.line.with_effects import apply_effects
+from tests.each_case import each_case
 from tests.sim_plant.effects.running import effect, euclid
 
 STRENGTHS = [
@@ -117,7 +118,7 @@ def test_slip_above_one_speed_adds_and_so_do_splice_and_seam_at_one_length() -> 
     assert (web["splice_m"][0], web["splice_step_m"][0]) == (30.0, 2e-4)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("first", "second", "said"),
     [
         (

@@ -1,11 +1,10 @@
 """What an effect is called says what was found: which of its strengths, and in which direction."""
 
-import pytest
-
 from sim_plant.effects.catalogue import BY_NAME
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("effect", "values", "text", "remedy"),
     [
         # the records show no play: nobody is sent to look for it

@@ -5,6 +5,7 @@ from sim_plant.geometry import source_eccentric as source
 from sim_plant.geometry.shapes import circle, eccentric
 from sim_plant.geometry.source_eccentric import EccentricPair
 from sim_plant.geometry.tangent import Body, Tangent, common_tangent
+from tests.each_case import each_case
 
 THETA = np.linspace(0.0, 2.0 * np.pi, 97)
 PAIRS = [
@@ -25,7 +26,7 @@ def exact(pair: EccentricPair) -> Tangent:
     return common_tangent(a, b, 0.0, sigma * (0.5 * np.pi - THETA), 0.0, -3.0 * sigma)
 
 
-@pytest.mark.parametrize("pair", PAIRS)
+@each_case("pair", PAIRS)
 def test_closed_forms_agree_with_the_exact_tangent(pair: EccentricPair) -> None:
     span = exact(pair)
     assert source.span_length_m(pair, THETA) == pytest.approx(span.length_m, abs=1e-12)

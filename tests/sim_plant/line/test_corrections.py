@@ -5,6 +5,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.corrections import apply_corrections, declared_numbers
 from sim_plant.line.open import make_line
+from tests.each_case import each_case
 from tests.sim_plant.line.lines import declared
 
 LINE = declared("euclid")
@@ -41,7 +42,7 @@ def test_a_correction_is_the_line_declared_with_that_number():
     assert differing(flat(arrays()), put_right)
 
 
-@pytest.mark.parametrize("number", declared_numbers(LINE), ids=lambda n: n.name)
+@each_case("number", declared_numbers(LINE), ids=lambda n: n.name)
 def test_every_declared_number_can_be_put_right_and_is_alone_in_it(number):
     before = flat(arrays())
     after = flat(apply_corrections(LINE, arrays(), {number.name: 1e-3}))

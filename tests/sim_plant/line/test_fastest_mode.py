@@ -6,6 +6,7 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.line.fastest_mode import FastestMode, fastest_mode, substeps_for
 from sim_plant.line.open import make_line
+from tests.each_case import each_case
 from tests.sim_plant.line.lines import declared, with_effect
 
 
@@ -70,9 +71,7 @@ def test_a_stiff_shaft_and_a_fast_load_cell_count():
     assert (mode.where, mode.rate_rad_s) == ("the load cell of R9", pytest.approx(120.0 * np.pi))
 
 
-@pytest.mark.parametrize(
-    ("rate_rad_s", "steps"), [(0.0, 1), (999.0, 1), (1001.0, 2), (31900.0, 32)]
-)
+@each_case(("rate_rad_s", "steps"), [(0.0, 1), (999.0, 1), (1001.0, 2), (31900.0, 32)])
 def test_a_step_is_at_most_one_radian_of_the_fastest_mode(rate_rad_s, steps):
     mode = FastestMode(rate_rad_s=rate_rad_s, where="the web")
     assert substeps_for(mode, 1e-3, 1.0) == steps

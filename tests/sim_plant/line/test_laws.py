@@ -12,6 +12,7 @@ from sim_plant.line.declaration import Declaration, Drive, TensionPi
 from sim_plant.line.laws import draws, laws_findings
 from sim_plant.line.load import consistency
 from sim_plant.line.open import make_line
+from tests.each_case import each_case
 from tests.sim_plant.line.lines import declared
 
 PI = "(gain*e + gain*corner*integral(e))"
@@ -54,7 +55,7 @@ def test_spaces_do_not_turn_a_loop_round(law: str) -> None:
     assert signs(line) == [-1.0, 1.0]
 
 
-@pytest.mark.parametrize(
+@each_case(
     "law",
     [
         f"v_correction = +{PI}, e = tension_ref - tension",
@@ -88,7 +89,7 @@ def test_a_loop_in_other_words_holds_the_tension_that_is_asked() -> None:
     assert held[-1] == pytest.approx(95.0, abs=0.5)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "drawn"),
     [
         ("line_speed_ref", False),
@@ -105,7 +106,7 @@ def test_a_speed_reference_says_whether_its_drive_draws(text: str, drawn: bool) 
     assert arrays.drives["draw"][3] == (line.control.pull_roll_draw if drawn else 0.0)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "text",
     ["line_speed_ref, no draw", "line_speed_ref*(1 + draw)", "drawn", "line_speed_ref - aff", ""],
 )
@@ -129,7 +130,7 @@ def test_a_law_of_the_web_that_the_model_does_not_follow_is_refused() -> None:
         assert known or consistency(line)[0].startswith(f"web.tension_law: read {law!r}; expected")
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@each_case("name", SHIPPED)
 def test_the_shipped_lines_say_the_sign_that_their_webs_order_gives(name: str) -> None:
     line = declared(name)
     assert consistency(line) == []

@@ -12,6 +12,7 @@ from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.line.declaration import Declaration, EffectEntry
 from sim_plant.line.load import consistency
 from sim_plant.line.locations import candidate_locations
+from tests.each_case import each_case
 from tests.sim_plant.line.lines import ROOT, declared
 
 BOUNDED = [
@@ -48,13 +49,13 @@ def test_a_number_beyond_the_catalogues_bounds_is_refused_and_the_bounds_are_not
         assert consistency(with_number(row.name, place, name, value)) == []
 
 
-@pytest.mark.parametrize("value", [-2.0, -1.0, 1e3, math.nan])
+@each_case("value", [-2.0, -1.0, 1e3, math.nan])
 def test_a_correction_that_leaves_no_stiffness_or_another_machine_is_refused(value):
     (said,) = consistency(line(corrections={"web.EA_N": value}))
     assert said.startswith(f"corrections.web.EA_N: read {value:.10g}; expected -0.99 to 99")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "value"),
     [
         ("web.EA_N", -0.3),
@@ -74,7 +75,7 @@ def test_a_correction_of_what_is_not_declared_is_refused_with_the_nearest_name()
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("radii", "said"),
     [
         ({"core": 0.25}, "initial_radii_m.unwind: read 0.2032; expected more than the radius of"),
@@ -105,14 +106,14 @@ def test_a_tolerance_of_nothing_is_refused_with_the_nearest_name(pattern, neares
     assert nearest in said
 
 
-@pytest.mark.parametrize(
+@each_case(
     "pattern", ["*", "*.inertia_kg_m2", "web.*", "rollers.R*.friction_*", "inertia_kg_m2.*"]
 )
 def test_a_tolerance_of_a_declared_number_is_taken_by_name_or_pattern(pattern):
     assert consistency(line(tolerances={pattern: 0.1})) == []
 
 
-@pytest.mark.parametrize("name", ["euclid", "euclid_ripple", "film", "film_ripple", "coater"])
+@each_case("name", ["euclid", "euclid_ripple", "film", "film_ripple", "coater"])
 def test_the_shipped_lines_pass(name):
     assert consistency(declared(name)) == []
     assert (ROOT / "config" / "lines" / f"{name}.yaml").exists()

@@ -9,6 +9,7 @@ from sim_plant.line.build import build_arrays, timing_of
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.line.locations import places_of
 from sim_plant.line.with_effects import apply_effects, merged
+from tests.each_case import each_case
 from tests.sim_plant.line.lines import declared
 
 LINE = declared("euclid")
@@ -26,7 +27,7 @@ def at(place):
     return replace(BY_NAME["eccentric_roller"], place=place)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("bad", "said"),
     [
         (entry(effect="excentric_roller"), "effects.1.effect: read 'excentric_roller'"),
@@ -51,7 +52,7 @@ def test_a_wrong_entry_is_refused_by_its_number_and_key(bad, said):
     assert said in str(caught.value)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("place", "location", "expected"),
     [
         ("web", "web", [0]),
@@ -67,7 +68,7 @@ def test_a_location_names_the_index_of_its_kind(place, location, expected):
     assert places_of(LINE, at(place), location, "effects.0.location") == expected
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("place", "location", "said"),
     [
         ("span", "R3-R2", "did you mean"),

@@ -29,7 +29,7 @@ OBJECTIVE = objective_of(
 VECTOR = OBJECTIVE.rows + len(OBJECTIVE.nuisances)
 
 
-@pytest.mark.parametrize("effect", CATALOGUE, ids=lambda e: e.name)
+@each_case("effect", CATALOGUE, ids=lambda e: e.name)
 def test_every_number_but_an_angle_has_two_finite_bounds(effect):
     for name, p in effect.accepts.items():
         if isinstance(p.default, str) or p.role == "angle":

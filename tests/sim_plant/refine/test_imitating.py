@@ -21,6 +21,7 @@ from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.wording import coordinate_text
 from sim_plant.refine.search.selection import AcceptedEffect, Selection, without_accepted
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, one_peak, quiet
 
 SAMPLES = 2000
@@ -61,7 +62,7 @@ def of_both(moments, after=2.0**0.5):
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("there", "left_out"), [((), None), (("R5",), "R5"), (("R7",), "R7"), (("R5", "R7"), "R7")]
 )
 def test_an_event_that_the_record_does_not_have_is_no_imitation_of_what_is_left(there, left_out):

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 
-import pytest
-
 from sim_plant.servers.answers import Answer, Done, History, PlantStatus, Refused, to_json
+from tests.each_case import each_case
 
 STATUS = {
     "time_s": 1.5,
@@ -44,7 +43,7 @@ def test_a_status_comes_back_as_it_went_out() -> None:
     assert found.aff_bits == ["ARMED"]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("answer", "said"),
     [
         (Done(), '{"ok": true}'),

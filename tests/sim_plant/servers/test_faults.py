@@ -4,9 +4,10 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.servers.faults import Fault, FaultBoard, parse_fault
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "fault", "argument", "start_s", "duration_s"),
     [
         ("freeze@10:5", Fault.FREEZE, "", 10.0, 5.0),
@@ -27,7 +28,7 @@ def test_a_fault_is_read_as_spelled(text, fault, argument, start_s, duration_s):
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "said"),
     [
         ("frezze@1", "unknown name"),

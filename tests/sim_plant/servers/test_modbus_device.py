@@ -1,9 +1,8 @@
 """Golden bytes: function code and data as MODBUS Application Protocol V1.1b3 lays them out."""
 
-import pytest
-
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.registers import Registers
+from tests.each_case import each_case
 from tests.sim_plant.servers.fake_line import default_map
 
 
@@ -13,7 +12,7 @@ def device(**options):
     return ModbusDevice(registers, **options), registers
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("request_", "answer"),
     [
         # FC3: address 0, 4 words -> byte count 8, words high byte first
@@ -32,7 +31,7 @@ def test_requests_are_answered_as_the_specification_says(request_, answer):
     assert device()[0].answer(bytes.fromhex(request_)) == bytes.fromhex(answer)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("request_", "answer"),
     [
         ("01 0000 0001", "81 01"),  # FC1 is not served

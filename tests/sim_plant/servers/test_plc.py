@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from aff_runtime.base.signals import StateBits, Status
 from sim_plant.servers.plc import Plc
+from tests.each_case import each_case
 from tests.sim_plant.servers.fake_line import FakeLine, default_map, write_block
 
 SCAN_s = 0.005
@@ -65,7 +66,7 @@ def test_fading_counts_like_active():
     assert unwind(Bench().armed().scan(unwind=100, state=StateBits.FADING)) == pytest.approx(1e-3)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "state", [0, StateBits.READY, StateBits.ARMED, StateBits.BYPASS, StateBits.FAULT, 0x0400]
 )
 def test_a_state_without_active_or_fading_does_not_count(state):
@@ -74,7 +75,7 @@ def test_a_state_without_active_or_fading_does_not_count(state):
     assert scan.refusal.startswith("state")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("words", "rule"),
     [
         ({"unwind": 1000, "broken_complement": True}, "complement: unwind"),
@@ -94,9 +95,7 @@ def test_a_correction_at_the_limit_counts():
     assert scan.corrections_m_s == pytest.approx({"unwind": -0.15, "swrap_follower": 0.05})
 
 
-@pytest.mark.parametrize(
-    "bit", ["AFF_ENABLE_REQUEST", "LINE_RUN", "WEB_INTACT", "TENSION_VALID", "ESTOP_OK"]
-)
+@each_case("bit", ["AFF_ENABLE_REQUEST", "LINE_RUN", "WEB_INTACT", "TENSION_VALID", "ESTOP_OK"])
 def test_a_missing_permissive_stops_the_correction_and_its_return_restores_it(bit):
     bench = Bench().armed()
     bench.scan(unwind=1000)
@@ -136,8 +135,8 @@ def test_a_still_heartbeat_trips_after_80_ms_and_is_zero_100_ms_later():
     assert bench.plc.trips == 1
 
 
-@pytest.mark.parametrize("stragglers", range(5))
-@pytest.mark.parametrize("last_at", [16, 12, 5])
+@each_case("stragglers", range(5))
+@each_case("last_at", [16, 12, 5])
 def test_commands_that_get_through_a_lossy_wire_do_not_make_zero_late(stragglers, last_at):
     """Each costs at most ``regain_s`` and its own scan: 80 + n (20 + 5) + 100 ms."""
     bench = Bench().armed()

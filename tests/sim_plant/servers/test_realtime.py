@@ -6,9 +6,10 @@ import pytest
 
 from sim_plant.servers.realtime import RealTimeStepper, ask_for_realtime
 from sim_plant.servers.timer_fd import PeriodicTimer
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("due", "steps", "late", "skipped"),
     [(0, 0, 0, 0), (1, 1, 0, 0), (4, 4, 3, 0), (5, 4, 3, 1), (100, 4, 3, 96)],
 )

@@ -16,6 +16,7 @@ from sim_plant.servers.control_client import ask as tell
 from sim_plant.servers.faults import Fault, parse_fault
 from sim_plant.servers.serve import PlantService, ServeOptions
 from sim_plant.servers.wire_faults import Medium, WireFaults
+from tests.each_case import each_case
 from tests.matrix.bench import MatrixBench
 from tests.matrix.cells import TABLE
 from tests.sim_plant.servers.fake_line import FakeLine, default_map, write_block
@@ -176,7 +177,7 @@ def test_what_a_wire_has_not_is_refused_with_the_wires_that_have_it(medium):
             wire.check(parse_fault(spelt(fault)), default_map())
 
 
-@pytest.mark.parametrize("row", TABLE["faults"], ids=lambda row: row["name"])
+@each_case("row", TABLE["faults"], ids=lambda row: row["name"])
 def test_the_matrix_breaks_a_wire_by_what_it_has_and_leaves_out_what_it_has_not(row):
     if row["spec"].startswith("!"):
         return  # of the runtime

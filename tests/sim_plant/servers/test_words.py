@@ -5,9 +5,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sim_plant.servers.words import RegisterItem
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("type_", "scale", "value", "words"),
     [
         ("u16", 0.01, 88.96, (8896,)),
@@ -24,7 +25,7 @@ def test_values_become_the_words_of_twos_complement_and_ieee_754(type_, scale, v
     assert item.to_words(value, low_first=True) == words[::-1]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("type_", "value", "words"),
     [
         ("u16", -1.0, (0,)),
@@ -55,7 +56,7 @@ def test_reading_back_is_exact_to_half_a_count(value, low_first, type_):
     assert abs(back - value) <= 0.0005 + 1e-12
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("type_", "wraps", "words", "value"),
     [
         ("i16", False, (0x8000,), math.nan),

@@ -3,11 +3,11 @@
 import hashlib
 import json
 
-import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from aff_runtime.app.card.chain import LONGEST_LINE, MAX_BYTES, START, canonical, encode, follow
+from tests.each_case import each_case
 
 UTC = "2026-01-02T03:04:05.000+00:00"
 TEXTS = st.text(max_size=12)
@@ -90,7 +90,7 @@ def with_hash(text):
     return canonical({**said, "sha256": hashlib.sha256(canonical(said)).hexdigest()}) + b"\n"
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("line", "said"),
     [
         (b"\n", "no JSON"),

@@ -6,9 +6,10 @@ import pytest
 
 from aff_runtime.app.card.typed_values import TypedValues, typed
 from aff_runtime.base.errors import ConfigError
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "number", "unit"),
     [
         ("load=0", 0.0, ""),
@@ -26,7 +27,7 @@ def test_a_value_comes_out_in_si(text, number, unit):
     assert found.number == pytest.approx(number, nan_ok=True)
 
 
-@pytest.mark.parametrize("text", ["", "load", "=3", "a b=3", "load=", "x=" + "9" * 300, "ä=1"])
+@each_case("text", ["", "load", "=3", "a b=3", "load=", "x=" + "9" * 300, "ä=1"])
 def test_what_is_no_value_is_refused(text):
     with pytest.raises(ConfigError, match="expected name=value"):
         typed(text)

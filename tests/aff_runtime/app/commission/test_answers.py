@@ -39,6 +39,7 @@ from aff_runtime.app.commission.refine_views import (
 from aff_runtime.app.commission.site_lines import Clash
 from aff_runtime.app.link.settings_answer import Version
 from aff_runtime.base import refinement
+from tests.each_case import each_case
 
 SEGMENT = views.SegmentView(name="0.csv", size=7, sha256="0" * 64)
 ENTRY = views.EntryView(
@@ -322,7 +323,7 @@ ANSWERS = [
 ]
 
 
-@pytest.mark.parametrize(("do", "answer"), ANSWERS)
+@each_case(("do", "answer"), ANSWERS)
 def test_an_answer_comes_back_as_it_was_said(do, answer):
     assert decode(do, encode(answer)) == answer
 
@@ -343,7 +344,7 @@ def test_a_refusal_is_told_from_what_is_done_by_one_word():
 SPOILT = encode(CardShown(card=CARD)).replace(b'"entries": 3', b'"entries": "many"')
 
 
-@pytest.mark.parametrize(
+@each_case(
     "line",
     [
         b"",

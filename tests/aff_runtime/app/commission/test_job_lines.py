@@ -17,6 +17,7 @@ from aff_runtime.app.commission.job_lines import (
 )
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.sources import Paths
+from tests.each_case import each_case
 
 QUESTION = views.QuestionView(
     number=1, name="host", text="Address", default=None, choices=("no",), rows=(("w2", "word 2"),)
@@ -24,7 +25,7 @@ QUESTION = views.QuestionView(
 SAID = views.SaidLine(kind="complain", text="no")
 
 
-@pytest.mark.parametrize(
+@each_case(
     "said",
     [SAID, QUESTION, Refused(text="no"), Ended(answer=Done(text="kept"))],
     ids=lambda said: type(said).__name__,
@@ -33,7 +34,7 @@ def test_a_line_of_a_job_comes_back_as_it_was_said(said):
     assert read_line("keep", job_lines.encode(said).encode()) == said
 
 
-@pytest.mark.parametrize("line", [b"", b"[]", b"{}", b'{"sing": "la"}', b'{"say": "a", "b": 1}'])
+@each_case("line", [b"", b"[]", b"{}", b'{"sing": "la"}', b'{"say": "a", "b": 1}'])
 def test_what_is_no_line_of_a_job_is_refused(line):
     with pytest.raises(ValueError, match=r"\S"):
         read_line("keep", line)

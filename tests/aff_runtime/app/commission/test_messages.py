@@ -17,6 +17,7 @@ from aff_runtime.app.commission.messages import (
     read_request,
 )
 from aff_runtime.config.yaml_marks import MAX_BYTES
+from tests.each_case import each_case
 
 SIGN = {
     "do": "sign",
@@ -38,7 +39,7 @@ def test_a_request_that_is_whole_is_taken_as_it_is():
     assert read_request(b'{"do": "state"}') == Request(do="state")
 
 
-@pytest.mark.parametrize("do", sorted(TABLE))
+@each_case("do", sorted(TABLE))
 def test_a_request_has_a_field_for_every_key_of_the_table(do):
     assert set(TABLE[do]) <= set(Request.__dataclass_fields__)
 
@@ -50,7 +51,7 @@ def test_what_a_job_is_told_comes_back_as_it_was_and_has_no_secret():
     assert (told.step, told.account, told.called) == (0, "carl", "sign 0")
 
 
-@pytest.mark.parametrize(
+@each_case(
     "change",
     [
         {"do": "arm"},
@@ -78,7 +79,7 @@ def test_what_is_not_what_it_must_be_is_no_request(change):
         read_request(line(**(SIGN | change)))
 
 
-@pytest.mark.parametrize("missing", sorted(SIGN))
+@each_case("missing", sorted(SIGN))
 def test_a_part_that_is_missing_is_missed(missing):
     with pytest.raises(RequestError):
         read_request(line(**{key: value for key, value in SIGN.items() if key != missing}))
@@ -109,7 +110,7 @@ def test_every_length_ends_with_a_short_packet():
         assert read_request(said).site_text == text
 
 
-@pytest.mark.parametrize(
+@each_case(
     "wrong",
     [
         {"site_text": "a" * (MAX_BYTES + 1)},
@@ -131,7 +132,7 @@ def test_only_requests_with_site_files_are_long():
     assert read_request(line(**EDIT) + b" " * MAX_ASKED_BYTES) == Request(**EDIT)
 
 
-@pytest.mark.parametrize(
+@each_case(
     "text", [b"", b"{", b"[]", b"\xff", b"[" * 8000, b" " * (MAX_ASKED_BYTES + 1), b'{"do": []}']
 )
 def test_what_is_no_json_object_is_no_request(text):

@@ -14,12 +14,13 @@ from aff_runtime.app.commission.site_lines import (
     shown,
     together,
 )
+from tests.each_case import each_case
 
 MIXED = "\ufeffa: 1\r\nb: 2\nc: 3\rd: 4\r\n"
 OLD = "a\nb\nc\nd\ne\n"
 
 
-@pytest.mark.parametrize("text", [MIXED, "a: 1\n", "a: 1", "a: 1\r\nb: 2", "\ufeffa: 1\n\n", ""])
+@each_case("text", [MIXED, "a: 1\n", "a: 1", "a: 1\r\nb: 2", "\ufeffa: 1\n\n", ""])
 def test_what_is_not_edited_comes_back_byte_for_byte(text: str) -> None:
     assert "\r" not in shown(text)
     assert "\ufeff" not in shown(text)
@@ -42,7 +43,7 @@ def test_a_character_that_does_not_show_is_named_by_its_place_but_not_one_of_the
     assert len(not_shown("", "\x00" * 10**5)) == 20
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("mine", "theirs", "both"),
     [
         ("a\nB\nc\nd\ne\n", "a\nb\nc\nD\ne\n", "a\nB\nc\nD\ne\n"),
@@ -84,7 +85,7 @@ def test_lines_at_an_end_of_what_the_other_has_taken_away_are_a_clash(
     assert together(OLD, mine, theirs) == (stands, (clash,))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("mine", "theirs", "both", "clashes"),
     [
         ("a\nx\ny\nb\n", "a\nx\nb\n", "a\nx\ny\nb\n", ()),

@@ -30,6 +30,7 @@ from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingReader, RingWriter
 from tests.aff_runtime.core.plants import measured
+from tests.each_case import each_case
 
 SITE = load_site(Path(__file__).parents[4] / "config" / "euclid_blocks.yaml")
 GIVEN_M_S = 0.008
@@ -54,7 +55,7 @@ def run_of(responses: dict[str, Response], *, louder: bool) -> ProbeRun:
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("sent_m_s", "louder", "peak_m_s"),
     [
         (GIVEN_M_S, False, GIVEN_M_S),

@@ -29,6 +29,7 @@ from aff_runtime.base.errors import RefusedError, WireError
 from aff_runtime.telemetry.ring import RingReader
 from tests.aff_runtime.app.door.stand import Stand, heard
 from tests.aff_runtime.app.link.left_behind import put
+from tests.each_case import each_case
 
 
 @pytest.fixture
@@ -252,9 +253,7 @@ def test_where_nobody_opens_the_reason_and_the_way_are_told(tmp_path: Path) -> N
         DoorClient(tmp_path / "door.sock")
 
 
-@pytest.mark.parametrize(
-    "packet", [b"", b"1", b"[]", b'{"push": 1}', b'{"push": "facts"}', b"\xff"]
-)
+@each_case("packet", [b"", b"1", b"[]", b'{"push": 1}', b'{"push": "facts"}', b"\xff"])
 def test_what_is_no_message_is_an_error_and_nothing_worse(packet: bytes) -> None:
     with pytest.raises(DoorMessageError):
         decode(packet)

@@ -21,6 +21,7 @@ from aff_runtime.app.hand.may import (
 from aff_runtime.app.link.messages import Blocked
 from aff_runtime.base.signals import State
 from aff_runtime.safety.reasons import REMOTE, SHADOW
+from tests.each_case import each_case
 
 STATES = (None, *State)
 ROLES = (None, *Role)
@@ -36,8 +37,8 @@ def codes(action: Action, person: Person, now: Circumstances) -> list[Code]:
 FREE_FROM = {None: (), Place.PANEL: (Place.PANEL,), Place.NETWORK: tuple(Place)}
 
 
-@pytest.mark.parametrize("role", ROLES)
-@pytest.mark.parametrize("free", FREE_FROM)
+@each_case("role", ROLES)
+@each_case("free", FREE_FROM)
 def test_bypass_is_for_who_has_logged_in_or_stands_where_it_is_free_whatever_else_is(
     role: Role | None, free: Place | None
 ) -> None:
@@ -79,7 +80,7 @@ def test_arming_needs_every_one_of_its_conditions() -> None:
     assert allowed == 5 * 2 * 2 * 3
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("person", "now", "expected"),
     [
         (OWN, OPEN, []),
@@ -134,7 +135,7 @@ CARL = Person(role=Role.COMMISSION, place=Place.PANEL, has_hand=True)
 FREE = Circumstances(state=State.READY, ceiling=Role.COMMISSION)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("person", "now", "code"),
     [
         (OWN, FREE, Code.PROBE_ROLE),
@@ -156,7 +157,7 @@ def test_a_probe_needs_commission_everywhere_and_what_an_arm_needs(
     assert codes(Action.PROBE_LOUDER, person, now) == [code]
 
 
-@pytest.mark.parametrize("state", [State.READY, State.BYPASS, State.ARMED, State.ACTIVE])
+@each_case("state", [State.READY, State.BYPASS, State.ARMED, State.ACTIVE])
 def test_what_stands_against_the_law_is_no_reason_against_the_probe_that_ends_it(
     state: State,
 ) -> None:
@@ -191,8 +192,8 @@ RESTS = (Action.SHADOW, Action.END_SHADOW, Action.FORGET)
 IN = {Action.SHADOW: State.READY, Action.END_SHADOW: State.SHADOW, Action.FORGET: State.READY}
 
 
-@pytest.mark.parametrize("action", RESTS)
-@pytest.mark.parametrize(
+@each_case("action", RESTS)
+@each_case(
     ("who", "how", "code"),
     [
         ({"role": Role.VIEW}, {}, Code.ROLE),
@@ -223,7 +224,7 @@ def test_no_screen_may_is_said_with_the_words_of_the_console() -> None:
     ]
 
 
-@pytest.mark.parametrize("state", State)
+@each_case("state", State)
 def test_nothing_is_forgotten_while_a_correction_goes_out(state: State) -> None:
     goes_out = state in (State.ACTIVE, State.FADING)
     found = codes(Action.FORGET, OWN, replace(OPEN, state=state))

@@ -20,6 +20,7 @@ from aff_runtime.app.hand.messages import (
     read_said,
     read_told,
 )
+from tests.each_case import each_case
 
 COMMAND = Command(
     id="0123456789abcdef",
@@ -37,7 +38,7 @@ REFUSED = replace(NOTICE, what="press refused", action="arm", code="no hand", mo
 OVER = replace(NOTICE, what="hand taken over", other="bert")
 
 
-@pytest.mark.parametrize("said", [COMMAND, NOTICE, REFUSED, OVER])
+@each_case("said", [COMMAND, NOTICE, REFUSED, OVER])
 def test_what_is_said_comes_through(said: Command | Notice) -> None:
     assert read_said(encode(said)) == said
 
@@ -60,7 +61,7 @@ def test_an_answer_fits_its_packet_however_long_the_reason() -> None:
     assert isinstance(read_told(encode(long)), Answer)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("key", "value"),
     [
         ("id", "short"),
@@ -92,7 +93,7 @@ def test_a_command_with_one_wrong_part_is_none(key: str, value: Any) -> None:
         read_said(json.dumps(said).encode())
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("key", "value"),
     [
         ("what", "stop"),
@@ -116,7 +117,7 @@ def test_a_notice_with_one_wrong_part_is_none(key: str, value: Any) -> None:
         read_said(json.dumps(said).encode())
 
 
-@pytest.mark.parametrize("key", ["id", "action", "account", "role", "place", "seen"])
+@each_case("key", ["id", "action", "account", "role", "place", "seen"])
 def test_a_command_that_lacks_a_part_is_none(key: str) -> None:
     said = json.loads(encode(COMMAND))
     del said[key]

@@ -7,6 +7,7 @@ import pytest
 from aff_runtime.app.link import messages, replies
 from aff_runtime.app.link.messages import MessageError, decode, encode
 from aff_runtime.safety.reasons import REMOTE, SHADOW
+from tests.each_case import each_case
 from tests.parameter_records import record_of
 
 SAID = [
@@ -55,7 +56,7 @@ def test_all_reasons_are_told_or_how_many_more_there_are() -> None:
     assert (told.text, *told.others) == (*named, SHADOW, REMOTE, last)
 
 
-@pytest.mark.parametrize("said", SAID, ids=lambda said: type(said).__name__)
+@each_case("said", SAID, ids=lambda said: type(said).__name__)
 def test_a_message_comes_back_as_it_was_said(said: messages.Message) -> None:
     assert decode(encode(said)) == said
 
@@ -65,7 +66,7 @@ def test_every_kind_of_message_is_tried_here() -> None:
     assert {type(said) for said in SAID} == kinds
 
 
-@pytest.mark.parametrize(
+@each_case(
     "packet",
     [
         b"",

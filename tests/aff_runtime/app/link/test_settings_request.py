@@ -12,6 +12,7 @@ from aff_runtime.app.link.requests import (
     read_request,
 )
 from aff_runtime.app.link.settings_request import MAX_BYTES
+from tests.each_case import each_case
 
 
 def line(**keys):
@@ -29,7 +30,7 @@ def test_a_whole_site_file_fits_and_nothing_else_gets_that_room():
         read_request(json.dumps({"do": "arm", "by": text}).encode())
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("keys", "said"),
     [
         ({}, "act: one of state, diff, try, keep, save, undo, history is needed"),

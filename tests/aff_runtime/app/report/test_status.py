@@ -21,6 +21,7 @@ from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State, Status
 from aff_runtime.config.models import Block, Site
 from aff_runtime.core.monitor import OrderState
+from tests.each_case import each_case
 from tests.parameter_records import EUCLID
 
 NEED = ["LINE_RUN", "WEB_INTACT", "AFF_ENABLE_REQUEST"]
@@ -36,7 +37,7 @@ def record(state: State, status: int, alarm: int = 0) -> dict[str, float]:
     }
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("status", "missing"),
     [
         (0, "LINE_RUN=0"),
@@ -65,7 +66,7 @@ def told(
     return headline(StatusAnswer(line="L", state=state.name, config_differs=differs, live=live))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("line", "expected"),
     [
         (told(State.ACTIVE), "ACTIVE"),
@@ -107,7 +108,7 @@ def test_the_headline_says_what_blocks_and_what_to_do(line: str, expected: str) 
     assert line == expected
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("state", "blocked", "expected"),
     [
         (State.FAULT, "WEB_INTACT=0", "FAULT: blocked by WEB_INTACT=0: the PLC sees no web"),

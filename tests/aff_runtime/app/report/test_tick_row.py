@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 
-import pytest
-
 from aff_runtime.app.report.tick_row import Channel, CorrectionSent, TickRow
 from aff_runtime.base.signals import Outcome, State, StateBits
 from aff_runtime.core.phase import Source
 from aff_runtime.loop.record import record_columns
+from tests.each_case import each_case
 
 CHANNELS = ("unwind_tension_N", "line_speed_m_s")
 OUTPUTS = ("unwind_m_s", "rewind_N_m")
@@ -47,7 +46,7 @@ def test_timing_is_told_by_name() -> None:
     assert (timing.tick_us, timing.missed_count) == (at("tick_us"), at("missed_count"))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("bits", "live"),
     [
         (StateBits(0), False),

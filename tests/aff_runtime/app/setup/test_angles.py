@@ -21,6 +21,7 @@ from tests.aff_runtime.app.setup.virtual_words import (
     turning,
     watched,
 )
+from tests.each_case import each_case
 
 
 def found(seen: Watched, speed_m_s: float, radius_m: float) -> list[AngleCandidate]:
@@ -54,7 +55,7 @@ def test_counting_against_the_web_is_negative() -> None:
     assert found(seen, 1.0, 0.2)[0].counts_per_turn == -1024
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("counts", "turns", "lowest", "word"),
     [
         (4096, 1, 0, "u16"),
@@ -65,7 +66,7 @@ def test_counting_against_the_web_is_negative() -> None:
         (4096, 4, -8192, "i16"),
     ],
 )
-@pytest.mark.parametrize("turns_per_s", [0.8, -0.8])
+@each_case("turns_per_s", [0.8, -0.8])
 def test_a_count_that_starts_over_after_whole_turns_says_after_how_many(
     counts: int, turns: int, lowest: int, word: str, turns_per_s: float
 ) -> None:

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import pytest
-
 from aff_runtime.app.setup.bus_ranking import can_be, is_alone, is_likely, ranked
 from aff_runtime.app.setup.bus_roles import (
     Role,
@@ -19,6 +17,7 @@ from aff_runtime.app.setup.bus_roles import (
 from aff_runtime.app.setup.quantities import further, quantities
 from aff_runtime.fieldbus.can.layout import Field, FrameLayout
 from aff_runtime.fieldbus.can.named_signal import NamedSignal
+from tests.each_case import each_case
 
 ROLLS = ("unwind", "nip")
 QUANTITIES = {one.channel: of_quantity(one, ROLLS) for one in quantities("nip")}
@@ -44,7 +43,7 @@ def best(role: Role, *signals: NamedSignal, **how: object) -> list[str]:
     return [one.signal.field.name for one in rows]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "found"),
     [
         ("UnwindTension", True),
@@ -112,7 +111,7 @@ def test_a_heartbeat_that_stands_still_goes_behind_one_that_moves() -> None:
     assert rows == ["LifeCounter", "Heartbeat"]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("role", "right", "wrong"),
     [
         (HEARTBEAT, {"length": 8}, {"length": 7}),

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 
 from aff_runtime.app.setup.display import shown_value
 from aff_runtime.base.units import UnitError
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "unit", "value", "half"),
     [
         ("20.3 lbf", "N", 20.3 * 4.4482216152605, 0.05 * 4.4482216152605),
@@ -30,7 +31,7 @@ def test_value_and_half_a_digit_are_in_si(text: str, unit: str, value: float, ha
     assert shown.half_digit == pytest.approx(half)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "unit", "said"),
     [
         ("20.3", "N", "has no unit. Write it as the display has it: N, mN"),

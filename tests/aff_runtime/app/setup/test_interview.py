@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import pytest
-
 from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.interview import law_question
+from tests.each_case import each_case
 
 WORD = {"address": 3, "type": "i16", "order": "", "scale": "0.001"}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("found", "law"),
     [
         ({"unwind_angle_rad", "unwind_radius_m"}, "shape"),

@@ -22,6 +22,7 @@ from sim_plant.demo.unusual_plants import with_channels
 from sim_plant.refine.records.run_site import run_site
 from sim_plant.servers.plc_map import PlcMap
 from tests.aff_runtime.cli.virtual_line import REWIND_M, SECOND_N, SPEED_M_S, VirtualLine
+from tests.each_case import each_case
 from tests.lockstep.plants import (
     PLANTS,
     SECOND,
@@ -170,7 +171,7 @@ def test_of_three_words_with_one_speed_the_set_point_is_the_one_that_stands_stil
     assert_says_what_the_map_says(load_site(tmp_path / "site.yaml"), made.map, {})
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "why"),
     [
         (

@@ -11,6 +11,7 @@ import pytest
 from aff_runtime.app.setup.angles import AngleCandidate, angle_candidates, doubt
 from aff_runtime.app.setup.behaviour import behaviour
 from aff_runtime.app.setup.reading import Watched
+from tests.each_case import each_case
 
 RADIUS_M = 0.1
 WORD = 1 << 16
@@ -55,7 +56,7 @@ def every(period_s: float, seconds: float, pause_s: float = 0.0, at_s: float = 2
     return [t_s for t_s in times_s if not at_s < t_s < at_s + pause_s]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("counts", "whole", "lowest", "turns_per_s", "pause_s", "seconds"),
     [
         (4096, 4096, 0, 1.25, 0.0, 5.0),  # 40 readings a turn, the highest is 3998

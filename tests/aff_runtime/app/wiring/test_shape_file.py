@@ -32,6 +32,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.config.loader import load_site
 from aff_runtime.config.site_paths import shape_path
 from aff_runtime.core.shape.profile import ShapeProfile
+from tests.each_case import each_case
 from tests.parameter_records import record_of
 
 SITE = Path(__file__).parents[4] / "config" / "euclid.yaml"
@@ -79,7 +80,7 @@ def test_a_technician_reads_mm_and_degrees() -> None:
     assert heavy["torque_N_m"] == pytest.approx(0.04)  # 100 N m per metre
 
 
-@pytest.mark.parametrize(
+@each_case(
     "text",
     [
         "",
@@ -230,7 +231,7 @@ def test_start_values_are_deviations_at_the_encoders_zero(tmp_path: Path) -> Non
     assert start_values(load_site(path), "unwind") == {("unwind", 2): pytest.approx(0.0005j)}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("old", "new", "said"),
     [
         ('"deviation_mm": 0.1,', '"deviation_mm": 1e6,', "deviation_mm of unwind 3x is 1e.06 mm"),

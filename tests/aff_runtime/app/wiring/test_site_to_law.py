@@ -14,6 +14,7 @@ from aff_runtime.config.models import Actuator, Site
 from aff_runtime.core.controller import Controller
 from aff_runtime.core.law import ActuatorLaw, LawSetup
 from aff_runtime.core.laws.catalogue import LAW_ROWS, LAWS
+from tests.each_case import each_case
 
 EUCLID = Path(__file__).parents[4] / "config" / "euclid.yaml"
 
@@ -76,7 +77,7 @@ def test_a_chosen_amplitude_keeps_below_the_least_limit_of_those_that_are_probed
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("given", "louder", "amplitude"),
     [
         (0.005, 0.01, 0.01),  # twice

@@ -13,6 +13,7 @@ from aff_runtime.base.runs.counted_angle import (
     range_counts,
 )
 from aff_runtime.base.yaml_section import Section
+from tests.each_case import each_case
 
 TIME_S = np.arange(12_000) * 0.005
 TURNS = {"0.7": 0.7, "1": 1.0, "13.1072": 13.1072, "16": 16.0, "never": math.inf}
@@ -26,8 +27,8 @@ def counted(angle, turns, keep=None):
     return counted_angle(TIME_S[keep], count[keep], modulus), (angle - angle[0])[keep]
 
 
-@pytest.mark.parametrize("turns", TURNS.values(), ids=TURNS)
-@pytest.mark.parametrize("way", [1.0, -1.0])
+@each_case("turns", TURNS.values(), ids=TURNS)
+@each_case("way", [1.0, -1.0])
 def test_from_rest_to_speed_and_back_the_angle_is_the_true_one(turns, way):
     speed = 40.0 * np.interp(TIME_S, [5.0, 15.0, 35.0, 50.0], [0.0, 1.0, 1.0, 0.0])
     found, truth = counted(way * np.cumsum(speed) * 0.005, turns)
@@ -36,7 +37,7 @@ def test_from_rest_to_speed_and_back_the_angle_is_the_true_one(turns, way):
     assert not found.part.any()
 
 
-@pytest.mark.parametrize("turns", TURNS.values(), ids=TURNS)
+@each_case("turns", TURNS.values(), ids=TURNS)
 def test_over_a_hole_the_speed_around_it_says_how_often_the_count_started_over(turns):
     """The hole is 60 rad long; known within 2 %, no other range than the right one is near."""
     keep = (TIME_S < 20.0) | (TIME_S >= 26.0)
@@ -60,7 +61,7 @@ def test_over_a_long_hole_a_range_of_whole_turns_keeps_the_phase_and_another_say
     assert np.flatnonzero(~other.good).tolist() == [1999, 2000]
 
 
-@pytest.mark.parametrize("turns", TURNS.values(), ids=TURNS)
+@each_case("turns", TURNS.values(), ids=TURNS)
 def test_what_lacks_is_bridged_and_rows_at_the_ends_without_a_reading_are_no_good(turns):
     rng = np.random.default_rng(1)
     lacks = rng.random(TIME_S.size) < 0.3
@@ -94,8 +95,8 @@ def test_a_clock_that_goes_back_and_rows_of_noise_end():
             assert (np.diff(found.angle_rad) >= 0.0).all()
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-@pytest.mark.parametrize("begins_turns", [0.0, 120.0])
+@each_case("sign", [1.0, -1.0])
+@each_case("begins_turns", [0.0, 120.0])
 def test_a_count_that_was_unfolded_when_it_was_recorded_goes_on_beyond_its_range(
     sign, begins_turns
 ):
@@ -105,7 +106,7 @@ def test_a_count_that_was_unfolded_when_it_was_recorded_goes_on_beyond_its_range
     assert np.max(np.abs(found.angle_rad - angle)) < 1e-6
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("word", "scale", "turns"),
     [
         ("u16", "4096 counts/turn", 16.0),
@@ -131,7 +132,7 @@ def test_a_count_that_starts_over_within_its_word_has_the_range_that_is_given():
         )
 
 
-@pytest.mark.parametrize(
+@each_case(
     "given",
     [
         {},

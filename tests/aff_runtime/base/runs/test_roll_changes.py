@@ -1,14 +1,14 @@
 """Where another roll of web is on, rows without a number among them."""
 
 import numpy as np
-import pytest
 
 from aff_runtime.base.runs.roll_changes import roll_changes
+from tests.each_case import each_case
 
 NAN = np.nan
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("roll_id", "changes"),
     [
         ([1, 1, 2, 2, 3], [2, 4]),

@@ -21,6 +21,7 @@ from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.recorder_messages import RunContext
 from aff_runtime.telemetry.run_folder import RunFolder
 from tests.aff_runtime.telemetry.heads import head_of
+from tests.each_case import each_case
 
 COLUMNS = ("time_s", "tick", "tension_N")
 HEADER = replace(head_of(RunMeta(), "2026-01-02T03:04:05"), columns=COLUMNS)
@@ -233,7 +234,7 @@ def test_a_copy_of_a_run_has_its_name_and_another_run_has_not(run, tmp_path):
     assert read(copy).run_id != read(run).run_id
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("by_run", "by_site", "said"),
     [("Euclid", "Film", True), ("Euclid", "Euclid", False), ("", "Film", False), ("L", "", False)],
 )

@@ -13,6 +13,7 @@ import pytest
 
 from aff_runtime.base.signals import ActuatorStep
 from aff_runtime.core.compiled.binary import chosen
+from tests.each_case import each_case
 
 pytestmark = pytest.mark.skipif(chosen() is None, reason="no binary was built")
 N, BLOCK, LENGTH = 3, 16, 48
@@ -217,7 +218,7 @@ def test_no_input_ends_the_process(kind):
     assert done.returncode == 0, done.stderr[-1500:]
 
 
-@pytest.mark.parametrize("name", CALLS)
+@each_case("name", CALLS)
 def test_what_is_taken_goes_through(name):
     own, given = CALLS[name]
     call(name, [copied(each) for each in own], [copied(each) for each in given])
@@ -258,7 +259,7 @@ def test_a_list_of_phases_that_empties_itself_while_it_is_read_is_survived():
         call("basis_step", [copied(each) for each in BASIS], [phases, 1.0, 0.0, 0.005])
 
 
-@pytest.mark.parametrize("kind", [int, list, type, type(None), type(lambda: 0), np.ndarray, dict])
+@each_case("kind", [int, list, type, type(None), type(lambda: 0), np.ndarray, dict])
 def test_a_step_is_made_of_plain_classes_alone(kind):
     with pytest.raises(TypeError, match="class"):
         call("send", [copied(each) for each in SEND], [kind, *CALLS["send"][1][1:]])

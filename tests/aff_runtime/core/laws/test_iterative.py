@@ -13,6 +13,7 @@ from aff_runtime.core.blocks.block import HarmonicBlock
 from aff_runtime.core.laws.iterative import IterativeBlock
 from sim_plant.base.order_tracking import order_amplitudes, reduction_dB
 from tests.aff_runtime.core.plants import CYCLE_S, LagDelay
+from tests.each_case import each_case
 from tests.lockstep.bench import SITE, Bench, Setup
 from tests.lockstep.fault_table import assert_never_above_limit
 from tests.lockstep.known_response import known_responses
@@ -48,15 +49,15 @@ def left(weights, response, passes):
     return [(RIPPLE + response * weights[end]) / RIPPLE for end in ends]
 
 
-@pytest.mark.parametrize("settle_s", [8.0, 20.0])
-@pytest.mark.parametrize("order", [1, 2])
+@each_case("settle_s", [8.0, 20.0])
+@each_case("order", [1, 2])
 def test_a_pass_leaves_what_settle_s_asks_for(settle_s, order):
     weights, response = played(IterativeBlock(order, settle_s, 1e9), 9.0)
     wanted = [math.exp(-4.0 * ASKED * n / settle_s) for n in range(4)]
     assert left(weights, response, 3) == pytest.approx(wanted, abs=0.01)
 
 
-@pytest.mark.parametrize(("gain", "degrees"), [(1.0, 50.0), (1.0, -50.0), (0.6, 20.0), (2.0, 0.0)])
+@each_case(("gain", "degrees"), [(1.0, 50.0), (1.0, -50.0), (0.6, 20.0), (2.0, 0.0)])
 def test_with_a_wrong_response_a_pass_leaves_what_the_formula_says(gain, degrees):
     wrong = gain * cmath.exp(1j * math.radians(degrees))
     mu = 1.0 - math.exp(-4.0 * ASKED / 8.0)

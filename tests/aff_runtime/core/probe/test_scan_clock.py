@@ -21,6 +21,7 @@ from tests.aff_runtime.core.plants import (
 )
 from tests.aff_runtime.core.probe.noisy_line import BLOCKS, noise
 from tests.aff_runtime.core.probe.test_probe import ORIGIN, PARAMS
+from tests.each_case import each_case
 
 READS = 4000
 
@@ -34,8 +35,8 @@ def read_of(scan_s, *, counts=2**16, seed=3, start=200):
     return time_s[new], np.mod(scans[new] + start, counts), scans[new] * scan_s
 
 
-@pytest.mark.parametrize("scan_s", [5.0005e-3, 1e-3, 4e-3, 20e-3])
-@pytest.mark.parametrize("counts", [2**8, 2**16, 2**32, 10_000 * 2**8])
+@each_case("scan_s", [5.0005e-3, 1e-3, 4e-3, 20e-3])
+@each_case("counts", [2**8, 2**16, 2**32, 10_000 * 2**8])
 def test_reads_stand_at_the_scan_that_they_show(scan_s, counts):
     time_s, heartbeat, true_s = read_of(scan_s, counts=counts, start=counts - 300)
     found_s = scan_time_s(time_s, heartbeat)

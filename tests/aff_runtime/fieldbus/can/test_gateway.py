@@ -15,6 +15,7 @@ from aff_runtime.fieldbus.scan_edge import LOOK_TICKS, ScanEdge
 from tests.aff_runtime.fieldbus.euclid_can import command, euclid_map, scan
 from tests.aff_runtime.fieldbus.fake_link import FakeLink
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 
 MAP = euclid_map()
 MAP_HEARTBEATS = CanReader(MAP).heartbeat_modulus
@@ -163,7 +164,7 @@ def test_the_stamp_of_the_frame_that_closed_the_set_is_its_age() -> None:
     assert bench.tick(*scan(4)).age_s == pytest.approx(0.00125, abs=1e-9)
 
 
-@pytest.mark.parametrize("wrong_ns", [-1, 0, 5 * TICK_NS, 10**18])
+@each_case("wrong_ns", [-1, 0, 5 * TICK_NS, 10**18])
 def test_a_stamp_that_cannot_be_leaves_the_set_as_old_as_it_can_be(wrong_ns: int) -> None:
     # no stamp; before the bus was last found empty; in the future: what a stepped clock gives
     bench = Bench().running()
@@ -236,8 +237,8 @@ def test_somebody_who_sends_our_frames_is_named_until_he_is_gone() -> None:
     assert bench.gateway.troubles == ()
 
 
-@pytest.mark.parametrize("where", ["ready", "receive"])
-@pytest.mark.parametrize(("held_ms", "sent_m_s", "bits"), [(60, 0.01, 4), (1000, 0.0, 0)])
+@each_case("where", ["ready", "receive"])
+@each_case(("held_ms", "sent_m_s", "bits"), [(60, 0.01, 4), (1000, 0.0, 0)])
 def test_a_command_that_is_too_old_when_the_bus_is_read_goes_out_as_zero(
     where: str, held_ms: int, sent_m_s: float, bits: int
 ) -> None:

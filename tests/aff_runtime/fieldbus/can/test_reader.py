@@ -16,6 +16,7 @@ from aff_runtime.fieldbus.can.layout import CanMap
 from aff_runtime.fieldbus.can.reader import CanReader, Taken
 from aff_runtime.fieldbus.signal_names import SignalNames
 from tests.aff_runtime.fieldbus.euclid_can import CONFIG, DATABASE, euclid_map, scan
+from tests.each_case import each_case
 
 MAP = euclid_map()
 
@@ -201,7 +202,7 @@ def test_a_value_outside_the_range_of_its_signal_is_not_a_number() -> None:
     assert reader.values[5] == 0.0
 
 
-@pytest.mark.parametrize("length", [0, 1, 6, 8])
+@each_case("length", [0, 1, 6, 8])
 def test_a_frame_of_wrong_length_is_bad(length: int) -> None:
     reader = settled()
     assert reader.take(Frame(0x180, False, bytes(length))) is Taken.BAD

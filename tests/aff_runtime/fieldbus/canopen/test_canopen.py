@@ -12,6 +12,7 @@ from aff_runtime.fieldbus.canopen.device_402 import object_of
 from aff_runtime.fieldbus.canopen.eds_file import load_eds
 from aff_runtime.fieldbus.canopen.node import NodeKeeper, NodePlan, NodeState, SdoWrite
 from tests.aff_runtime.fieldbus.canopen_bench import SITE, CanopenBench
+from tests.each_case import each_case
 
 CONFIG = Path(__file__).parents[4] / "config"
 MS = 1_000_000
@@ -136,7 +137,7 @@ def test_an_emergency_stops_the_output_until_the_node_takes_it_back() -> None:
 
 
 # CiA 301, emergency object: code 0 goes out when one error is gone, its register shows the rest
-@pytest.mark.parametrize(
+@each_case(
     ("later", "good"),
     [
         ("30 81 13", False),  # heartbeat lost, bits of current and communication
@@ -258,7 +259,7 @@ def test_lost_sync_is_silence() -> None:
     assert bench.tick().outcome.name == "TIMEOUT"
 
 
-@pytest.mark.parametrize("place", ["60B1h", "0x12", "0x1016:x", "", "0x60B1:100"])
+@each_case("place", ["60B1h", "0x12", "0x1016:x", "", "0x60B1:100"])
 def test_an_object_is_spelt_in_one_way(place: str) -> None:
     with pytest.raises(ConfigError):
         object_of(place)

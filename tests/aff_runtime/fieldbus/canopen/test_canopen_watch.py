@@ -18,6 +18,7 @@ from tests.aff_runtime.fieldbus.canopen_bench import NETWORK, CanopenBench
 from tests.aff_runtime.fieldbus.euclid_can import command
 from tests.aff_runtime.fieldbus.fake_link import FakeLink
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 
 MS = 1_000_000
 OWN = 100
@@ -124,7 +125,7 @@ def look(link: CanopenLink) -> bool:
     return link.ready()
 
 
-@pytest.mark.parametrize(("beat_ms", "cycle_ms"), [(10, 40), (10, 60), (50, 5), (13, 40)])
+@each_case(("beat_ms", "cycle_ms"), [(10, 40), (10, 60), (50, 5), (13, 40)])
 def test_a_node_that_beats_as_asked_is_never_lost_whatever_the_cycle(
     beat_ms: int, cycle_ms: int
 ) -> None:

@@ -10,6 +10,7 @@ from aff_runtime.base.errors import ConfigError
 from aff_runtime.cli.main import main
 from aff_runtime.fieldbus.canopen.eds_file import load_eds
 from tests.aff_runtime.config.shipped import copied
+from tests.each_case import each_case
 
 CONFIG = Path(__file__).parents[4] / "config"
 EDS = (CONFIG / "euclid_drive.eds").read_text()
@@ -26,7 +27,7 @@ def said_of(text: str) -> str:
     return str(caught.value)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("was", "now", "at", "said"),
     [
         ("[1A00]\n", "[1A00]\nnonsense\n", "nonsense", "neither [section] nor key=value"),

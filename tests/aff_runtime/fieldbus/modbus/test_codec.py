@@ -18,6 +18,7 @@ from aff_runtime.fieldbus.modbus.registers import (
     WordType,
 )
 from tests.aff_runtime.fieldbus.euclid_map import ANGLE_SCALE, command, euclid_map
+from tests.each_case import each_case
 
 FORMAT = {
     WordType.U16: ">H",
@@ -147,7 +148,7 @@ def test_a_correction_comes_back_within_half_a_count(
     assert [word ^ 0xFFFF for word in words[3 : 3 + size]] == words[3 + size : 3 + 2 * size]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "value", "counts"),
     [
         (WordType.I16, 1e9, 32767),
@@ -178,7 +179,7 @@ def test_a_missing_correction_goes_out_as_zero_and_not_as_the_last_one() -> None
     assert words[8:] == [0, 0xFFFF]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("limit", "word"), [(0.05, 5000), (math.nan, 0), (-1.0, 0), (1e9, 65535), (math.inf, 65535)]
 )
 def test_the_limit_word_saturates(limit: float, word: int) -> None:

@@ -22,6 +22,7 @@ from aff_runtime.fieldbus.modbus.frames import (
     frame_length,
     transaction_id,
 )
+from tests.each_case import each_case
 
 
 def frames() -> ModbusFrames:
@@ -100,7 +101,7 @@ def test_a_reply_wrong_in_one_place_is_refused_without_a_log_line(
     assert caplog.records == []
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("head", "length"),
     [
         ("", 0),
@@ -125,7 +126,7 @@ def test_transaction_id_is_big_endian() -> None:
     assert transaction_id(bytearray.fromhex("1234 0000 0003")) == 0x1234
 
 
-@pytest.mark.parametrize(
+@each_case(
     "bad",
     [
         {"device_id": 256},

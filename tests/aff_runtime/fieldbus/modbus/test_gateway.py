@@ -12,6 +12,7 @@ from aff_runtime.fieldbus.scan_edge import LOOK_TICKS, ScanEdge
 from tests.aff_runtime.fieldbus.euclid_map import ANGLE_SCALE, command, euclid_map
 from tests.doubles.loopback import LoopbackTransport
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 
 PERIOD_NS = 5_000_000
 ANGLE = 6
@@ -82,7 +83,7 @@ def test_fresh_means_the_heartbeat_moved_not_that_the_server_answered() -> None:
     assert [round(s.age_s * 1e3) for s in snapshots] == [5, 0, 5, 10, 0, 0, 0]
 
 
-@pytest.mark.parametrize(
+@each_case(
     "outcome", [Outcome.TIMEOUT, Outcome.NOT_CONNECTED, Outcome.EXCEPTION, Outcome.BAD_REPLY]
 )
 def test_without_a_good_reply_there_are_no_values_and_age_grows(outcome: Outcome) -> None:

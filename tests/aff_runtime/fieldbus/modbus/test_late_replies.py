@@ -10,6 +10,7 @@ import pytest
 from aff_runtime.base.signals import State
 from aff_runtime.fieldbus.modbus.transport import silence_before_reconnect
 from tests.aff_runtime.fieldbus.modbus_bench import WIRES, Bench
+from tests.each_case import each_case
 
 FAULT_MS = {5: 80, 8: 80, 10: 80, 12: 80, 15: 80, 20: 120}
 """Of each cycle, ms: the shipped one where five cycles fit, so that four ticks late is in time."""
@@ -77,7 +78,7 @@ def test_a_connection_that_is_lost_is_replaced_in_time_where_11_cycles_fit(
         assert bench.drops == number
 
 
-@pytest.mark.parametrize("fault_ms", [80, 120, 180, 290])
+@each_case("fault_ms", [80, 120, 180, 290])
 def test_the_silence_grows_with_the_cycle_and_leaves_time_for_a_new_connection(
     fault_ms: int,
 ) -> None:

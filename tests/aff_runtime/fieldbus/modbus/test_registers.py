@@ -5,9 +5,10 @@ import pytest
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.fieldbus.modbus.registers import Correction, Register, WordType, wire_address
 from tests.aff_runtime.fieldbus.euclid_map import correction, euclid_map
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("register", "base", "address"),
     [
         (0, 0, 0),
@@ -25,7 +26,7 @@ def test_manual_numbers_become_wire_addresses(register: int, base: int, address:
     assert wire_address(register, base) == address
 
 
-@pytest.mark.parametrize(("register", "base"), [(0, 1), (-1, 0), (65536, 0), (65537, 1), (1, 2)])
+@each_case(("register", "base"), [(0, 1), (-1, 0), (65536, 0), (65537, 1), (1, 2)])
 def test_numbers_without_a_wire_address_are_refused(register: int, base: int) -> None:
     with pytest.raises(ConfigError):
         wire_address(register, base)
@@ -93,7 +94,7 @@ def test_a_read_block_longer_than_a_frame_is_refused() -> None:
         )
 
 
-@pytest.mark.parametrize(
+@each_case(
     "bad",
     [
         {"address": 65535, "type": WordType.I32},

@@ -17,6 +17,7 @@ from aff_runtime.fieldbus.modbus.rtu_frames import crc16, reply_length, rtu_of
 from aff_runtime.fieldbus.modbus.serial_time import transaction_ms
 from tests.aff_runtime.fieldbus.euclid_map import euclid_map
 from tests.aff_runtime.fieldbus.rtu_slave import Slave
+from tests.each_case import each_case
 
 PATIENCE_NS = 2_000_000_000
 
@@ -32,7 +33,7 @@ def test_hand_written_frame_of_fc3() -> None:
     assert rtu_of(bytes.fromhex("0000 0000 0006 11 03 006B 0003")).hex() == "1103006b00037687"
 
 
-@pytest.mark.parametrize(
+@each_case(
     "frame",
     [
         "11 10 0001 0002 04 000A 0102 C6F0",  # FC16 request, published example
@@ -67,7 +68,7 @@ def crc_by_division(data: bytes) -> bytes:
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("head", "length"),
     [("0103", 0), ("010306", 11), ("011702", 7), ("018302", 5), ("011000", 8), ("016300", -1)],
 )

@@ -27,6 +27,7 @@ from tests.aff_runtime.fieldbus.modbus_rig import (
     good,
 )
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 
 NOISE = {  # before a late reply
     "noise": bytes(1),
@@ -117,8 +118,8 @@ def test_every_reading_answers_the_newest_question(
     assert Outcome.OK in line.outcomes(20), "it recovers from whatever that was"
 
 
-@pytest.mark.parametrize("lost", ["lost", "not heard"])
-@pytest.mark.parametrize(
+@each_case("lost", ["lost", "not heard"])
+@each_case(
     ("function", "which", "asked"),
     [
         (WireFunction.FC23, 0, [23, 3, 23]),
@@ -174,8 +175,8 @@ def test_noise_before_a_late_reply_does_not_end_its_request() -> None:
     assert (line.outcomes(3), line.asked(since)) == (expected, [23, 23])
 
 
-@pytest.mark.parametrize("noise", ["noise of 3", "noise of 6"])
-@pytest.mark.parametrize(
+@each_case("noise", ["noise of 3", "noise of 6"])
+@each_case(
     ("function", "asked"),
     [(WireFunction.FC23, [23, 3, 23]), (WireFunction.FC3_FC16, [16, 3, 16, 3])],
 )
@@ -189,8 +190,8 @@ def test_noise_as_long_as_a_reply_is_followed_by_a_question_of_another_function(
     assert (line.outcomes(3), line.asked(since)) == (expected, asked)
 
 
-@pytest.mark.parametrize("place", range(8))
-@pytest.mark.parametrize(
+@each_case("place", range(8))
+@each_case(
     ("function", "before", "spoilt", "n_bytes"),
     [
         (WireFunction.FC3_FC16, [("good", MS // 2)], 1, 8),  # the read lost, the write spoilt
@@ -223,10 +224,8 @@ def test_noise_in_one_piece_with_a_reply_to_one_of_two_questions_throws_no_reply
     assert (line.outcomes(4), line.asked(since), line.socket.aborted) == (expected, asked, [])
 
 
-@pytest.mark.parametrize(
-    "noise", [*GLUED.values(), b"\x55\x01", b"\x00\x01\x03\x04", b"\0\x01\x10"]
-)
-@pytest.mark.parametrize("cut", range(1, 22))
+@each_case("noise", [*GLUED.values(), b"\x55\x01", b"\x00\x01\x03\x04", b"\0\x01\x10"])
+@each_case("cut", range(1, 22))
 def test_both_replies_are_found_behind_noise_however_they_come(noise: bytes, cut: int) -> None:
     framing, into = RtuFraming(), memoryview(bytearray(256))
     framing.request(b"\0\1\0\0\0\x06\x01\x10\0\x64\0\x02")

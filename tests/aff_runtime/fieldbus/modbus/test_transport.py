@@ -28,6 +28,7 @@ from tests.aff_runtime.fieldbus.modbus_rig import (
     silence,
 )
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 
 
 def test_fc23_is_one_request_per_tick() -> None:
@@ -145,7 +146,7 @@ def test_id_zero_is_never_ours_even_after_a_wrap() -> None:
     assert rig.tick()[0] is Outcome.BAD_REPLY
 
 
-@pytest.mark.parametrize(
+@each_case(
     "bad",
     [
         {"silence_before_reconnect_s": 0.0},
@@ -290,7 +291,7 @@ def test_a_trouble_stands_until_a_good_reply() -> None:
 
 
 # MODBUS Application Protocol V1.1b3, section 7: every code and its name there
-@pytest.mark.parametrize(
+@each_case(
     ("code", "name"),
     [
         (2, "illegal data address"),

@@ -8,6 +8,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.demo.loop.correcting import ATTEMPTS, NOT_TRIED, OF_A_PAUSE, correct
 from sim_plant.demo.loop.judging import BlockOrder, Judgement, new_orders, strongest
 from sim_plant.demo.runtime_status import RuntimeStatus
+from tests.each_case import each_case
 
 SITE, PROPOSED = Path("site.yaml"), Path("proposed.yaml")
 R9 = BlockOrder(actuator="unwind", signal="unwind_tension_N", roll="r9", order=1)
@@ -182,7 +183,7 @@ def row(order, before, value_dB, high_dB, bound="", roll="r9"):
     }
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("value_dB", "high_dB", "bound", "fell"),
     [
         (-20.0, -18.0, "", True),

@@ -1,9 +1,8 @@
 """What the demo of the loop asks of itself."""
 
-import pytest
-
 from sim_plant.demo.loop.proof import ModelError, Proof
 from sim_plant.refine.report.verdict import Verdict
+from tests.each_case import each_case
 
 WELL = {
     "unwind_tension_N": ModelError(declared=1.5, amended=0.26, floor=0.26),
@@ -31,7 +30,7 @@ def test_all_targets_are_met_by_a_cause_named_and_cancelled():
     assert missed(proof()) == []
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("given", "word"),
     [
         ({"named": False}, "names effect"),

@@ -10,6 +10,7 @@ from sim_plant.line.load import load_declaration
 from sim_plant.refine.fit.start_angles import at_start_angles
 from sim_plant.refine.fit.turning import Turning, orders_of, phased
 from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import formula_twin, line_with
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
@@ -178,7 +179,7 @@ def added(effect, location, **parameters):
     return Added(effect, location, tuple(parameters.items()))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("orders", "tries", "part"),
     [((1.0,), 24, 1.0), ((36.0,), 24, 36.0), ((1.0, 36.0), 144, 1.0), ((24.0, 36.0), 24, 12.0)],
 )

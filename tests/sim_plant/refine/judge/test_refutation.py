@@ -16,6 +16,7 @@ from sim_plant.refine.judge.refutation import (
     shows_something_else,
     takes_little,
 )
+from tests.each_case import each_case
 
 TIME_S = 0.01 * np.arange(4000)
 SINE = np.sin(2.0 * np.pi * 1.7 * TIME_S)
@@ -47,7 +48,7 @@ def evaluation(before, after):
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("before", "after", "is_refuted"),
     [
         ((4.3, 9.4, 1.0), (4.1, 9.4, 1.0), True),  # explains nothing of it
@@ -78,7 +79,7 @@ def test_half_of_the_power_beyond_noise_is_the_limit():
     assert refuted(evaluation(before, (np.sqrt(1.0 + 4.1), 1.0, 1.0)))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("after", "worse"),
     [
         ((3.0, 1.0, 50.0), ()),  # an angle begins anew in each record
@@ -98,7 +99,7 @@ def test_a_line_as_declared_has_its_own_error_after():
     assert plain.angles_rad == {}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("with_it", "without_it", "little"),
     [
         ((3.0, 3.0, 1.0), (3.2, 3.3, 1.0), True),  # takes 1.6 of 8 that stay
@@ -161,8 +162,8 @@ def test_something_else_in_the_record_held_out_refutes_nothing_that_is_there(res
     assert shows_something_else(there)
 
 
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize("rest", [STEP, DRIFT, BURST, 2.0 * np.roll(SINE, 15)])
+@each_case("seed", range(5))
+@each_case("rest", [STEP, DRIFT, BURST, 2.0 * np.roll(SINE, 15)])
 def test_what_is_not_there_is_refuted_by_something_else(rest, seed):
     """A sine a quarter of its turn further on is another one: 1.7 Hz, 0.15 s."""
     assert refuted(in_record(SINE, rest, seed))
@@ -186,7 +187,7 @@ def confined(blocks, size):
     return size * SINE * inside
 
 
-@pytest.mark.parametrize(("blocks", "is_shown"), [(1, False), (4, False), (6, True), (10, True)])
+@each_case(("blocks", "is_shown"), [(1, False), (4, False), (6, True), (10, True)])
 def test_a_response_in_few_blocks_tells_no_slope(blocks, is_shown):
     """In one the standard deviation of its slope is 0 for any rest: sum(r (y - b r)) is 0."""
     there = with_it(confined(blocks, 4.0), 0.2 * DRIFT)
@@ -258,7 +259,7 @@ def test_what_the_others_models_can_have_wrong_is_no_effect():
     assert takes_little(both, without)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("before", "after", "is_large"),
     [
         ((10.0, 10.0, 1.0), (2.3, 1.0, 1.0), True),  # 4.3 % of 99 in one of two, 2.1 of both

@@ -5,6 +5,7 @@ from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.nuisances import declared_nuisances
 from sim_plant.refine.model.parameter_effects import as_effects, within_tolerance
+from tests.each_case import each_case
 from tests.sim_plant.line.lines import declared
 
 LINE = declared("euclid").model_copy(
@@ -50,7 +51,7 @@ def test_an_effect_that_is_no_declared_number_counts_however_small(effect):
     assert not within_tolerance(LINE, declared_nuisances(LINE), h, [1e-12] * len(h.names))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("number", "shift", "effect", "place", "expected"),
     [
         ("web.EA_N", -0.1, "web_modulus", "web", {"factor": 0.9}),

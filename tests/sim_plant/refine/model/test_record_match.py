@@ -16,6 +16,7 @@ from sim_plant.refine.model.record_match import (
 )
 from sim_plant.refine.records.recording import Recording
 from tests import quick_yaml
+from tests.each_case import each_case
 
 LINE_FILE = Path(__file__).parents[4] / "config/lines/euclid.yaml"
 LINE = load_declaration(LINE_FILE)
@@ -60,7 +61,7 @@ def all_forces(factor):
     return {k: factor * v for k, v in columns().items() if k.endswith("_N")}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("changed", "said"),
     [
         (degrees_called_radians(), "unwind_angle_rad: turns 57.3 times as fast"),
@@ -96,7 +97,7 @@ def stopped():
     return {"line_speed_ref_m_s": speed}
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("changed", "said"),
     [
         ({"unwind_angle_rad": -columns()["unwind_angle_rad"]}, "unwind_angle_rad: counts back"),
@@ -168,7 +169,7 @@ def test_a_missing_column_is_named(name):
         twin_of(LINE, record(dropped=name))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "factor"),
     [
         ("unwind_tension_N", 1000.0),
@@ -193,7 +194,7 @@ def test_another_sample_time_is_refused():
         twin_of(LINE, record(sample_time_s=0.02))
 
 
-@pytest.mark.parametrize(
+@each_case(
     "ending", [".csv", ".csv.gz", ".txt", ".txt.gz", ".parquet", ".mf4", ".mdf", ".MDF", ".CSV.gz"]
 )
 def test_the_sidecar_has_the_records_stem(ending):

@@ -17,6 +17,7 @@ from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import Plc
 from tests.doubles.recorded_run import PLC_FILE
+from tests.each_case import each_case
 from tests.sim_plant.refine.model.made_run import (
     FOLLOWER_M,
     FOLLOWER_RAD,
@@ -134,7 +135,7 @@ def test_the_set_point_of_another_zone_is_none_of_the_loops():
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     "owner", [("unwind", ""), ("UNWIND", ""), ("a1", "unwind"), ("a1", ""), ("swrap_follower", "")]
 )
 def test_the_set_point_of_the_loops_own_tension_is_taken_whoever_names_it(owner):

@@ -13,6 +13,7 @@ from sim_plant.refine.noise.drift import (
     slow_terms,
 )
 from sim_plant.refine.noise.innovations import noise_model, periodogram
+from tests.each_case import each_case
 
 SAMPLES, STEP_S = 4000, 0.01
 SLOW = 32  # of 40 s
@@ -77,9 +78,7 @@ def test_what_is_faster_than_the_slow_terms_is_left_alone():
     assert drift_whitened(fast, sd) == pytest.approx(fast, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("judged_s", "terms"), [(15.0, 32), (40.0, 32), (60.0, 32), (100.0, 64), (580.0, 448)]
-)
+@each_case(("judged_s", "terms"), [(15.0, 32), (40.0, 32), (60.0, 32), (100.0, 64), (580.0, 448)])
 def test_cosines_are_as_many_as_before_to_80_s_and_near_0_4_Hz_in_long_records(judged_s, terms):
     """Cosine m is m / (2 T) Hz: 0.8 more of them a second end at 0.4 Hz."""
     samples = round(judged_s / STEP_S)

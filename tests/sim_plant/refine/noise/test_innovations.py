@@ -11,6 +11,7 @@ from sim_plant.refine.noise.innovations import (
     rounding_step,
     whitening_filter,
 )
+from tests.each_case import each_case
 
 
 def coloured(seed, size=20000):
@@ -39,7 +40,7 @@ def white_model(channels, words=()):
     return noise_model(runs, 1000, np.zeros(channels), words)
 
 
-@pytest.mark.parametrize(("step_s", "taps"), [(0.02, 24), (0.01, 24), (0.005, 48), (0.001, 240)])
+@each_case(("step_s", "taps"), [(0.02, 24), (0.01, 24), (0.005, 48), (0.001, 240)])
 def test_the_filter_spans_as_much_time_at_shorter_sample_times(step_s, taps):
     assert filter_taps(step_s) == taps
 
@@ -113,7 +114,7 @@ def test_a_coarse_word_counts_by_its_quantum():
     assert model.floor[0] == pytest.approx(1e-5 / np.sqrt(12.0))
 
 
-@pytest.mark.parametrize("word", [1e-5, 2e-5, 3e-5, 4e-5, 7e-5, 2.3e-5, 0.5e-5])
+@each_case("word", [1e-5, 2e-5, 3e-5, 4e-5, 7e-5, 2.3e-5, 0.5e-5])
 def test_a_reading_that_is_rounded_twice_has_the_error_of_both(word):
     own = 1e-5
     values = np.random.default_rng(4).uniform(0.1, 0.2, 400_000)

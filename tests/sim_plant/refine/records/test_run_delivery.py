@@ -7,6 +7,7 @@ from aff_runtime.base.signals import Outcome
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.run_delivery import delivered, on_grid, sent_unseen
 from tests.aff_runtime.app.card.measure.recorded import CYCLE_S, recorded, switched
+from tests.each_case import each_case
 
 ROWS = np.arange(40)
 TICK = np.arange(1.0, 41.0)
@@ -116,7 +117,7 @@ def test_an_exchange_that_showed_no_new_scan_was_before_those_that_are_missing()
     assert not sent_unseen(exchanges(), np.arange(8)).any()
 
 
-@pytest.mark.parametrize(("age", "delay_s"), [(1, None), (3, None), (None, None), (None, 0.025)])
+@each_case(("age", "delay_s"), [(1, None), (3, None), (None, None), (None, 0.025)])
 def test_rows_that_carry_what_was_decided_before_the_record_are_counted(age, delay_s):
     echo = {} if age is None else {"echo_age": np.full(40, float(age))}
     found = of(columns(**echo), delay_s=delay_s)

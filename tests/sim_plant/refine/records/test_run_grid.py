@@ -8,6 +8,7 @@ from aff_runtime.base.signals import Outcome, Status
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.run_grid import angle_breaks, line_breaks, scans_of
 from tests.aff_runtime.app.card.measure.recorded import recorded, switched
+from tests.each_case import each_case
 
 CYCLE_S = 0.005
 RUNNING = float(Status.LINE_RUN | Status.WEB_INTACT)
@@ -91,7 +92,7 @@ def free_running(scan_s, seconds):
     return rows(np.floor(ticks * CYCLE_S / scan_s), ticks=ticks), ticks[-1] * CYCLE_S
 
 
-@pytest.mark.parametrize("scan_s", [0.00504, 0.00496, 0.00503, 0.00998])
+@each_case("scan_s", [0.00504, 0.00496, 0.00503, 0.00998])
 def test_a_plc_that_runs_free_keeps_its_own_time(scan_s):
     columns, to_s = free_running(scan_s, 120.0)
     found = scans_of(columns, ())

@@ -16,6 +16,7 @@ from sim_plant.refine.records.run_heartbeat import modulus_of, scans_between
 from tests.aff_runtime.app.card.measure.recorded import recorded, steady
 from tests.aff_runtime.app.fake_plc import READY_STATUS
 from tests.doubles.recorded_run import PLC_FILE, Files, RecordedRun
+from tests.each_case import each_case
 from tests.sim_plant.refine.records.test_run_grid import CYCLE_S, rows
 
 NOT_SAID = Section()
@@ -49,7 +50,7 @@ def test_a_heartbeat_that_goes_back_has_not_gone_on_by_less_than_nothing():
     assert moved.min() > 0.0
 
 
-@pytest.mark.parametrize("bits", BITS)
+@each_case("bits", BITS)
 def test_of_an_older_run_it_is_the_least_power_of_two_that_the_clock_agrees_with(bits):
     columns = beats(np.arange(2.0**bits - 400.0, 2.0**bits + 2600.0), bits)
     modulus, said = modulus_of(NOT_SAID, columns)

@@ -3,9 +3,10 @@ import math
 import pytest
 
 from sim_plant.refine.records.units import TO_SI, canonical, split_header
+from tests.each_case import each_case
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("header", "expected"),
     [
         ("line_speed_m_s", ("line_speed", "m_s")),

@@ -13,6 +13,7 @@ from sim_plant.refine.report.announce import (
     shared_angle,
 )
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import LINE, fit_of, line_with, one_peak
 
 
@@ -45,7 +46,7 @@ def test_several_fitted_records_have_one_start_angle_and_the_page_says_so():
     assert said.endswith("give one of them, and hold another out")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("name", "change", "told"),
     [
         ("out_of_round_roll", 0.0021, True),  # 4.2 standard deviations of a tolerance of 0.1 %

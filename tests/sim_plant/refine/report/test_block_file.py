@@ -6,6 +6,7 @@ from aff_runtime.config.loader import load_site
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.report.aff_block import site_name, write_block
 from tests import quick_yaml
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import finding
 
 CONFIG = Path(__file__).parents[4] / "config"
@@ -56,7 +57,7 @@ def test_a_driven_rollers_block_replaces_its_entry_as_it_stands(tmp_path):
     assert blocks[1].start[0].deviation_m == pytest.approx(block["start"][0]["deviation_m"])
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("roller", "name"),
     [("R6", "r6"), ("pull_roll", "pull_roll"), ("Idler 7/b", "idler_7_b"), ("7", "roller_7")],
 )

@@ -14,10 +14,11 @@ from sim_plant.refine.report.verdict import Moment
 from sim_plant.refine.report.wording import size_of
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from sim_plant.refine.search.unexplained import Unknown
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import STEP_S, fit_of, formula_twin
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("one", "other", "word"),
     [
         (

@@ -12,6 +12,7 @@ from sim_plant.refine.report.page import confidence, gain, headline
 from sim_plant.refine.report.plots import channels_by_error
 from sim_plant.refine.report.tables import above_noise, best_each, error_rows, shift_rows
 from sim_plant.refine.report.verdict import Ambiguity, ChannelError, Moment, UnknownFinding
+from tests.each_case import each_case
 from tests.sim_plant.refine.report.judged_line import CHANNELS, judged
 from tests.sim_plant.refine.small import finding, verdict_with
 
@@ -53,7 +54,7 @@ def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():
     assert "no proof" in gain(judged(), held=False)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("found", "block", "word"),
     [
         (verdict_with(EFFECT), True, "paste the AFF block"),
@@ -92,7 +93,7 @@ def test_what_a_drive_may_cancel_is_measured_and_mended_first_and_cancelled_unti
     assert at == sorted(at)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("above", "outside", "end"),
     [
         ({}, (), ""),
@@ -106,7 +107,7 @@ def test_what_a_drive_may_cancel_is_measured_and_mended_first_and_cancelled_unti
         ),
     ],
 )
-@pytest.mark.parametrize("ambiguous", [(), (SAME,)])
+@each_case("ambiguous", [(), (SAME,)])
 def test_what_is_not_explained_is_said_beside_what_is(above, outside, end, ambiguous):
     facts = outside_by(0.2, *outside)
     said = next_step(verdict_with(EFFECT, ambiguous=ambiguous), {}, above, facts)
@@ -305,7 +306,7 @@ def test_what_stays_above_noise_is_named_but_no_sums():
     assert gain(loud, held=True).endswith("10 % above noise: unwind_tension_N (x 1.20).")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("kind", "where", "said"),
     [
         ("time", {"frequency_Hz": 3.33}, "3.33 Hz at every speed"),

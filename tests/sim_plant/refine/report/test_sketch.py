@@ -9,6 +9,7 @@ from sim_plant.line.load import load_declaration
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.sketch import Marks, marks_of_verdict, sketch, web_path_m
 from sim_plant.refine.report.verdict import Ambiguity, UnknownFinding
+from tests.each_case import each_case
 from tests.parameter_records import CONFIG
 from tests.sim_plant.refine.small import finding, verdict_with
 
@@ -44,7 +45,7 @@ def test_the_web_drawn_touches_every_body_at_a_right_angle_and_is_as_long_as_dec
             assert arm @ (end - start) == pytest.approx(0.0, abs=1e-5)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("effect", "location", "marked"),
     [
         ("eccentric_roller", "R4", Marks(bodies=bodies("R4"))),

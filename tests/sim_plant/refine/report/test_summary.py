@@ -1,17 +1,16 @@
 """The verdict in words for a screen: one kind of five, and the sentences of the page."""
 
-import pytest
-
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.summary import kind_of
 from sim_plant.refine.report.verdict import Ambiguity, UnknownFinding, Verdict
+from tests.each_case import each_case
 
 EVENT = UnknownFinding(unknown_class="event", coordinate={}, chi2_reduction=1.0)
 ANGLE = UnknownFinding(unknown_class="angle", coordinate={}, chi2_reduction=1.0)
 SAME = Ambiguity(place=EffectAt("eccentric_roller", "R6"), alternatives=(), experiments=())
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("answer", "unknown", "ambiguous", "kind"),
     [
         ("nothing", (), (), "nothing"),

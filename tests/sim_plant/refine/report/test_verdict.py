@@ -15,6 +15,7 @@ from sim_plant.refine.report.verdict import (
     UnknownFinding,
     Verdict,
 )
+from tests.each_case import each_case
 
 VERDICT = Verdict(
     answer="not_identifiable",
@@ -144,7 +145,7 @@ def changed(**keys):
     return json.dumps(json.loads(GOLDEN) | keys)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("text", "said"),
     [
         ("{", "no verdict of version 1"),
@@ -160,9 +161,7 @@ def test_what_is_no_verdict_is_refused_with_the_reason(text, said):
         Verdict.from_json(text)
 
 
-@pytest.mark.parametrize(
-    ("location", "named"), [("R6", True), ("R7", True), ("R8", False), ("unwind", False)]
-)
+@each_case(("location", "named"), [("R6", True), ("R7", True), ("R8", False), ("unwind", False)])
 def test_a_verdict_names_what_it_found_and_what_it_does_not_tell_from_that(location, named):
     assert VERDICT.names(EffectAt("eccentric_roller", location)) is named
     assert not VERDICT.names(EffectAt("unbalanced_roller", location))

@@ -14,10 +14,11 @@ from sim_plant.refine.report.wording import (
     tells_size,
     unit_of,
 )
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import finding
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("value", "unit", "shown"),
     [
         (2.5e-4, "m", (0.25, "mm")),
@@ -117,7 +118,7 @@ def test_details_of_a_named_outline_are_not_told_beside_its_size():
 PARTS = (("cos", 0.6), ("sin", -0.8))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("value", "ends", "said"),
     [
         (0.2452, (0.2343, 0.258), "0.25 (95 %: 0.23 to 0.26)"),

@@ -7,6 +7,7 @@ import pytest
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.selection import AcceptedEffect, later_score, least_score
+from tests.each_case import each_case
 from tests.sim_plant.refine.search.claims import (
     COST,
     DRAG,
@@ -20,7 +21,7 @@ from tests.sim_plant.refine.search.claims import (
 from tests.sim_plant.refine.small import fit_of
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("worth", "chi2_by_records", "beyond", "taken"),
     [
         (54.0, 1500.0, True, True),  # 8 standard deviations of its tolerance, less the price

@@ -15,6 +15,7 @@ from sim_plant.refine.search.degenerate_pair import (
     same_wavenumbers,
 )
 from sim_plant.refine.spectra.coordinates import wavenumbers_1_m
+from tests.each_case import each_case
 from tests.sim_plant.refine.search.rollers import (
     KINDS,
     LINE,
@@ -32,7 +33,7 @@ AXES = axes_at(SPEED_M_S, LINE)
 CHOSEN = of_kind("eccentric_roller", "R1")
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("effect", "place", "alike"),
     [
         ("eccentric_roller", "R2", True),

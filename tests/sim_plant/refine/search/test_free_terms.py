@@ -10,6 +10,7 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.free_terms import explained_by_free_term, free_term_basis
 from sim_plant.refine.search.unexplained import Unknown
 from sim_plant.refine.spectra.coordinates import RecordAxes, highest_order
+from tests.each_case import each_case
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
 TIME_S = np.arange(4000) * 0.01
@@ -127,7 +128,7 @@ def test_orders_of_one_roll_are_one_unknown():
 R6_1_M = 1.0 / (2.0 * np.pi * LINE.rollers[LINE.body("R6")].radius_m)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("effect", "place", "choice", "line", "taken"),
     [
         ("torque_ripple", "unwind", {"order": 6}, angle(2.0), True),

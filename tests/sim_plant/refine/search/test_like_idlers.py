@@ -6,6 +6,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.candidate import Candidate
 from sim_plant.refine.search.like_idlers import LikeIdlers
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import LINE
 
 IDLER = next(r for r in LINE.rollers if r.kind == "idler")
@@ -47,7 +48,7 @@ def test_no_load_cell_and_no_idler_of_a_short_line_is_left_out():
     assert first_places(at("eccentric_roller", NAMES), line) == ["R2", "R5", "R8", "R11"]
 
 
-@pytest.mark.parametrize("own", range(10))
+@each_case("own", range(10))
 def test_an_idler_of_a_radius_of_its_own_is_tried_where_its_line_alone_has_power(own):
     """Ten idlers, the spectral line of one: it is the whole group, wherever it stands."""
     radii = [0.05 if k == own else RADIUS_M for k in range(10)]
@@ -55,7 +56,7 @@ def test_an_idler_of_a_radius_of_its_own_is_tried_where_its_line_alone_has_power
     assert first_places(group, line_of(radii)) == [NAMES[own]]
 
 
-@pytest.mark.parametrize("own", range(10))
+@each_case("own", range(10))
 def test_it_is_tried_beside_all_the_others_too(own):
     radii = [0.05 if k == own else RADIUS_M for k in range(10)]
     places = first_places(at("eccentric_roller", NAMES[:10]), line_of(radii))

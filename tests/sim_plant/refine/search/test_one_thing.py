@@ -3,12 +3,12 @@
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 
 from sim_plant.refine.search.one_thing import is_part_of, sticking_reading, told_as
 from sim_plant.refine.search.reading_direction import Sticking
 from sim_plant.refine.search.selection import Selection
 from sim_plant.refine.search.unexplained import Unknown
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import axes_at, fit_of
 
 AXES = axes_at(np.ones(6000))
@@ -23,7 +23,7 @@ GAP = sticking_reading([Sticking(channel="a_N", band_N=1.0, chi2_reduction=9.0)]
 FOUND = SimpleNamespace(record_axes=(AXES,))
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("whole", "part", "is_one"),
     [
         (RHYTHM, unknown("event", from_s=3.0), True),

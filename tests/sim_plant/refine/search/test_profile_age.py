@@ -12,6 +12,7 @@ from sim_plant.refine.search.profile_age import (
     likeliest_age,
     with_formation_radius,
 )
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import fit_of, formula_twin, line_with, objective_of, white
 
 
@@ -22,7 +23,7 @@ def profile(roll="unwind"):
     )
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("costs", "kept"),
     [
         ((900.0, 800.0), 0.012),

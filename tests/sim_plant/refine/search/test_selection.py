@@ -23,6 +23,7 @@ from sim_plant.refine.search.selection import (
 )
 from sim_plant.refine.search.strongest_zone import Heard
 from sim_plant.refine.search.unexplained import Unknown
+from tests.each_case import each_case
 from tests.sim_plant.refine.search.claims import (
     COST,
     DRAG,
@@ -76,7 +77,7 @@ def test_what_a_strong_free_term_leaves_is_no_effect():
     assert claimed([rival(DRAG, 550.0)], {DRAG.key: 550.0}, beside) is not None
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("explained", "least"),
     [
         (905.0, 120.0),  # 4 % of it are 36: no more than noise may show
@@ -168,7 +169,7 @@ def test_beside_something_that_is_no_line_only_strong_periodic_effects_are_claim
     assert standing(effects, 0.0) == [0, 2]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("excess", "there", "said"),
     [
         (60_000.0, 3e6, True),  # three tenths of what was there beside the line, and 2 % of all

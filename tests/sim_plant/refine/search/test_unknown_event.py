@@ -4,6 +4,7 @@ from scipy.signal import lfilter
 
 from sim_plant.refine.noise.innovations import noise_model
 from sim_plant.refine.search.unknown_event import beginning, zone_of
+from tests.each_case import each_case
 from tests.sim_plant.effects.running import euclid
 
 STEP_S = 0.01
@@ -14,7 +15,7 @@ def power(seed: int, samples: int = 6000) -> np.ndarray:
     return np.random.default_rng(seed).standard_normal((9, samples)) ** 2
 
 
-@pytest.mark.parametrize("seed", range(12))
+@each_case("seed", range(12))
 def test_noise_has_no_beginning(seed: int) -> None:
     assert beginning(power(seed), STEP_S) is None
 
@@ -54,12 +55,12 @@ def test_a_spike_that_the_filter_draws_out_is_no_beginning(seed, channels, spike
     assert beginning(whitened(seed, channels, spike_sd), STEP_S) is None
 
 
-@pytest.mark.parametrize("seed", range(15))
+@each_case("seed", range(15))
 def test_a_spike_that_the_filter_draws_out_hides_no_beginning(seed: int) -> None:
     assert beginning(whitened(seed, 6, 1000.0, 12.0), STEP_S) == pytest.approx(3200, abs=25)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@each_case("seed", range(8))
 def test_what_is_loud_for_a_second_begins_there(seed: int) -> None:
     loud = power(seed)[:3]
     loud[2, 2503:2603] *= 12.0

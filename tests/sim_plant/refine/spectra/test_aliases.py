@@ -11,6 +11,7 @@ from sim_plant.refine.spectra.aliases import (
     with_resonances,
 )
 from sim_plant.refine.spectra.coordinates import spectra
+from tests.each_case import each_case
 from tests.sim_plant.refine.small import axes_at, line_with
 
 LINE = line_with()
@@ -136,8 +137,8 @@ def passed_Hz(order, speed_m_s):
     return order * speed_m_s / (2.0 * np.pi * UNWIND.radius_m)
 
 
-@pytest.mark.parametrize("order", [1.0, 2.0, 6.0])
-@pytest.mark.parametrize("ends_m_s", [(0.8, 1.2), (0.9, 0.9), (0.5, 4.0)])
+@each_case("order", [1.0, 2.0, 6.0])
+@each_case("ends_m_s", [(0.8, 1.2), (0.9, 0.9), (0.5, 4.0)])
 def test_a_bounce_begins_near_every_frequency_that_its_order_passes(order, ends_m_s):
     """Two half widths of a damping of 0.06 are 12 %; beyond the ends by as much is none."""
     starts = bounces(order, np.linspace(*ends_m_s, 3000))

@@ -10,6 +10,7 @@ from aff_runtime.app.card.figures import Verdict
 from aff_runtime.app.card.measure import response
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from tests.aff_runtime.app.card.measure.recorded import evidence, figure
+from tests.each_case import each_case
 
 FREQUENCIES = np.linspace(0.3, 8.0, 16)
 DELAY_S, ERROR = 0.03, 0.05
@@ -132,8 +133,8 @@ def test_a_response_that_was_brought_from_outside_is_remarked():
     assert any("aff-runtime probe" in text for text in found.missing)
 
 
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
-@pytest.mark.parametrize("corner_Hz", [0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 5.0])
+@each_case("sign", [-1.0, 1.0])
+@each_case("corner_Hz", [0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 5.0])
 def test_the_sign_is_that_of_all_low_tones_and_undecided_near_90_degrees(corner_Hz, sign):
     """P = sign / (1 + j f / f0) with a delay: cos(arg P) = 1 / sqrt(1 + (f / f0)^2)."""
     points = [

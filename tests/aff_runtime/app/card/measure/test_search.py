@@ -26,6 +26,7 @@ from tests.aff_runtime.app.card.measure.recorded import (
     window,
 )
 from tests.doubles.virtual_clock import VirtualClock
+from tests.each_case import each_case
 from tests.parameter_records import CONFIG, record_of
 
 TEXT = SITE_FILE.read_text()
@@ -45,7 +46,7 @@ def tried(ripples, value=16.0, half=0.1, ended=""):
     ]
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("ripples", "factor"),
     [
         ([], 1.0),

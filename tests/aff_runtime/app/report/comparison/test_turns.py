@@ -15,6 +15,7 @@ from aff_runtime.app.report.comparison.turns import (
     order_per_turn,
     student_t,
 )
+from tests.each_case import each_case
 
 STEP_S, SECONDS = 0.005, 120.0
 TIME_S = np.arange(round(SECONDS / STEP_S)) * STEP_S
@@ -39,7 +40,7 @@ def found(values, order=1, encoder=True, good=GOOD, angle=ANGLE):
     return estimate(turns[:, 0], encoder=encoder)
 
 
-@pytest.mark.parametrize("order", [1, 2, 7, 16])
+@each_case("order", [1, 2, 7, 16])
 def test_an_order_has_the_size_that_was_put_in(order):
     result = found(signal(order=order), order)
     assert result.amplitude == pytest.approx(1.0, abs=0.02)
@@ -94,9 +95,7 @@ def test_few_turns_have_no_interval():
     assert not result.stands_out
 
 
-@pytest.mark.parametrize(
-    ("freedom", "point"), [(4, 2.776), (9, 2.262), (19, 2.093), (1000, 1.962)]
-)
+@each_case(("freedom", "point"), [(4, 2.776), (9, 2.262), (19, 2.093), (1000, 1.962)])
 def test_students_points_are_those_of_the_tables(freedom, point):
     assert student_t(freedom) == pytest.approx(point, rel=0.005)
 
@@ -200,8 +199,8 @@ def test_a_turn_with_two_samples_far_apart_is_left_out():
     assert len(turns) == pytest.approx(0.8 * ANGLE[-1] / (2.0 * np.pi), abs=2)
 
 
-@pytest.mark.parametrize("freedom", [6, 8, 12, 40])
-@pytest.mark.parametrize(("normal", "within"), [(1.959963985, 0.002), (4.0, 0.045)])
+@each_case("freedom", [6, 8, 12, 40])
+@each_case(("normal", "within"), [(1.959963985, 0.002), (4.0, 0.045)])
 def test_the_points_of_students_distribution_are_near_those_of_scipy(freedom, normal, within):
     exact = stats.t.isf(stats.norm.sf(normal), freedom)
     assert student_t(freedom, normal) == pytest.approx(exact, rel=within)

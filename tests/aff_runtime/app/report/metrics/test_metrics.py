@@ -41,6 +41,7 @@ from aff_runtime.telemetry.header import Right, RunMeta
 from aff_runtime.telemetry.recorder_messages import RecorderReport
 from tests import quick_yaml
 from tests.aff_runtime.app.report.test_status import SHAPE_SITE, shape_record
+from tests.each_case import each_case
 
 ROOT = Path(__file__).parents[5]
 START_NS = 5_000_000_000
@@ -135,7 +136,7 @@ def values(given: StatusAnswer | None, tick_age_s: float = 0.0) -> dict[tuple[st
     return {(s.metric, *s.labels): s.value for s in readings(given, now_ns)}
 
 
-@pytest.mark.parametrize("metric", CATALOGUE, ids=lambda m: m.name)
+@each_case("metric", CATALOGUE, ids=lambda m: m.name)
 def test_a_name_says_its_unit_and_kind(metric) -> None:
     name = metric.name
     assert re.fullmatch(r"aff(_[a-z]+)+", name)

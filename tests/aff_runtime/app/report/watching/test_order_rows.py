@@ -19,6 +19,7 @@ from aff_runtime.base.runs.table import RunTable
 from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.yaml_section import Section
 from aff_runtime.core.monitor import OrderState
+from tests.each_case import each_case
 
 CYCLE_S, SECONDS, SPEED_M_S, RADIUS_M = 0.01, 60.0, 0.5, 0.05
 TIME_S = np.arange(round(SECONDS / CYCLE_S)) * CYCLE_S
@@ -143,8 +144,8 @@ def test_what_was_learned_in_the_first_half_counts_as_it_is_in_the_later_one():
     assert once.shape_m == pytest.approx(2.5e-4)
 
 
-@pytest.mark.parametrize("at", [0.6, 0.9])
-@pytest.mark.parametrize(
+@each_case("at", [0.6, 0.9])
+@each_case(
     "state",
     [
         OrderState.IDLE,
@@ -180,9 +181,7 @@ def test_web_is_marked_with_the_plcs_counter_and_has_no_trend():
     assert {one.readings.roll for one in findings(store)} == {"roller"}
 
 
-@pytest.mark.parametrize(
-    "site", ["", "{", "rolls: 3\n", "rolls: { a: 3, b: {} }\nactuators: [1]\n"]
-)
+@each_case("site", ["", "{", "rolls: 3\n", "rolls: { a: 3, b: {} }\nactuators: [1]\n"])
 def test_a_site_file_that_says_no_rolls_gives_no_rows(site):
     assert rows(site) == {}
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
 
 from aff_runtime.app.report.watching.findings import QUANTITIES, Finding, Readings
 from aff_runtime.app.report.watching.sentences import notes
 from aff_runtime.app.report.watching.trend import slope
+from tests.each_case import each_case
 
 DAYS = np.arange(30.0)
 
@@ -34,7 +34,7 @@ def _grows_until(weeks: tuple[float, float, float]) -> Finding:
     return Finding(readings=readings, per_km=line, per_day=line, jump=None, weeks=weeks)
 
 
-@pytest.mark.parametrize(
+@each_case(
     ("weeks", "told"),
     [
         ((0.02, 0.01, 0.04), "in less than a day (0.1 to 0.3 days)"),

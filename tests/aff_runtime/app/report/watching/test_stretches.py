@@ -10,6 +10,7 @@ from aff_runtime.base.runs.table import RunTable
 from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.signals import Outcome, StateBits, Status
 from aff_runtime.base.yaml_section import Section
+from tests.each_case import each_case
 
 CYCLE_S = 0.05
 TIME_S = np.arange(round(200.0 / CYCLE_S)) * CYCLE_S + 1000.0
@@ -48,7 +49,7 @@ def test_a_steady_record_gives_as_much_as_is_taken_of_one():
     assert steady(table(), "another_speed_m_s") is None
 
 
-@pytest.mark.parametrize(
+@each_case(
     "what",
     [
         {"status": between(50.0, 50.1, float(Status.SPLICE_ACTIVE))},

@@ -13,6 +13,7 @@ from aff_runtime.app.report.watching.suppliers import median_size, supplier_rank
 from aff_runtime.app.report.watching.tables import HOUR_FIELDS, ORDER_FIELDS
 from aff_runtime.app.report.watching.wound_rolls import rankings
 from tests.aff_runtime.app.report.watching.made_store import hour, order
+from tests.each_case import each_case
 
 FIRST_ROLL = 41
 ROLLS = [(7, 3e-4), (7, 5e-4), (7, 4e-4), (9, 9e-4), (9, 1e-4), (0, 2e-3)]
@@ -101,7 +102,7 @@ def test_a_record_without_a_suppliers_number_says_what_to_map():
     assert said.endswith("rolls.unwind.supplier")
 
 
-@pytest.mark.parametrize("count", [5, 6, 8, 9, 25, 400])
+@each_case("count", [5, 6, 8, 9, 25, 400])
 def test_the_interval_of_a_median_is_that_of_the_sign_test(count):
     found = median_size(1, np.arange(1.0, count + 1.0))
     k = int(stats.binom.ppf(0.025, count, 0.5))  # fewer heads than this: 2.5 % at most
