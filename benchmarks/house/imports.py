@@ -6,6 +6,8 @@ import ast
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
+from benchmarks.house.statements import imports_of
+
 Arrows = frozenset[tuple[str, str]]
 
 
@@ -22,11 +24,11 @@ def module_names(root: Path, packages: Sequence[str]) -> dict[str, Path]:
 def imported(name: str, tree: ast.Module, known: Mapping[str, Path]) -> Iterator[str]:
     """Yield the known modules that a module imports, wherever in it."""
     package = name if known[name].name == "__init__.py" else name.rpartition(".")[0]
-    for node in ast.walk(tree):
+    for node in imports_of(tree):
         if isinstance(node, ast.Import):
             for alias in node.names:
                 yield from _nearest(alias.name, known)
-        elif isinstance(node, ast.ImportFrom):
+        else:
             base = node.module or ""
             if node.level:
                 up = package.split(".")[: len(package.split(".")) + 1 - node.level]

@@ -11,6 +11,8 @@ import ast
 from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum, auto
 
+from benchmarks.house.statements import imports_of
+
 Trees = Mapping[str, ast.Module]
 
 
@@ -50,16 +52,12 @@ def other_names(known: Known) -> dict[str, set[str]]:
 def known_names(trees: Trees) -> Known:
     """Return what every module calls such things, followed through imports to no more news."""
     known: Known = {name: {} for name in trees}
-    made = [(name, _imports(tree), list(_given(tree))) for name, tree in trees.items()]
+    made = [(name, imports_of(tree), list(_given(tree))) for name, tree in trees.items()]
     size = -1
     while size < (size := sum(map(len, known.values()))):
         for name, imports, given in made:
             _learn(known[name], imports, given, known)
     return known
-
-
-def _imports(tree: ast.Module) -> list[ast.Import | ast.ImportFrom]:
-    return [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
 
 
 def _given(tree: ast.Module) -> Iterator[tuple[str, ast.expr]]:

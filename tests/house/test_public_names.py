@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from benchmarks.house.statements import imports_of
 from tests.each_case import each_case
 from tests.house.public_names import KNOWN, declared, packages, tree, used
 
@@ -36,7 +37,7 @@ def test_a_package_says_what_it_is(package):
 
 def _reached_past(name, tree):
     """Yield private names that a module takes from another one."""
-    for node in ast.walk(tree):
+    for node in imports_of(tree):
         if isinstance(node, ast.ImportFrom) and node.module != "__future__":
             for alias in node.names:
                 if alias.name.startswith("_") and alias.name != "__version__":
