@@ -105,8 +105,7 @@ def candidate_locations(declaration: Declaration, effect: Effect) -> list[str]:
     rollers = declaration.rollers
     kind = effect.candidates
     if kind in ("web", "number"):
-        numbers = [number.name for number in changeable_numbers(declaration)]
-        return ["web"] if kind == "web" else numbers
+        return ["web"] if kind == "web" else [n.name for n in changeable_numbers(declaration)]
     if kind == "gripping":
         return [*[r.name for r in rollers if r.kind == "driven"], *bridles(declaration)]
     if kind == "zone":
