@@ -25,6 +25,7 @@ from tests.lockstep.fault_table import (
     peak,
     zero_after_s,
 )
+from tests.lockstep.works_again import assert_works_again
 
 LEARNING_S = 3.0
 QUIET_S = 0.7
@@ -50,16 +51,6 @@ def _at_work(setup: Setup) -> Bench:
     return bench
 
 
-def _assert_works_again(bench: Bench) -> None:
-    """Run until the correction is at work again, as long as it took to learn it at most."""
-    peak_m_s, latest_s = 0.0, bench.now_s + LEARNING_S
-    while peak_m_s <= WORKING_M_S and bench.now_s < latest_s:
-        bench.run(0.3)
-        peak_m_s = peak(bench.applied, bench.now_s - 0.3, bench.now_s)
-    assert bench.guard.state is State.ACTIVE
-    assert peak_m_s > WORKING_M_S
-
-
 def _assert_goes_to_zero_and_comes_back(bench: Bench, trouble: Trouble) -> None:
     trips = bench.plant.plc.trips
     start_s = bench.inject(trouble.at(0.05))
@@ -74,7 +65,7 @@ def _assert_goes_to_zero_and_comes_back(bench: Bench, trouble: Trouble) -> None:
         assert bench.guard.state is State.FAULT
         assert peak(bench.applied, start_s + ZERO_WITHIN_S, bench.now_s) == 0.0
         bench.say(Arm())
-    _assert_works_again(bench)
+    assert_works_again(bench, LEARNING_S)
     assert_never_above_limit(bench.applied)
     assert bench.plant.registers.foreign_writes == 0
 
@@ -155,7 +146,7 @@ def test_a_fault_that_stays_refuses_the_operators_edge(bench: Bench):
     bench.run(0.5)
     assert bench.guard.state is State.FAULT  # the edges pressed during the fault are spent
     bench.say(Arm())
-    _assert_works_again(bench)
+    assert_works_again(bench, LEARNING_S)
 
 
 @pytest.mark.parametrize("spec", ["absurd", "swap"])

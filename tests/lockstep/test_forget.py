@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import deepcopy
 from dataclasses import replace
 
 import pytest
@@ -62,12 +63,18 @@ class Service:
         return known
 
 
+@pytest.fixture(scope="module")
+def with_blocks(responses: Mapping[str, Response]) -> Service:
+    """Return a service that has learned in blocks; a test takes a copy."""
+    return Service("blocks", responses)
+
+
 @pytest.mark.parametrize("law", ["blocks", "iterative", "shape"])
 @pytest.mark.sweep(every=2)
 def test_the_roll_is_forgotten_under_every_law_and_the_roller_is_kept(
-    law: str, responses: Mapping[str, Response]
+    law: str, responses: Mapping[str, Response], with_blocks: Service
 ) -> None:
-    service = Service(law, responses)
+    service = deepcopy(with_blocks) if law == "blocks" else Service(law, responses)
     before = learned(service.law)
     assert rolls_of(before) == BOTH
     assert service.forget() == {"unwind"}
@@ -80,9 +87,9 @@ def test_the_roll_is_forgotten_under_every_law_and_the_roller_is_kept(
 
 
 def test_a_roller_that_is_named_is_forgotten_by_every_actuator_and_the_roll_is_kept(
-    responses: Mapping[str, Response],
+    with_blocks: Service,
 ) -> None:
-    service = Service("blocks", responses)
+    service = deepcopy(with_blocks)
     both = [name for name, w in learned(service.law).items() if rolls_of({"": w}) - {"unwind"}]
     assert both == ["unwind", "swrap_follower"]
     assert service.forget("swrap_follower") == {"swrap_follower"}
