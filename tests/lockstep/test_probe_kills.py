@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+
 import pytest
 
 from aff_runtime.app.wiring.site_to_law import probe_params, site_params
@@ -15,7 +17,13 @@ from tests.lockstep.fault_table import ZERO_WITHIN_S, peak, zero_after_s
 
 
 @pytest.fixture
-def probing() -> tuple[Bench, Probe]:
+def probing(begun: tuple[Bench, Probe]) -> tuple[Bench, Probe]:
+    """A copy of a bench in the middle of a probe."""
+    return deepcopy(begun)
+
+
+@pytest.fixture(scope="module")
+def begun() -> tuple[Bench, Probe]:
     """A bench in the middle of a probe of both actuators."""
     site = load_site(SITE)
     bench = Bench(Setup())

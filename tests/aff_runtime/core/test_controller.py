@@ -2,7 +2,9 @@
 
 import math
 import random
+from copy import deepcopy
 from dataclasses import replace
+from functools import cache
 
 import pytest
 from hypothesis import given, settings
@@ -41,6 +43,18 @@ def controller(*actuators, at=None):
     return Controller(params, {a.name: response for a in params.actuators})
 
 
+@cache
+def _learned():
+    line, law = Line(plant(), RIPPLE), controller()
+    line.run(law, 20.0)
+    return line, law
+
+
+def learned():
+    """Return a line and a law that has run on it for 20 s; a copy for each test."""
+    return deepcopy(_learned())
+
+
 def column(law, name):
     return law.telemetry()[law.telemetry_names().index(name)]
 
@@ -53,8 +67,8 @@ def test_two_orders_fall_by_forty_decibels():
 
 
 def test_weight_is_the_one_that_cancels():
-    line, law = Line(plant(), RIPPLE), controller()
-    line.run(law, 30.0)
+    line, law = learned()
+    line.run(law, 10.0)
     for (roll, n), ripple in RIPPLE.items():
         expected = abs(ripple / plant().at(n * 5.0 / math.tau))
         assert column(law, f"unwind.{roll}_{n}x.amplitude_m_s") == pytest.approx(
@@ -83,8 +97,7 @@ def test_nothing_moves_without_permission():
 
 
 def test_duplicate_samples_do_not_adapt():
-    line, law = Line(plant(), RIPPLE), controller()
-    line.run(law, 20.0)
+    line, law = learned()
     before = column(law, "unwind.unwind_1x.phase_deg")
     line.run(law, 0.4, fresh=False)
     assert column(law, "unwind.unwind_1x.phase_deg") == before
@@ -101,8 +114,7 @@ def test_every_second_sample_a_duplicate_still_settles_on_time():
 
 @pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
 def test_a_bad_number_never_reaches_the_output(bad):
-    line, law = Line(plant(), RIPPLE), controller()
-    line.run(law, 10.0)
+    line, law = learned()
     for channel in range(5):
         values = list(line.read())
         values[channel] = bad
@@ -136,8 +148,7 @@ def test_whatever_the_wire_says_the_output_is_finite_and_recovers(samples):
 
 
 def test_limit_ratio_shortens_the_whole_vector_and_keeps_its_direction():
-    line, law = Line(plant(), RIPPLE), controller()
-    line.run(law, 20.0)
+    line, law = learned()
     names = law.telemetry_names()
     before = dict(zip(names, law.telemetry(), strict=True))
     half = Permission(adapt=False, applied_ratio=(0.5,), limit_ratio=(0.5,))
@@ -175,8 +186,7 @@ def test_slew_bound_covers_the_change_between_ticks():
 
 
 def test_output_fades_and_learning_stops_on_a_slow_line():
-    line, law = Line(plant(), RIPPLE), controller()
-    line.run(law, 15.0)
+    line, law = learned()
     line.omega = 0.3
     line.run(law, 2.0)
     (step,) = law.step(snapshot(line.tick, *line.read()), CYCLE_S, FREE)

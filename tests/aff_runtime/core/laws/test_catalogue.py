@@ -5,7 +5,9 @@ The shape law learns through a drive and the plain law stands in for it here: it
 """
 
 import math
+from copy import deepcopy
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -30,6 +32,7 @@ from tests.aff_runtime.core.plants import (
 
 HALF = Permission(adapt=True, applied_ratio=(1.0,), limit_ratio=(0.5,))
 BLOCK = ACTUATOR.blocks[0]
+LEARNED_S = 20.0
 WORDS = sorted(set(LAW_ROWS) - {"shape"})
 
 
@@ -40,6 +43,18 @@ def plant():
 def law_of(word, **block):
     actuator = replace(ACTUATOR, law=word, blocks=(replace(BLOCK, **block),))
     return Controller(site(actuator), {"unwind": measured(plant().at, GRID_HZ)})
+
+
+@cache
+def _learned(word):
+    line, law = Line(plant(), RIPPLE), law_of(word)
+    line.run(law, LEARNED_S)
+    return line, law
+
+
+def learned(word):
+    """Return a line and a law that has run on it for `LEARNED_S`; a copy for each test."""
+    return deepcopy(_learned(word))
 
 
 def amplitude(law, order):
@@ -86,8 +101,8 @@ def test_the_output_keeps_its_own_bounds(word):
 
 
 def test_a_limit_in_force_halves_the_weights_and_they_come_back(word):
-    line, law = Line(plant(), RIPPLE), law_of(word)
-    line.run(law, 25.0)
+    line, law = learned(word)
+    line.run(law, 25.0 - LEARNED_S)
     before = amplitude(law, 1)
     line.run(law, CYCLE_S, HALF)
     assert amplitude(law, 1) == pytest.approx(0.5 * before, rel=0.02)
@@ -106,8 +121,7 @@ def test_an_order_stops_at_its_amplitude_limit_and_comes_back(word):
 
 @pytest.mark.parametrize("other", WORDS)
 def test_one_law_goes_on_where_another_stood(word, other):
-    line, law = Line(plant(), RIPPLE), law_of(other)
-    line.run(law, 20.0)
+    line, law = learned(other)
     (before,) = law.step(snapshot(line.tick, *line.read()), CYCLE_S, FREE)
     line.advance(before.value)
     new = law_of(word)
@@ -119,15 +133,13 @@ def test_one_law_goes_on_where_another_stood(word, other):
 
 
 def test_what_is_learned_of_a_roll_goes_with_it(word):
-    line, law = Line(plant(), RIPPLE), law_of(word)
-    line.run(law, 10.0)
+    line, law = learned(word)
     line.run(law, CYCLE_S, FROZEN, roll_id=2)
     assert amplitude(law, 1) == amplitude(law, 2) == 0.0
 
 
 def test_numbers_that_are_none_and_samples_that_are_missed_do_no_harm(word):
-    line, law = Line(plant(), RIPPLE), law_of(word)
-    line.run(law, 10.0)
+    line, law = learned(word)
     for k in range(60):
         values = list(line.read())
         values[k % 5] = (math.nan, math.inf, -math.inf)[k % 3]
@@ -140,8 +152,7 @@ def test_numbers_that_are_none_and_samples_that_are_missed_do_no_harm(word):
 
 
 def test_on_a_slow_line_nothing_goes_out(word):
-    line, law = Line(plant(), RIPPLE), law_of(word)
-    line.run(law, 10.0)
+    line, law = learned(word)
     line.omega = 0.3
     line.run(law, 2.0)
     (step,) = law.step(snapshot(line.tick, *line.read()), CYCLE_S, FREE)
