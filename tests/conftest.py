@@ -13,14 +13,12 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
-from xdist.remote import Producer
 
 from tests.failed_tries import (  # noqa: F401  (hooks of this suite)
     pytest_runtest_makereport,
     pytest_runtest_setup,
     pytest_terminal_summary,
 )
-from tests.one_waits import WAITING, OneWaits
 
 # before numpy is there: two workers with two threads each would wait for each other on two cores
 for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
@@ -41,22 +39,27 @@ settings.register_profile("aff", settings.get_profile("long"), max_examples=QUIC
 settings.load_profile("aff")
 
 LONGEST_FIRST = (
+    "hil/test_faults.py",
     "matrix/test_matrix.py",
-    "aff_runtime/app/setup/test_unusual_plants.py",
-    "lockstep/test_shape_law.py",
-    "aff_runtime/core/test_controller.py",
-    "sim_plant/refine/without_line/general/test_general_effects.py",
-    "matrix/test_may.py",
-    "sim_plant/refine/records/test_run_record.py",
-    "aff_runtime/core/probe/test_probe.py",
-    "aff_runtime/app/report/comparison/test_compare.py",
-    "deploy/test_aff_gateway_st.py",
+    "aff_runtime/app/test_service.py",
+    "hil/test_shape.py",
     "lockstep/test_faults.py",
+    "sim_plant/refine/test_runs.py",
+    "aff_runtime/cli/test_setup.py",
+    "aff_runtime/app/setup/test_unusual_plants.py",
+    "aff_runtime/app/test_commissioning_kills.py",
+    "aff_runtime/app/test_settings.py",
+    "lockstep/test_shape_law.py",
+    "matrix/test_may.py",
+    "aff_runtime/app/setup/test_bus_at_work.py",
+    "aff_runtime/core/test_controller.py",
+    "hil/test_operator.py",
+    "aff_runtime/app/commission/test_words.py",
     "sim_plant/refine/records/test_lossy_recorder.py",
-    "security/test_children.py",
-    "security/test_hand_of_service.py",
+    "benchmarks/campaign/test_other_code.py",
 )
-"""Files that compute longest: begun last, one of them keeps one core waiting."""
+"""Files that take longest: begun last, one of them keeps one core waiting. What lives in real time
+stands beside what computes for long."""
 
 
 REAL_TIME = frozenset({"wire", "hil", "processes"})
@@ -85,20 +88,14 @@ def _keep_a_few(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(tryfirst=True)  # before `-m` chooses
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Put what waits first, then the longest files; try again what lives in real time."""
+    """Put the longest files first, in every worker the same; try again what lives in real time."""
     _keep_a_few(items)
     root = config.rootpath / "tests"
-    place = {root / name: at for at, name in enumerate((*WAITING, *LONGEST_FIRST))}
+    place = {root / name: at for at, name in enumerate(LONGEST_FIRST)}
     items.sort(key=lambda item: place.get(item.path, len(place)))
     for item in items:
         if not REAL_TIME.isdisjoint(mark.name for mark in item.iter_markers()):
             item.add_marker(pytest.mark.flaky(reruns=TRIES_AGAIN, reruns_delay=1))
-
-
-@pytest.hookimpl(optionalhook=True)  # without `-n` nobody schedules
-def pytest_xdist_make_scheduler(config: pytest.Config, log: Producer) -> OneWaits | None:
-    """Let one worker of `--dist loadfile` wait for all."""
-    return OneWaits(config, log) if config.getvalue("dist") == "loadfile" else None
 
 
 RARELY = 20_000
