@@ -83,7 +83,7 @@ house: setup
 test: export PYTHONDONTWRITEBYTECODE =
 test: setup
 	@$(MAKE) --no-print-directory -j 2 check compiled
-	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder --durations 20 \
+	$(BIN)/python -m pytest -q -n 4 --dist loadfile --no-loadscope-reorder --durations 20 \
 		-m "not campaign and not browser"
 
 # the plant's kernel and the tests, once: else every process of the suite compiles them
