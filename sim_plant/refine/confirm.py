@@ -9,6 +9,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.imitated_lines import imitated_line
 from sim_plant.refine.judge.apart import apart_from
 from sim_plant.refine.judge.holdout import Evaluation, evaluate
 from sim_plant.refine.judge.refutation import (
@@ -113,11 +114,37 @@ def confirmed(
         said = (not_confirmed(selection, judged.record, against),)
         progress(said[0])
         selection, evaluation = withdrawn(selection), as_declared(evaluation)
-    sized = without_sizeless(judged, selection, evaluation, workers, progress)
+    alone = without_imitated_lines(judged, selection, evaluation, workers, progress)
+    sized = without_sizeless(judged, alone.selection, alone.evaluation, workers, progress)
     claimed = without_imitations(
-        judged, sized.selection, sized.evaluation, workers, progress, sized.said
+        judged, sized.selection, sized.evaluation, workers, progress, (*alone.said, *sized.said)
     )
     return replace(claimed, said=(*said, *claimed.said))
+
+
+def without_imitated_lines(
+    judged: RecordWithTwin,
+    selection: Selection,
+    evaluation: Evaluation,
+    workers: int,
+    progress: Progress,
+) -> Claimed:
+    """Return what is claimed without every two effects that only imitate their spectral line."""
+    said: list[str] = []
+    while pair := imitated_line(judged.twin, selection, evaluation):
+        keys = " and ".join(str(selection.accepted[at].hypothesis.key) for at in pair)
+        said.append(
+            f"not claimed: {keys}: they leave more of their spectral line on "
+            f"{judged.record.path.name} than two causes do; their four numbers imitate it"
+        )
+        progress(said[-1])
+        if len(selection.accepted) == len(pair):
+            selection, evaluation = withdrawn(selection), as_declared(evaluation)
+            break
+        for at in sorted(pair, reverse=True):
+            selection = without_accepted(selection, at)
+        evaluation = judge(judged, selection, workers, progress, held_out=True)
+    return Claimed(selection=selection, evaluation=evaluation, said=tuple(said))
 
 
 def without_sizeless(

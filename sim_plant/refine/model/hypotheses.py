@@ -125,6 +125,16 @@ class Hypothesis:
             if math.isfinite(bound) and bound not in (absent, *self.effect.accepts[name].tries)
         )
 
+    def begins_after(self, values: Sequence[float], judged_from_s: float) -> bool:
+        """Return whether a declared number becomes another one where a record is judged.
+
+        One that is another one all the while it is judged is a declared number that is off, and no
+        event. True of every effect of another kind: those may be there from the start.
+        """
+        if not self.effect.shifted_by or not self.moment:
+            return True
+        return values[self.names.index(self.moment)] > judged_from_s
+
     @property
     def curved(self) -> bool:
         """Whether a slope at its absence says nothing of the effect at a size that matters."""

@@ -2,6 +2,7 @@
 
 __all__ = [
     "candidate",
+    "degenerate_pair",
     "forward_selection",
     "outside_prior",
     "selection",

@@ -36,7 +36,8 @@ def with_effect(
     """Return ``base`` with ``h`` from ``start``, all numbers fitted again.
 
     None where the effect's numbers are no estimate: the line does not run with them, one is at a
-    bound, no size is certain, or the effect is a declared number within its tolerance.
+    bound, no size is certain, or the effect is a declared number within its tolerance, or one that
+    is another one before the record is judged.
     """
     fit = gauss_newton_fit(
         objective, (*base.hypotheses, h), (*base.values, tuple(start)), shifts, rounds=rounds
@@ -47,7 +48,16 @@ def with_effect(
     values, line = fit.values[-1], objective.pool.twins[0].declaration
     if not np.isfinite(fit.cost) or h.at_bound(values) or not certain_size(fit):
         return None
+    if not h.begins_after(values, _judged_from_s(objective, h)):
+        return None
     return None if within_tolerance(line, objective.nuisances, h, values) else fit
+
+
+def _judged_from_s(objective: Objective, h: Hypothesis) -> float:
+    """Return from when on, s, the record that an effect acts in is judged."""
+    record = h.record_index or 0
+    step_s = objective.pool.twins[record].declaration.sample_time_s
+    return objective.whitening.noise[record].first * step_s
 
 
 def without_idle(objective: Objective, fit: Fit) -> Fit:

@@ -77,3 +77,19 @@ def test_slip_whose_mean_a_radius_takes_is_found_with_its_slope(threshold_m_s):
     assert fit is not None
     assert fit.values[0][0] == pytest.approx(0.0024, rel=0.05)
     assert fit.cost - objective.expected_cost < 4.0 * np.sqrt(2.0 * objective.expected_cost)
+
+
+def test_a_number_that_is_another_one_all_the_while_is_no_number_that_changes():
+    """A record is judged from its first quarter on: what lies before begins in none of it."""
+    gain = hypothesis(
+        BY_NAME["changed_number"], "sensors.low_pass_Hz", fitted=("change", "from_s"), line=LINE
+    )
+    assert gain.moment == "from_s"
+    assert [gain.begins_after((0.1, at_s), 7.5) for at_s in (-1.0, 5.0, 7.5, 8.0)] == [
+        False,
+        False,
+        False,
+        True,
+    ]
+    drag = hypothesis(BY_NAME["bearing_drag"], "R5", fitted=("constant_N_m", "from_s"), line=LINE)
+    assert drag.begins_after((0.1, -1.0), 7.5)  # one that drags from the start is an effect
