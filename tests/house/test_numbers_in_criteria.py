@@ -63,6 +63,7 @@ ELSEWHERE = {
         "guard": "ROUNDING",
     },
     "search/coherence.py": {"formula": "WINDOW_SHARE NO_COUPLING"},
+    "search/moment_range.py": {"limit": "LANES"},
     "spectra/coordinates.py": {"formula": "TWO_PI"},
     "without_line/general/effect.py": {"limit": "LATER"},
     "without_line/general/least_squares.py": {"guard": "RIDGE"},

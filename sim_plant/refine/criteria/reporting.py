@@ -44,6 +44,27 @@ class RangeCriteria:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class MomentCriteria:
+    """How the ends of the interval of a moment are found."""
+
+    growth: float = criterion(
+        1.2,
+        "of the distance from the fitted moment",
+        "at which the next moment is weighed, a sample further at least",
+        "an end is then known to a tenth of its distance",
+    )
+    far_chi2: float = criterion(
+        49.0,
+        "chi2, of the noise that moves numbers",
+        "a response so far from the fitted one ends the moments that are weighed",
+        "theory: noise of two sqrt(49) would have to take 49 less 7, three standard deviations",
+    )
+    draws: int = criterion(
+        2000, "draws", "of noise, by which the limit of the cost is found", "0.5 % of the share"
+    )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class ReportCriteria:
     """How sure reported numbers are, and what the report leaves out."""
 
@@ -70,6 +91,7 @@ class ReportCriteria:
         "a zone answers within seconds; a minute has 30 of them, enough for a variance",
     )
     ranges: RangeCriteria = field(default_factory=RangeCriteria)
+    moments: MomentCriteria = field(default_factory=MomentCriteria)
     above_noise: float = criterion(
         1.1, "after over floor", "a channel from this ratio on holds more than noise", NOT_RECORDED
     )

@@ -21,6 +21,7 @@ from sim_plant.refine.fit.robust_covariance import MANY, moved_by_declared, robu
 from sim_plant.refine.fit.spread import SPREAD, model_errors
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.likely_range import LikelyRange, likely_range, values_of
+from sim_plant.refine.search.moment_range import is_plain_moment, moment_range
 from sim_plant.refine.search.profile_age import with_numbers
 from sim_plant.refine.search.selection import Ranges, Selection
 from sim_plant.refine.search.wandering import weighed_with_wander
@@ -150,9 +151,11 @@ def _walks(
         if not (uneven(fit.hypotheses[at], name) and noise[k] > 0.0):
             continue
         width = SPREAD * float(ends.sd[k])
-        walk = likely_range(
-            objective, fit, columns, k, width=width, rise=width**2 / float(noise[k])
-        )
+        rise = width**2 / float(noise[k])
+        if is_plain_moment(fit.hypotheses[at], name):
+            walk = moment_range(objective, fit, columns, k, at, rise / SPREAD**2)
+        else:
+            walk = likely_range(objective, fit, columns, k, width=width, rise=rise)
         ends.take(walk, k)
         walks.append(walk)
     return walks
