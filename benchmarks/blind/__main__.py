@@ -1,6 +1,7 @@
 """Draw labelled pairs of this simulator, refine and judge them; a stopped run goes on.
 
-python -m benchmarks.blind --cases N --seed S --out DIR [--draw-only] [--only TEXT]
+python -m benchmarks.blind --cases N --seed S --out DIR [--changed]
+                          [--draw-only] [--only TEXT]
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from typing import Any
 
 import yaml
 
-from benchmarks.blind.cases import Case, drawn, make
+from benchmarks.blind.cases import Case, changed, drawn, make
 from benchmarks.cases.__main__ import KEYS, row_file, told
 from benchmarks.cases.report import tables
 from benchmarks.cases.score import Label, named_sets, outcome, over_floor
@@ -75,11 +76,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--cases", type=int, default=40)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--out", type=Path, required=True)
+    parser.add_argument("--changed", action="store_true", help="a number that changes in each")
     parser.add_argument("--draw-only", action="store_true")
     parser.add_argument("--only", default="", help="names that contain this")
     given = parser.parse_args(arguments)
     out = given.out.absolute()
-    cases = [c for c in drawn(given.cases, given.seed) if given.only in c.name]
+    deal = changed if given.changed else drawn
+    cases = [c for c in deal(given.cases, given.seed) if given.only in c.name]
     entries = []
     for case in cases:
         draw([case], out)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from benchmarks.blind.changed import CHANGED, NUMBERS, becomes, hide_changed
 from benchmarks.blind.effects import Hidden, Parameters, outside
 from benchmarks.blind.line import NAMES, WEBS, centres, declaration, told
 from benchmarks.blind.machine import Scatter, Told, machine, simulate
@@ -65,6 +66,19 @@ def drawn(count: int, seed: int) -> list[Case]:
     return found
 
 
+def changed(count: int, seed: int) -> list[Case]:
+    """Return cases of one changed number each; every number is dealt before any comes again."""
+    found = []
+    deck: list[str] = []
+    for number in range(1, count + 1):
+        rng = np.random.default_rng([seed, number, 3])
+        deck = deck or [str(path) for path in rng.permutation(list(NUMBERS))]
+        hidden = hide_changed(rng, deck.pop())
+        name = f"change{number:02d}"
+        found.append(Case(name=name, kind="single", seed=(seed, number), hidden=(hidden,)))
+    return found
+
+
 def _next(deck: list[str], rng: np.random.Generator, taken: list[str]) -> tuple[list[str], str]:
     """Return the deck without its next card that is not taken, and that card."""
     if not set(deck) - set(taken):
@@ -77,6 +91,8 @@ def _next(deck: list[str], rng: np.random.Generator, taken: list[str]) -> tuple[
 
 def put(p: Plant, hidden: Hidden, record: str) -> Plant:
     """Return the machine with an effect."""
+    if hidden.effect == CHANGED:
+        return becomes(p, hidden, record)
     k = NAMES.index(hidden.location) if hidden.location in NAMES else -1
     act = outside if hidden.effect == OUTSIDE else TABLE[hidden.effect].put
     return act(p, k, hidden, record)
@@ -92,12 +108,14 @@ def make(case: Case, folder: Path) -> dict[str, Any]:
         if records is not None:
             return label(case, records)
         rng = np.random.default_rng([*case.seed, 2, draw])
-        case = replace(case, hidden=tuple(_anew(rng, h.effect) for h in case.hidden))
+        case = replace(case, hidden=tuple(_anew(rng, h) for h in case.hidden))
     raise RuntimeError(f"{case.name}: no draw of {DRAWS} leaves a line that runs")
 
 
-def _anew(rng: np.random.Generator, effect: str) -> Hidden:
-    return hide_outside(rng) if effect == OUTSIDE else hide(rng, effect)
+def _anew(rng: np.random.Generator, was: Hidden) -> Hidden:
+    if was.effect == CHANGED:
+        return hide_changed(rng, was.location)
+    return hide_outside(rng) if was.effect == OUTSIDE else hide(rng, was.effect)
 
 
 def runs(quiet: dict[str, Array]) -> bool:

@@ -24,7 +24,10 @@ STILL_RAD_S = 0.3
 EDGE_M = 0.01
 """Web over which a seam lifts it: no web is bent sharply."""
 DRAG, WARM = 0.0, 1.0
-"""What a row of ``change`` changes."""
+MODULUS, DRAW, GAIN, ZERO, DRIVE, LOOP = 2.0, 3.0, 4.0, 5.0, 6.0, 7.0
+"""What a row of ``change`` changes; what is not of a body or a span becomes another number at its
+moment and stays so: the web's modulus, a drive's draw, a cell's gain and zero, the gain of a drive
+and of a tension loop (shares, but of a draw and of a zero, N)."""
 
 
 class Plant(NamedTuple):

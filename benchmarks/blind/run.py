@@ -6,7 +6,23 @@ import math
 from typing import NamedTuple
 
 from benchmarks.blind.jit import compiled
-from benchmarks.blind.plant import DRAG, Array, Now, Places, Plant, places, slopes, turning
+from benchmarks.blind.plant import (
+    DRAG,
+    DRAW,
+    DRIVE,
+    GAIN,
+    LOOP,
+    MODULUS,
+    WARM,
+    ZERO,
+    Array,
+    Now,
+    Places,
+    Plant,
+    places,
+    slopes,
+    turning,
+)
 
 ROW_S, TICK_S = 0.01, 0.001
 TICKS = 10
@@ -63,8 +79,26 @@ def there(time_s: float, from_s: float, rise_s: float, until_s: float) -> float:
 
 
 @compiled
+def become(p: Plant, what: float, at: int, amount: float) -> None:
+    """Make a number another one for the rest of the run; web was wound at a tension."""
+    if what == MODULUS:
+        p.web[0] *= 1.0 + amount
+        p.web[2] /= 1.0 + amount
+    elif what == DRAW:
+        p.drive_draw[at] += amount
+    elif what == GAIN:
+        p.cell_gain[at] *= 1.0 + amount
+    elif what == ZERO:
+        p.cell_zero[at] += amount
+    elif what == DRIVE:
+        p.drive_gain[at] *= 1.0 + amount
+    elif what == LOOP:
+        p.loop_gain[at] *= 1.0 + amount
+
+
+@compiled
 def change_with_time(p: Plant, now: Now, time_s: float) -> None:
-    """Bring drag and warmth to what they are at a time of the record."""
+    """Bring drag, warmth and numbers to what they are at a time of the record."""
     now.drag[:] = 0.0
     now.warm[:] = 0.0
     for e in range(p.change.shape[0]):
@@ -72,8 +106,10 @@ def change_with_time(p: Plant, now: Now, time_s: float) -> None:
         amount = row[2] * there(time_s, row[3], row[4], row[5])
         if row[0] == DRAG:
             now.drag[int(row[1])] += amount
-        else:
+        elif row[0] == WARM:
             now.warm[int(row[1])] += amount
+        elif time_s - TICK_S < row[3] - 1e-9 <= time_s:
+            become(p, row[0], int(row[1]), row[2])
 
 
 @compiled

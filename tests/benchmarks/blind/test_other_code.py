@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import benchmarks.blind
-from benchmarks.blind.cases import drawn, kinds, put
+from benchmarks.blind.cases import changed, drawn, kinds, put
+from benchmarks.blind.changed import CHANGED, NUMBERS
 from benchmarks.blind.effects import Hidden, outline, tangents
 from benchmarks.blind.line import CELLS, NAMES, SPEEDS, WEBS, WOUND_N, centres, declaration
 from benchmarks.blind.machine import Scatter, Told, machine, simulate
@@ -86,6 +87,14 @@ def test_every_effect_is_dealt_before_any_comes_again():
     assert min(counts) >= 2
     assert max(counts) <= 3
     assert all(len({h.effect for h in case.hidden}) == len(case.hidden) for case in cases)
+
+
+def test_every_number_is_changed_before_any_comes_again():
+    hidden = [case.hidden[0] for case in changed(2 * len(NUMBERS), 7)]
+    paths = [h.location for h in hidden]
+    assert set(paths[: len(NUMBERS)]) == set(NUMBERS)
+    assert sorted(paths) == sorted([*NUMBERS, *NUMBERS])
+    assert {"a"} < {r for h in hidden for r in h.parameters["from_record_time_s"]}
 
 
 def test_a_flat_is_as_deep_as_drawn_and_its_corner_keeps_the_web_off():
@@ -277,6 +286,14 @@ def test_slip_on_both_rollers_of_the_s_wrap_does_the_same_in_both_codes(healthy)
     told_to = {"slope_s_m": 2e-3, "threshold_m_s": 0.8}
     places = ("swrap_lead", "swrap_follower")
     assert_same(healthy, [hidden], lambda _t: [(place, told_to) for place in places])
+
+
+@pytest.mark.campaign
+@pytest.mark.parametrize("path", NUMBERS)
+def test_a_number_that_changes_at_a_moment_does_the_same_in_both_codes(healthy, path):
+    size = NUMBERS[path][-1]
+    hidden = Hidden(effect=CHANGED, location=path, parameters={"change": size, **BEGINS})
+    assert_same(healthy, [hidden], lambda _t: [(path, {"change": size, "from_s": 24.0})])
 
 
 def assert_same(healthy, hidden, entries):
