@@ -23,7 +23,7 @@ from sim_plant.refine.search.episodes import ended_again
 from sim_plant.refine.search.known_moments import OF_NUMBERS, axis_of, moments_known
 from sim_plant.refine.search.like_idlers import LikeIdlers
 from sim_plant.refine.search.placed_events import placed
-from sim_plant.refine.search.screening import sensitivities
+from sim_plant.refine.search.screening import sensitivities, simulate_responses
 from sim_plant.refine.search.shifted_responses import hypothesis_beginning_at, response_begun_at
 from sim_plant.refine.spectra.moment_axis import MomentAxis, moment_axis, parts_of, resampled
 from sim_plant.refine.spectra.onset_filter import best_moments
@@ -98,13 +98,15 @@ def _by_matched_filters(
     white: Array,
 ) -> list[Candidate]:
     """Return the best moments of each effect of a group in each shape; ``white``: what is left."""
+    shapes = [(shaped, axes[axis_of(h)]) for h in group for shaped in _shapes_of(h)]
+    begun = [hypothesis_beginning_at(h, part.middle) for h, a in shapes for part in parts_of(a)]
+    simulate_responses(objective, fit, begun)
     keys = {axis_of(h) for h in group}
     on_grid = {key: resampled(white, axes[key].moments, axes[key].grid) for key in keys}
     return [
         c
-        for h in group
-        for shaped in _shapes_of(h)
-        for c in _by_matched_filter(objective, fit, shaped, axes[axis_of(h)], on_grid[axis_of(h)])
+        for shaped, axis in shapes
+        for c in _by_matched_filter(objective, fit, shaped, axis, on_grid[axis_of(shaped)])
     ]
 
 
