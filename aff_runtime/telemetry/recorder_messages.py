@@ -142,7 +142,7 @@ def report_of(line: bytes) -> RecorderReport | None:
     return None if said is None else RecorderReport.from_json(said)
 
 
-def _known(record: type[RunContext | RecorderReport], said: Any) -> dict[str, Any]:
+def _known(record: type[RunContext | RecorderReport], said: Any) -> Any:
     """Return those of plain values that a record has fields for."""
     names = {one.name for one in fields(record)}
     return {name: value for name, value in said.items() if name in names}
