@@ -24,7 +24,7 @@ $(STAMP): pyproject.toml setup.py $(wildcard aff_runtime/core/compiled/*.[ch] si
 	@touch $@
 
 # both processes on loopback at 5 ms: probe, arm, run, report (SPEED= line speed in FPM,
-# WIRE= modbus, can or canopen; LAW=blocks runs the plain law, on modbus; SITE= another site file;
+# WIRE= modbus, can or canopen; LAW=blocks runs the plain law, on modbus; SITE= another site file (with the PLC of a plc.yaml beside it);
 # LIMIT=0.3 is the unwind's correction limit on both sides, m/s, the probe as much louder and longer:
 # 300 FPM asks for more than the 0.15 of the site file;
 # LINE=film is a line of 600 m/min at 1 ms on modbus and 2 ms on can)

@@ -23,6 +23,8 @@ _GATEWAY = {"can": "can_dbc", "canopen": "canopen_402"}
 _DESCRIPTIONS = ("*.dbc", "*.eds")
 PROBE_KEYS = ("amplitude_m_s", "duration_s")
 WORD = 2**15 - 1  # counts that a correction can have
+BESIDE = "plc.yaml"
+"""A PLC's map beside a Modbus site file: that of the PLC whose words the file was written from."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -51,7 +53,8 @@ def wire_up(wire: str, site: Path, folder: Path, limit_m_s: float | None = None)
 
     ``limit_m_s`` becomes the limit of the unwind's correction, on both sides: in the copy of the
     site file, slew limit and probe in proportion, and in a copy of the PLC's map. Without it a
-    site file that allows more than the shipped map does gets a PLC that allows as much.
+    site file that allows more than that map does gets a PLC that allows as much. The map is the
+    shipped one, on Modbus that ``BESIDE`` the site file where there is one.
 
     Raises
     ------
@@ -60,7 +63,9 @@ def wire_up(wire: str, site: Path, folder: Path, limit_m_s: float | None = None)
     """
     values: dict[tuple[str, ...], str | float]
     arguments: tuple[str, ...]
+    plc_map, beside = shipped(_PLC_MAP), site.parent / BESIDE
     if wire == MODBUS:
+        plc_map = beside if beside.exists() else plc_map
         port = free_port()
         values = {("gateway", "modbus_tcp", "port"): port}
         arguments = ("--modbus", f"127.0.0.1:{port}")
@@ -76,9 +81,11 @@ def wire_up(wire: str, site: Path, folder: Path, limit_m_s: float | None = None)
     data, _ = parse_yaml(text, str(site))
     if limit_m_s is not None:
         values |= _limited(data, limit_m_s, site)
-    allowed_m_s = limit_m_s if limit_m_s is not None else _wider_limit(data)
+    allowed_m_s = limit_m_s if limit_m_s is not None else _wider_limit(data, plc_map)
     if allowed_m_s is not None:
-        arguments += ("--plc", str(_plc_with_limit(allowed_m_s, folder)))
+        arguments += ("--plc", str(_plc_with_limit(plc_map, allowed_m_s, folder)))
+    elif plc_map == beside:
+        arguments += ("--plc", str(beside))
     copy = folder / site.name
     try:
         copy.write_text(with_values(text, values), encoding="utf-8")
@@ -87,12 +94,12 @@ def wire_up(wire: str, site: Path, folder: Path, limit_m_s: float | None = None)
     return Wired(site=copy, plant_arguments=arguments)
 
 
-def _wider_limit(site: Any) -> float | None:
-    """Return the limit of a site's first actuator, where the shipped PLC's is smaller."""
+def _wider_limit(site: Any, plc_map: Path) -> float | None:
+    """Return the limit of a site's first actuator, where the PLC's is smaller."""
     own = value_at(site, (*_first_actuator(site), "limit_m_s"))
     if isinstance(own, bool) or not isinstance(own, int | float):
         return None
-    return float(own) if own > _of_plc("limit_m_s") else None
+    return float(own) if own > _of_plc(plc_map, "limit_m_s") else None
 
 
 def _first_actuator(site: Any) -> tuple[str, ...]:
@@ -102,11 +109,10 @@ def _first_actuator(site: Any) -> tuple[str, ...]:
     return ("actuators", str(first))
 
 
-def _of_plc(key: str) -> float:
-    """Return a number of the unwind's correction in the shipped PLC's map."""
-    shipped_map = shipped(_PLC_MAP)
-    rows = parse_yaml(shipped_map.read_text(encoding="utf-8"), str(shipped_map))[0]
-    return _number(rows, (*_PLC_ROW, key), shipped_map)
+def _of_plc(plc_map: Path, key: str) -> float:
+    """Return a number of the unwind's correction in a PLC's map."""
+    rows = parse_yaml(plc_map.read_text(encoding="utf-8"), str(plc_map))[0]
+    return _number(rows, (*_PLC_ROW, key), plc_map)
 
 
 def _limited(site: Any, limit_m_s: float, path: Path) -> dict[tuple[str, ...], str | float]:
@@ -131,17 +137,16 @@ def _number(site: Any, place: tuple[str, ...], path: Path) -> float:
     return float(found)
 
 
-def _plc_with_limit(limit_m_s: float, folder: Path) -> Path:
-    """Copy the PLC's map into ``folder`` with another limit of the unwind's correction."""
-    shipped_map = shipped(_PLC_MAP)
-    most = _of_plc("scale") * WORD
+def _plc_with_limit(plc_map: Path, limit_m_s: float, folder: Path) -> Path:
+    """Copy a PLC's map into ``folder`` with another limit of the unwind's correction."""
+    most = _of_plc(plc_map, "scale") * WORD
     if not 0.0 < limit_m_s <= most:
         raise PlantError(
             f"limit {limit_m_s:g} m/s: give above 0 to {most:.3g} m/s, what the word "
-            f"of the correction can carry ({shipped_map.name})"
+            f"of the correction can carry ({plc_map.name})"
         )
-    copy = folder / shipped_map.name
-    text = shipped_map.read_text(encoding="utf-8")
+    copy = folder / plc_map.name
+    text = plc_map.read_text(encoding="utf-8")
     limited = with_values(text, {(*_PLC_ROW, "limit_m_s"): limit_m_s})
     copy.write_text(limited, encoding="utf-8")
     return copy

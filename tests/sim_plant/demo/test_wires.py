@@ -81,3 +81,19 @@ def test_a_site_file_that_lacks_what_is_changed_is_refused_by_name(was, becomes,
     folder.mkdir()
     with pytest.raises(PlantError, match=said):
         wire_up("modbus", odd, folder, 0.3)
+
+
+def test_a_map_beside_the_site_file_is_the_plc_that_it_was_written_from(tmp_path):
+    folder, out = tmp_path / "site", tmp_path / "demo"
+    folder.mkdir()
+    out.mkdir()
+    site = folder / "euclid.yaml"
+    site.write_text(shipped(SITES["modbus"]).read_text("utf-8"), "utf-8")
+    plc = folder / "plc.yaml"
+    plc.write_text(shipped("plc/gateway_block.yaml").read_text("utf-8"), "utf-8")
+    arguments = wire_up("modbus", site, out).plant_arguments
+    assert arguments[arguments.index("--plc") + 1] == str(plc)
+    limited = wire_up("modbus", site, out, 0.3).plant_arguments
+    assert limited[limited.index("--plc") + 1] == str(out / "plc.yaml")
+    rows = load_plc_map(out / "plc.yaml").corrections
+    assert {row.item.name: row.limit_m_s for row in rows}["unwind"] == 0.3
