@@ -29,6 +29,7 @@ Progress = Callable[[str], None]
 ATTEMPTS = 3
 SETTLED_S = 6.0  # a pause this long before a window still shows in it
 PROBE_S = 200.0  # the command itself gives up 150 s after its excitation: a fit takes its time
+ARM_AGAIN = "arm again"  # said by an `arm` against which nothing stands any more
 OF_A_PAUSE = ("PLC_STALE", "OVERRUN")  # alarms that a busy machine raises
 
 
@@ -183,6 +184,23 @@ def probe(bench: Bench, progress: Progress) -> str:
         pause(1.0)
 
 
+def arm(bench: Bench, progress: Progress) -> None:
+    """Arm, again where nothing stands against it any more.
+
+    A probe that has identified a drive has another law begin, in a control process of its own:
+    one that has just started arms a moment later.
+    """
+    for attempt in range(ATTEMPTS):
+        try:
+            runtime_command(bench, "arm")
+            return
+        except PlantError as error:
+            if attempt == ATTEMPTS - 1 or ARM_AGAIN not in str(error):
+                raise
+            progress(f"{error}")
+        pause(1.0)
+
+
 def _correct(
     plan: Plan, bench: Bench, service: Child, progress: Progress
 ) -> tuple[float, float, float]:
@@ -193,7 +211,7 @@ def _correct(
     in which the machine paused is measured again as well, but once only: the roll gets smaller
     and its order 1 nears the S-wrap's. The last window counts whatever happened in it.
     """
-    runtime_command(bench, "arm")
+    arm(bench, progress)
     armed = plant_time(bench)
     learn_s, has_paused = plan.learn_s, False
     for attempt in range(ATTEMPTS):
@@ -217,7 +235,7 @@ def _correct(
             continue
         learn_s = plan.relearn_s
         progress(f"the runtime went to zero ({status.alarm}); arming again as an operator")
-        runtime_command(bench, "arm")
+        arm(bench, progress)
     if status.giving_way:
         orders = ", ".join(status.giving_way)
         progress(f"a limit takes part of {orders}; LIMIT=0.3 (--limit-m-s) gives more room")

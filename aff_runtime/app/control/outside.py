@@ -18,7 +18,7 @@ from aff_runtime.app.control.trouble_log import TroubleLog
 from aff_runtime.app.link import messages
 from aff_runtime.app.link.packets import Link, LinkClosedError
 from aff_runtime.app.link.replies import Reply
-from aff_runtime.app.report.status import not_armed
+from aff_runtime.app.report.status import not_armed, refused_arm
 from aff_runtime.app.report.tick_row import TickRow
 from aff_runtime.app.wiring.assemble import Assembly, controller_of_record
 from aff_runtime.app.wiring.law_slot import LawSlot
@@ -247,7 +247,7 @@ class ControlOutside:
             refused = waited > ARM_LEAST_TICKS and state not in LATCHED_STATES
             if not refused and waited <= ARM_PATIENCE_TICKS:
                 return
-            message = not_armed(state, self._guard.first_blocking().removeprefix("blocked by "))
+            message = refused_arm(state, self._guard.first_blocking().removeprefix("blocked by "))
         ok = state in ARMED
         self._link.send(Reply(id=ident, ok=ok, message=message, state=state.name))
         del self._arm_questions[ident]

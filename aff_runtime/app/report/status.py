@@ -82,6 +82,18 @@ def not_armed(state: State, blocked: str) -> str:
     return f"{name}: blocked by {explain(blocked)}" if blocked else f"{state.name}: not armed"
 
 
+NOTHING_AGAINST_IT = "nothing stands against it now: arm again"
+
+
+def refused_arm(state: State, blocked: str) -> str:
+    """Return why an ``arm`` was refused; what stood against it may be over by then.
+
+    A control process that has just begun refuses until its first reading is judged.
+    """
+    said = not_armed(state, blocked)
+    return said if blocked else f"{said}; {NOTHING_AGAINST_IT}"
+
+
 def headline(answer: StatusAnswer) -> str:
     """Return the first line of ``aff-runtime status``: state, what blocks, what to do."""
     state, live = answer.state, answer.live or Live()

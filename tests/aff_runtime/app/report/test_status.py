@@ -14,6 +14,7 @@ from aff_runtime.app.report.status import (
     live_status,
     missing_permissive,
     not_armed,
+    refused_arm,
 )
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.app.report.tick_row import TickRow
@@ -122,6 +123,13 @@ def test_a_refused_arm_names_the_state_as_status_does(
     state: State, blocked: str, expected: str
 ) -> None:
     assert not_armed(state, blocked) == expected
+
+
+def test_an_arm_that_nothing_stands_against_any_more_is_asked_for_again():
+    """A control process that has just begun refuses until its first reading is judged."""
+    over = refused_arm(State.FAULT, "")
+    assert over == "FAULT: not armed; nothing stands against it now: arm again"
+    assert refused_arm(State.FAULT, "PLC_STALE") == not_armed(State.FAULT, "PLC_STALE")
 
 
 def test_an_objection_of_the_law_is_told_as_it_is() -> None:
