@@ -8,20 +8,14 @@ from __future__ import annotations
 
 from itertools import combinations
 
-from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.judge.holdout import Evaluation
-from sim_plant.refine.judge.refutation import in_floors
+from sim_plant.refine.judge.rest_shown import axes_there, spectra_beside
 from sim_plant.refine.model.hypotheses import Hypothesis
-from sim_plant.refine.model.twin import Case, Twin
+from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.search.degenerate_pair import same_wavenumbers
 from sim_plant.refine.search.selection import Selection
-from sim_plant.refine.spectra.coordinates import (
-    RecordAxes,
-    axes_of,
-    periodic_chi2_reduction,
-    spectra,
-)
+from sim_plant.refine.spectra.coordinates import periodic_chi2_reduction
 
 TWINS_LEFT_SHARE = CRITERIA.search.completeness.twins_left_share
 NOISE_PEAK = CRITERIA.search.unexplained.periodic
@@ -48,14 +42,9 @@ def imitates_its_line(twin: Twin, evaluation: Evaluation, h: Hypothesis) -> bool
 
     Of the record held out, angles and radii apart, which begin anew.
     """
-    axes = axes_of(twin, evaluation.measured, Case(effects=evaluation.effects), evaluation.first)
-    shown = _at_line(axes, evaluation, evaluation.corrected, h)
-    left = _at_line(axes, evaluation, evaluation.amended, h)
+    axes = axes_there(twin, evaluation)
+    shown, left = (
+        periodic_chi2_reduction(h, axes, spectra_beside(axes, evaluation, simulated)) or 0.0
+        for simulated in (evaluation.corrected, evaluation.amended)
+    )
     return left > max(NOISE_PEAK, TWINS_LEFT_SHARE * shown)
-
-
-def _at_line(axes: RecordAxes, evaluation: Evaluation, without: Array, h: Hypothesis) -> float:
-    """Return the chi-square of a free spectral line there, in what ``without`` leaves."""
-    rest = in_floors(evaluation, evaluation.measured - without)
-    rest = rest - rest.mean(axis=1, keepdims=True)
-    return periodic_chi2_reduction(h, axes, spectra(axes, rest)) or 0.0
