@@ -10,10 +10,11 @@ from itertools import pairwise
 from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.demo.processes import RUNTIME, SCREEN, Bench, Child, runtime_command
+from sim_plant.demo.processes import RUNTIME, SCREEN, Bench, Child
 from sim_plant.demo.session import (
     Plan,
     Progress,
+    arm,
     await_state,
     pause,
     plant_command,
@@ -147,7 +148,7 @@ def _operate(bench: Bench, progress: Progress) -> None:
     progress("probing the response of both actuators (a small excitation, line running)")
     try:
         probe(bench, progress)
-        runtime_command(bench, "arm")
+        arm(bench, progress)
         progress("armed: the ripple goes")
     except PlantError as error:
         progress(str(error))

@@ -147,7 +147,11 @@ def plant_status(bench: Bench) -> PlantStatus:
 ALARM_EXIT = 5  # status says so while an alarm stands; its output is still the status
 
 
-def runtime_command(bench: Bench, *words: str, patience_s: float = 90.0) -> str:
+COMMAND_S = 90.0
+"""So long a command may take, where nothing else is said."""
+
+
+def runtime_command(bench: Bench, *words: str, patience_s: float = COMMAND_S) -> str:
     """Run one ``aff-runtime`` command against the service and return what it printed.
 
     Raises

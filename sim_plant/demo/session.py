@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.demo.pace import Pace, pace_of
 from sim_plant.demo.processes import (
+    COMMAND_S,
     PLANT,
     RUNTIME,
     Bench,
@@ -172,16 +173,8 @@ def _script(
 
 def probe(bench: Bench, progress: Progress) -> str:
     """Return what the probe printed, begun again where the machine paused in it."""
-    attempt = 1
-    while True:
-        try:
-            return runtime_command(bench, "probe", str(bench.site), patience_s=PROBE_S)
-        except PlantError as error:
-            if attempt == ATTEMPTS or not any(alarm in str(error) for alarm in OF_A_PAUSE):
-                raise
-            progress(f"{error}; probing again")
-        attempt += 1
-        pause(1.0)
+    words = ("probe", str(bench.site))
+    return _tried(bench, progress, words, OF_A_PAUSE, then="; probing again", patience_s=PROBE_S)
 
 
 def arm(bench: Bench, progress: Progress) -> None:
@@ -190,14 +183,31 @@ def arm(bench: Bench, progress: Progress) -> None:
     A probe that has identified a drive has another law begin, in a control process of its own:
     one that has just started arms a moment later.
     """
-    for attempt in range(ATTEMPTS):
+    _tried(bench, progress, ("arm",), (ARM_AGAIN,))
+
+
+def _tried(
+    bench: Bench,
+    progress: Progress,
+    words: Sequence[str],
+    passing: Sequence[str],
+    *,
+    then: str = "",
+    patience_s: float = COMMAND_S,
+) -> str:
+    """Return what a command printed, given again where what it was refused for passes by itself.
+
+    ``passing`` : of what such a refusal says one. ``then`` is told behind it.
+    """
+    attempt = 1
+    while True:
         try:
-            runtime_command(bench, "arm")
-            return
+            return runtime_command(bench, *words, patience_s=patience_s)
         except PlantError as error:
-            if attempt == ATTEMPTS - 1 or ARM_AGAIN not in str(error):
+            if attempt == ATTEMPTS or not any(said in str(error) for said in passing):
                 raise
-            progress(f"{error}")
+            progress(f"{error}{then}")
+        attempt += 1
         pause(1.0)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.shipped import shipped
+from sim_plant.demo.wires import BESIDE
 
 PLC_MAP = shipped("plc/gateway_block.yaml")
 LINE = shipped("lines/euclid_ripple.yaml")
@@ -35,7 +36,7 @@ class UnusualPlant:
 
     def plc_map(self, folder: Path) -> Path:
         """Return the PLC's map: the shipped one, or one in ``folder`` where it is edited."""
-        return _edited(PLC_MAP, self.plc, folder / "plc.yaml")
+        return _edited(PLC_MAP, self.plc, folder / BESIDE)
 
     def line_file(self, folder: Path, line: Path = LINE) -> Path:
         """Return the line's declaration: ``line``, or one in ``folder`` where it is edited.

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.shipped import shipped
-from sim_plant.demo.wires import Wired
+from sim_plant.demo.wires import BESIDE, Wired
 
 REFERENCE = "line_speed_ref_m_s"
 WORDS = {
@@ -61,7 +61,7 @@ def _on_modbus(site: Path, folder: Path) -> tuple[str, Path]:
     _map_in_site(site, _rows(WORDS, 6, at="register"))
     plc = shipped("plc/gateway_block.yaml").read_text(encoding="utf-8")
     shown = _rows(WORDS, 4, at="address")
-    path = folder / "plc.yaml"
+    path = folder / BESIDE
     path.write_text(_once(plc, "  applied:   ", f"{shown}  applied:   "), encoding="utf-8")
     return "--plc", path
 
