@@ -164,6 +164,11 @@ class Guard:
         return all(envelope.level == 0.0 for envelope in self._envelopes)
 
     @property
+    def has_connected(self) -> bool:
+        """Whether a reading was good since the start: before, nothing can be armed."""
+        return self._was_connected
+
+    @property
     def limits(self) -> tuple[float, ...]:
         """Limit in force per actuator, in its SI unit."""
         return tuple([limiter.limit for limiter in self._limiters])

@@ -78,6 +78,7 @@ class ControlOutside:
         self._record: Sequence[float] = ()
         self._ring_columns: tuple[str, ...] = ()
         self._arm_questions: dict[int, int] = {}  # the tick of each, by number
+        self._arm_until_ns = 0  # an arm that waits for the first good reading, at most
         self._probe: ProbeRun | None = None
         self._next_law: LawSlot | None = None
         self._revision = assembly.parameters.config_hash
@@ -167,6 +168,7 @@ class ControlOutside:
         wanted: list[Message] = []
         if self._bypass_signal:
             self._bypass_signal = False
+            self._arm_until_ns = 0
             wanted.append(Bypass())
             for overtaken in self._commands.overtake():
                 self._reply(overtaken, ok=False, message="bypassed meanwhile")
@@ -185,7 +187,7 @@ class ControlOutside:
                 wanted += self._obey(said)
             except (AffError, ValueError, KeyError, TypeError) as error:
                 self._reply(said, ok=False, message=str(error))
-        return wanted
+        return wanted + self._arm_now()
 
     def _obey(self, said: messages.Message) -> list[Message]:
         """Return what one command means to the cycle."""
@@ -195,8 +197,9 @@ class ControlOutside:
             raise RefusedError(TOO_LATE)
         match said:
             case messages.Arm():
-                for_cycle = self._arm(said)
+                self._arm(said)
             case messages.Bypass():
+                self._arm_until_ns = 0
                 for_cycle = [Bypass()]
             case messages.Shadow():
                 for_cycle = self._shadow(said)
@@ -212,14 +215,25 @@ class ControlOutside:
                 self._forget(said)
         return for_cycle
 
-    def _arm(self, said: messages.Arm) -> list[Message]:
-        """Pass on the operator's edge; the reply waits until the guard has decided."""
+    def _arm(self, said: messages.Arm) -> None:
+        """Take the operator's edge; the guard decides once there was a good reading.
+
+        A control process that has just begun knows nothing of the PLC: the guard would refuse.
+        """
         self._arm_questions[said.id] = self._tick
-        return [Arm()]
+        self._arm_until_ns = said.valid_until_ns
+
+    def _arm_now(self) -> list[Message]:
+        if not self._arm_until_ns or not self._guard.has_connected:
+            return []
+        in_time = self._clock.now_ns() <= self._arm_until_ns
+        self._arm_until_ns = 0
+        return [Arm()] if in_time else []
 
     def _shadow(self, said: messages.Shadow) -> list[Message]:
         """Begin or end shadow operation."""
         self._shadow_wanted = False
+        self._arm_until_ns = 0
         self._reply(said, ok=True)
         return [Shadow(on=said.on)]
 
@@ -251,6 +265,7 @@ class ControlOutside:
         ok = state in ARMED
         self._link.send(Reply(id=ident, ok=ok, message=message, state=state.name))
         del self._arm_questions[ident]
+        self._arm_until_ns = self._arm_until_ns if self._arm_questions else 0
 
     # --- change of law ------------------------------------------------------------------------
 
