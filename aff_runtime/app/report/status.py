@@ -86,10 +86,7 @@ NOTHING_AGAINST_IT = "nothing stands against it now: arm again"
 
 
 def refused_arm(state: State, blocked: str) -> str:
-    """Return why an ``arm`` was refused; what stood against it may be over by then.
-
-    A control process that has just begun refuses until its first reading is judged.
-    """
+    """Return why an ``arm`` was refused; what stood against it may be over by then."""
     said = not_armed(state, blocked)
     return said if blocked else f"{said}; {NOTHING_AGAINST_IT}"
 
