@@ -86,15 +86,16 @@ def trend(options: argparse.Namespace) -> int:
     store = load_store(options.store)
     now = parse_utc(wall_time_iso())
     found = findings.findings(store, _limits(options.limit), now=now)
+    unread = findings.unread(store, now=now)
     ranked = rankings(store)
     if options.json:
-        say(sentences.as_json(store.line, found, supplier_rankings(ranked)))
+        say(sentences.as_json(store.line, found, supplier_rankings(ranked), unread))
         return 0
     for line in sentences.notes(found):
         say(line)
     for line in sentences.table(found):
         say(f"  {line}")
-    for line in sentences.unread(findings.unread(store, now=now)):
+    for line in sentences.unread(unread):
         say(f"  {line}")
     for line in (*sentences.rolls(ranked), *sentences.suppliers(supplier_rankings(ranked))):
         say(line)

@@ -76,6 +76,7 @@ def test_every_trend_is_listed_and_told_to_programs(store, capsys):
     found = json.loads(capsys.readouterr().out)
     r6 = next(f for f in found["findings"] if (f["roll"], f["quantity"]) == ("r6", "stroke_m"))
     assert r6["stands_out"]
+    assert found["without_a_line"] == []
     assert r6["per_km"]["low"] <= 2e-8 <= r6["per_km"]["high"]
 
 

@@ -206,17 +206,40 @@ class MedianSaid:
     rolls: int
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class UnreadSaid:
+    """A roll without a line for programs: it turned too little at one speed."""
+
+    roll: str
+    turns: int
+    turns_needed: int
+    turn_s: float | None
+
+
 def as_json(
-    line: str, findings: Sequence[Finding], rankings: Sequence[SupplierRanking] = ()
+    line: str,
+    findings: Sequence[Finding],
+    rankings: Sequence[SupplierRanking] = (),
+    unread: Sequence[Unread] = (),
 ) -> str:
-    """Return findings and suppliers for programs, SI; what is not known is null."""
+    """Return findings, suppliers and rolls without a line for programs, SI; null: not known."""
     said = {
         "version": 1,
         "line": line,
         "findings": [asdict(_said(one)) for one in findings],
         "suppliers": [asdict(one) for ranking in rankings for one in _suppliers_said(ranking)],
+        "without_a_line": [asdict(_unread_said(one)) for one in unread],
     }
     return json.dumps(said, allow_nan=False)
+
+
+def _unread_said(one: Unread) -> UnreadSaid:
+    return UnreadSaid(
+        roll=one.roll,
+        turns=one.turns,
+        turns_needed=FEWEST_TURNS,
+        turn_s=finite_or_none(one.turn_s),
+    )
 
 
 def _suppliers_said(ranking: SupplierRanking) -> Iterator[SupplierSaid]:

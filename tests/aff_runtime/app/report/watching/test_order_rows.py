@@ -1,5 +1,6 @@
 """What a stretch says of each order: rows from a formula, with what a law says in them."""
 
+import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -100,6 +101,15 @@ def test_of_a_roll_that_turned_too_little_its_turns_are_kept_and_the_reason_is_t
     assert list(sentences.unread(unread(made))) == [
         "roller: no line, 4 whole turns in its longest steady stretch, 8 are needed, "
         f"{10.0 * turn_s:.0f} s at one speed"
+    ]
+    said = json.loads(sentences.as_json("Euclid", [], unread=unread(made)))["without_a_line"]
+    assert said == [
+        {
+            "roll": "roller",
+            "turns": 4,
+            "turns_needed": 8,
+            "turn_s": pytest.approx(turn_s, rel=1e-3),
+        }
     ]
 
 
