@@ -14,6 +14,7 @@ from sim_plant.refine.search.completeness import explains_own_spectral_lines
 from sim_plant.refine.search.degenerate_pair import better_pair
 from sim_plant.refine.search.effect_fit import fit_candidates
 from sim_plant.refine.search.outside_prior import by_records, ending_conflict
+from sim_plant.refine.search.own_moments import more_than_model_errors
 from sim_plant.refine.search.screening import screen, shortlist, without_failed
 from sim_plant.refine.search.selection import (
     ACCEPTANCE,
@@ -56,6 +57,7 @@ def best_of(
     candidates = without_failed(candidates, tried, fitted)
     if apart is not None:
         fitted = [apart.re_evaluated_candidate(c) for c in fitted]
+    fitted = more_than_model_errors(weigh, base, fitted, progress)
     fitted = [by_records(weigh, c) for c in fitted]
     if selection.accepted:
         shown = [c for c in fitted if is_shown(judged, c)]
