@@ -23,7 +23,6 @@ SHAPES = {
     State.SHADOW.name: "◌",
     State.BYPASS.name: "■",
     State.FAULT.name: "▲",
-    STARTING: "…",
 }
 MEANS = {
     State.ACTIVE.name: N_("the correction goes out"),

@@ -35,8 +35,12 @@ SHOWN_EVENTS = 6
 TURNS = 2.0  # over which a law listens to one order
 GONE = "GONE"
 LOW = RANK[Priority.LOW]
+BESIDE_A_TICK = "supervisor"  # a reason of a tick's state; without a fresh tick it is an old one
+WHY_FROM = {STARTING: "facts", GONE: "hmi"}
 NOT_IN_THE_WAY = (GONE, STARTING, State.ACTIVE.name, State.ARMED.name)
 GOES_OUT = (State.ACTIVE, State.FADING)
+NO_ANSWER = N_("no service answers; whether a correction goes out is not known here")
+FIND_IT = N_("ask `aff-runtime status`; start it, or see its log: journalctl -u aff-runtime")
 DOUBT = N_("the service does not believe it: stuck, no number, or out of range")
 _IMPLAUSIBLE = re.compile(
     r"(TENSION_IMPLAUSIBLE|SIGNAL_IMPLAUSIBLE|RADIUS_JUMP) \((?P<channel>\w+)"
@@ -69,7 +73,10 @@ class View:
     plc_age_s : of the PLC's data in the newest tick. ``tick_age_s`` : since a tick arrived.
     facts_age_s : since the supervisor spoke.
     plc_late_s, plc_dead_s : ages at which the service holds, and gives up.
-    state, word, shape, why, to_do : the guard's state, in words; ``word`` is translated.
+    state, word, shape, why, to_do : the guard's state, in words; ``word`` is translated, and
+        says that the state is not known where no tick says it.
+    why_from : what has to be heard for ``why`` and ``to_do`` to be of now, as ``freshness.js``
+        calls it: where no tick says the state, its reason is still known.
     also : all that stands against an armed output besides ``why``.
     heart : heartbeat value of the PLC; what moves on the screen moves by it.
     limits : of the outputs, by actuator, in the unit of the screen.
@@ -88,6 +95,7 @@ class View:
     shape: str = ""
     why: str = ""
     to_do: str = ""
+    why_from: str = BESIDE_A_TICK
     also: tuple[Reason, ...] = ()
     heart: int = 0
     config: str = ""
@@ -138,6 +146,7 @@ def view_of(
         shape=SHAPES.get(state, "?"),
         why=why,
         to_do=to_do,
+        why_from=WHY_FROM.get(state, BESIDE_A_TICK),
         also=tuple(_also(seen, state, say)),
         heart=int(_finite(row.number("plc_heartbeat"))) if row is not None else 0,
         config=facts.status.config_hash[:8] if facts is not None else "",
@@ -160,8 +169,8 @@ WORDS = {
     State.FADING.name: N_("FADING"),
     State.BYPASS.name: N_("BYPASS"),
     State.SHADOW.name: N_("SHADOW"),
-    STARTING: N_("STARTING"),
-    GONE: N_("NO SERVICE"),
+    STARTING: N_("UNKNOWN"),
+    GONE: N_("UNKNOWN"),
 }
 
 
@@ -194,8 +203,7 @@ def _why(
     seen: Observed, state: str, blocked: str, say: Say, standing: Mapping[str, str]
 ) -> tuple[str, str]:
     if state == GONE:
-        why = say(N_("no service answers; the PI drives carry on alone"))
-        return why, say(N_("start it, or see its log: journalctl -u aff-runtime"))
+        return say(NO_ANSWER), say(FIND_IT)
     if state == STARTING and seen.facts is not None and not seen.facts.status.control_pid:
         why = say(N_("the control process has ended; it comes back idle"))
         return why, say(N_("see the log; then arm again"))

@@ -24,7 +24,7 @@ from aff_hmi.see.store import Store
 from aff_hmi.see.trend_part import GROUPS, WINDOW_WORDS, group_name
 from aff_hmi.see.trend_rows import SCHEMA as TREND_SCHEMA
 from aff_hmi.see.trends import Trends
-from aff_hmi.view import GONE, state_of
+from aff_hmi.view import FIND_IT, GONE, NO_ANSWER, state_of
 from aff_hmi.watch import News, Observed
 from aff_hmi.words import N_, Say, say_in
 from aff_runtime.app.hand.bucket import Bucket
@@ -41,8 +41,8 @@ NO_SERVICE = Condition(
     key="SERVICE",
     rank=RANK[Priority.MEDIUM],
     name="SERVICE",
-    text=N_("no service answers; the PI drives carry on alone"),
-    to_do=N_("start it, or see its log: journalctl -u aff-runtime"),
+    text=NO_ANSWER,
+    to_do=FIND_IT,
     delay_s=5.0,
 )
 PEOPLE = {

@@ -71,6 +71,7 @@ const NEEDED = {
   service: ["hmi", "service"],
   plc: ["hmi", "service", "plc"],
   supervisor: ["hmi", "service", "supervisor"],
+  facts: ["hmi", "supervisor"], // what it says where there is no tick
 };
 
 /** Whether what comes from `source` (one of `NEEDED`) is too old to be taken for true. */

@@ -70,6 +70,7 @@ function showFrame() {
   }
   put(byId("why"), frame.why);
   put(byId("to-do"), frame.to_do);
+  for (const name of ["why", "to-do"]) byId(name).closest(".live").dataset.from = frame.why_from;
   byId("also-part").hidden = frame.also.length === 0;
   fill("also", frame.also, alsoItem, "");
   put(byId("config"), frame.config || words.none);
@@ -165,7 +166,7 @@ function look() {
   put(byId("state"), frame === null || gone ? words.unknown : frame.word);
   put(byId("shape"), frame === null || gone ? "?" : frame.shape);
   document.title = `${byId("shape").textContent} ${byId("state").textContent} · ${line}`;
-  put(byId("was"), gone && frame.state !== "GONE" ? `${words.was} ${frame.word}` : "");
+  put(byId("was"), gone && frame.word !== words.unknown ? `${words.was} ${frame.word}` : "");
   root.dataset.broken = frame === null ? "waiting" : name;
   const { deadHmi, deadService, deadPlc, deadSupervisor } = words;
   const texts = { hmi: deadHmi, service: deadService, plc: deadPlc, supervisor: deadSupervisor };

@@ -147,14 +147,22 @@ def test_nothing_else_is_doubted(blocked: str) -> None:
 def test_a_control_process_that_has_died_has_no_age_and_no_state() -> None:
     view = shown(seen(writer_lives=False))
     assert view.tick_age_s is None
-    assert view.state == "STARTING"
+    assert (view.state, view.word, view.why) == ("STARTING", "UNKNOWN", "the service starts")
 
 
 def test_no_service_is_said_with_what_to_do() -> None:
     view = view_of(Observed(trouble="gone"), Layout(), SAY)
-    assert (view.state, view.word) == ("GONE", "NO SERVICE")
+    assert (view.state, view.word) == ("GONE", "UNKNOWN")
     assert "journalctl" in view.to_do
     assert view.values == {}
+
+
+def test_a_reason_is_of_now_while_who_said_it_is_heard() -> None:
+    """Of a tick's state it grows old with the ticks; why there are none is known without them."""
+    assert shown(seen()).why_from == "supervisor"
+    assert shown(seen(tick_age_s=7.0)).why_from == "supervisor"
+    assert shown(seen(row=None)).why_from == "facts"
+    assert view_of(Observed(trouble="gone"), Layout(), SAY).why_from == "hmi"
 
 
 def test_what_comes_next_is_said_in_minutes() -> None:
