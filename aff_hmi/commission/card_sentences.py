@@ -88,6 +88,8 @@ CARD = (
     N_("roll not compared"),
     N_("machine not compared"),
     N_("program of the PLC not compared"),
+    N_("site file not compared"),
+    N_("site file, {what} not compared"),
     N_("measured responses of {name} not compared"),
     N_("not compared with what holds now: {why}"),
     N_("no service answers: roll not compared"),

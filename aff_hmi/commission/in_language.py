@@ -19,7 +19,7 @@ from aff_hmi.commission.shown import (
 )
 from aff_hmi.commission.typed_words import wanted
 from aff_hmi.words import N_, Say, figures_in
-from aff_runtime.app.card.standing import Stand, is_done
+from aff_runtime.app.card.standing import Stand, is_finished
 from aff_runtime.app.commission.answers import State
 from aff_runtime.app.commission.messages import WORDS, Refusal, Why
 from aff_runtime.app.commission.views import (
@@ -36,7 +36,7 @@ from aff_runtime.app.commission.views import (
 )
 
 STANDS = {
-    "not done": ("—", N_("not done")),
+    "not measured": ("—", N_("not measured")),
     "open": ("…", N_("open")),
     "again": ("↻", N_("again")),
     "fail": ("✗", N_("fail")),
@@ -94,7 +94,7 @@ def card_in(card: CardView, say: Say) -> CardView:
         undone=tuple(
             _undone(one, say)
             for one in card.steps
-            if not is_done(one.stand, is_signed=one.signed is not None)
+            if not is_finished(one.stand, is_signed=one.signed is not None)
         ),
     )
 

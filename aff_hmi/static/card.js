@@ -284,6 +284,6 @@ byId("print").onclick = () => window.print();
 let wereOpen = [];
 addEventListener("beforeprint", () => {
   wereOpen = [...document.querySelectorAll("details.step")].map((one) => [one, one.open]);
-  for (const [one] of wereOpen) one.open = one.dataset.stand !== "not done";
+  for (const [one] of wereOpen) one.open = one.dataset.stand !== "not measured";
 });
 addEventListener("afterprint", () => wereOpen.forEach(([one, open]) => (one.open = open)));

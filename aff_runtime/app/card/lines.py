@@ -13,13 +13,13 @@ HOW_TO_TYPE = "what is typed: --typed 'NAME=VALUE UNIT', once for each"
 
 
 def card_lines(card: Card) -> Iterator[str]:
-    """Yield how every step stands, then what was not done."""
-    yield f"{card.begun.line}: {card.entries} entries, newest {card.newest}"
+    """Yield how every step stands, then what is left to do."""
+    yield f"{card.begun.line}: {card.entry_count} entries, newest {card.newest}"
     for one in card.steps:
         signed = signed_line(one.signed) if one.signed is not None else ""
         yield f"{one.step.number:3}  {one.step.title[:52]:52}  {one.stand:14}  {signed}".rstrip()
     for sentence in unfinished(card):
-        yield f"not done: {sentence}"
+        yield f"left to do: {sentence}"
 
 
 def signed_line(signed: Signed) -> str:

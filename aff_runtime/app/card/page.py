@@ -30,7 +30,7 @@ SYMBOLS = {
     Stand.FAIL: "\u2717 fail",
     Stand.OPEN: "\u2026 open",
     Stand.AGAIN: "\u21bb again",
-    Stand.NOT_DONE: "\u2014 not done",
+    Stand.NOT_MEASURED: "\u2014 not measured",
     Stand.NOT_APPLICABLE: "n/a",
 }
 
@@ -86,7 +86,7 @@ def _about(card: Card) -> str:
         ("its hash in the service then", begun.site_hash),
         ("runtime", begun.release),
         ("machine", begun.machine),
-        ("entries, newest", f"{card.entries}, {card.utc}"),
+        ("entries, newest", f"{card.entry_count}, {card.utc}"),
     )
     cells = "".join(f"<tr><th>{_shown(a)}</th><td>{_shown(b)}</td></tr>" for a, b in rows)
     return f"<table>{cells}</table>"
@@ -105,7 +105,7 @@ def _overview(card: Card) -> str:
 
 def _class(one: StepStanding) -> str:
     """Return the class in the page's style; of *not applicable* ``not``, which has no rule."""
-    return "emphasis" if one.stand is Stand.NOT_DONE else str(one.stand).split(" ", 1)[0]
+    return "emphasis" if one.stand is Stand.NOT_MEASURED else str(one.stand).split(" ", 1)[0]
 
 
 def _signed_by(one: StepStanding) -> str:
@@ -116,7 +116,7 @@ def _signed_by(one: StepStanding) -> str:
 
 def unfinished(card: Card) -> Iterator[str]:
     """Yield a sentence for every step that is not passed and signed."""
-    for one in card.not_done:
+    for one in card.unfinished:
         stands = str(one.stand)
         if one.stand in (Stand.PASS, Stand.NOT_APPLICABLE):
             stands = f"{stands}, not signed"
@@ -131,8 +131,8 @@ def unfinished(card: Card) -> Iterator[str]:
 def _not_done(card: Card) -> str:
     sentences = list(unfinished(card))
     if not sentences:
-        return "<h2>What was not done</h2><p>Every step is passed and signed.</p>"
-    return f"<h2>What was not done</h2>{_list(sentences)}"
+        return "<h2>What is left to do</h2><p>Every step is passed and signed.</p>"
+    return f"<h2>What is left to do</h2>{_list(sentences)}"
 
 
 def _step(one: StepStanding) -> str:

@@ -14,7 +14,7 @@ from aff_runtime.app.card.steps import STEPS, Rest, Step
 class Stand(StrEnum):
     """How one step stands."""
 
-    NOT_DONE = "not done"
+    NOT_MEASURED = "not measured"
     OPEN = "open"
     AGAIN = "again"
     FAIL = "fail"
@@ -22,7 +22,7 @@ class Stand(StrEnum):
     NOT_APPLICABLE = "not applicable"
 
 
-def is_done(stand: str, *, is_signed: bool) -> bool:
+def is_finished(stand: str, *, is_signed: bool) -> bool:
     """Return whether nothing is left to do: passed or not applicable, and signed."""
     return stand in (Stand.PASS, Stand.NOT_APPLICABLE) and is_signed
 
@@ -70,9 +70,9 @@ class StepStanding:
         return content if isinstance(content, Signed) else None
 
     @property
-    def is_done(self) -> bool:
+    def is_finished(self) -> bool:
         """Whether nothing is left to do: passed or not applicable, and signed."""
-        return is_done(self.stand, is_signed=self.signed is not None)
+        return is_finished(self.stand, is_signed=self.signed is not None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -81,21 +81,22 @@ class Card:
 
     Attributes
     ----------
-    begun : what it is of. ``first`` : hash of that entry, of no other card.
-    newest : hash of the last entry. ``utc`` : its time.
+    begun : what it is of. ``first`` : hash of that entry; no other card has it.
+    newest : hash of the last entry. ``utc`` : when that entry was written.
+    entry_count : how many entries the card has.
     """
 
     begun: Begun
     steps: tuple[StepStanding, ...]
     first: str
     newest: str
-    entries: int
+    entry_count: int
     utc: str
 
     @property
-    def not_done(self) -> tuple[StepStanding, ...]:
-        """Steps that are not passed and signed."""
-        return tuple(one for one in self.steps if not one.is_done)
+    def unfinished(self) -> tuple[StepStanding, ...]:
+        """Steps that are not finished: of each something is left to do."""
+        return tuple(one for one in self.steps if not one.is_finished)
 
 
 def card_of(entries: Sequence[Entry], now: Inputs | None = None) -> Card:
@@ -112,7 +113,7 @@ def card_of(entries: Sequence[Entry], now: Inputs | None = None) -> Card:
         steps=tuple(_standing(step, entries, now) for step in STEPS),
         first=entries[0].sha256,
         newest=entries[-1].sha256,
-        entries=len(entries),
+        entry_count=len(entries),
         utc=entries[-1].utc,
     )
 
@@ -128,10 +129,14 @@ def changed(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
             yield from _changed_site(step, then, now)
         elif rest is Rest.RESPONSES:
             for name, old, new in _responses(then, now):
-                if UNKNOWN not in (old, new) and not _begins(old, new):
+                if UNKNOWN not in (old, new) and not _one_begins_the_other(old, new):
                     yield _was(f"{rest} of {name}", old, new)
         elif rest is Rest.MACHINE:
-            if then.machine and now.machine and not _begins(then.machine, now.machine):
+            if (
+                then.machine
+                and now.machine
+                and not _one_begins_the_other(then.machine, now.machine)
+            ):
                 yield f"{rest}: {then.machine}, now {now.machine}"
         elif not _alike(*_pair(rest, then, now)):
             yield _was(rest, *_pair(rest, then, now))
@@ -144,10 +149,10 @@ def not_compared(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
             for name, old, new in _responses(then, now):
                 if UNKNOWN in (old, new):
                     yield f"{rest} of {name} not compared"
-        elif rest is not Rest.SITE:
-            old, new = _pair(rest, then, now)
-            if bool(old) != bool(new):
-                yield f"{rest} not compared"
+        elif rest is Rest.SITE:
+            yield from _site_not_compared(step, then, now)
+        elif _is_one_sided(*_pair(rest, then, now)):
+            yield f"{rest} not compared"
 
 
 def _pair(rest: Rest, then: Inputs, now: Inputs) -> tuple[str, str]:
@@ -175,6 +180,17 @@ def _changed_site(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
         old, new = then.parts.get(part.name, ""), now.parts.get(part.name, "")
         if not _alike(old, new):
             yield _was(f"{Rest.SITE}, {part}", old, new)
+
+
+def _site_not_compared(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
+    """Yield the parts of the site file that one side alone has, as of another release's entry."""
+    if not (then.parts and now.parts):
+        if _is_one_sided(then.site_hash, now.site_hash):
+            yield f"{Rest.SITE} not compared"
+        return
+    for part in step.parts:
+        if _is_one_sided(then.parts.get(part.name, ""), now.parts.get(part.name, "")):
+            yield f"{Rest.SITE}, {part} not compared"
 
 
 def former_samples(step: Step, entries: Sequence[Entry], now: Inputs) -> tuple[Sample, ...]:
@@ -205,11 +221,11 @@ def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepS
         if isinstance(entry.content, Measured) and entry.content.step == step.number
     ]
     if not mine:
-        return StepStanding(step=step, stand=Stand.NOT_DONE)
+        return StepStanding(step=step, stand=Stand.NOT_MEASURED)
     last = mine[-1]
     assert isinstance(last.content, Measured)
     then = last.content.inputs
-    if not (then.machine or then.parts):  # an older release: in the card's first entry alone
+    if not (then.machine or then.parts):  # of an older release: the card's first entry names it
         begun = entries[0].content
         then = replace(then, machine=begun.machine if isinstance(begun, Begun) else "")
     why = tuple(changed(step, then, now)) if now is not None else ()
@@ -237,8 +253,15 @@ def _alike(old: str, new: str) -> bool:
     return not old or not new or old == new
 
 
-def _begins(old: str, new: str) -> bool:
-    """Return whether two digests are of one file; a record has the beginning alone."""
+def _is_one_sided(old: str, new: str) -> bool:
+    return bool(old) != bool(new)
+
+
+def _one_begins_the_other(old: str, new: str) -> bool:
+    """Return whether two texts may be of one thing.
+
+    A record has the beginning of a digest alone, an older card that of a machine's name.
+    """
     return old == new or bool(old and new and (old.startswith(new) or new.startswith(old)))
 
 

@@ -41,7 +41,7 @@ def card_view(
         line=card.begun.line,
         first=card.first,
         newest=card.newest,
-        entries=card.entries,
+        entries=card.entry_count,
         utc=card.utc,
         remarks=tuple(remarks),
         undone=tuple(unfinished(card)),

@@ -1,4 +1,4 @@
-"""What was not done of a card, and what its steps still wait for, in the reader's language.
+"""What is left to do of a card, and what its steps still wait for, in the reader's language.
 
 The sentences are those that stand in the code of the measurements, found by its syntax tree: one
 that is added without a pattern fails here.
@@ -109,7 +109,7 @@ def test_what_was_not_done_is_what_the_card_says_and_is_told_in_german(tmp_path:
     assert card_in(view, ENGLISH).undone == view.undone
     german = card_in(view, GERMAN).undone
     assert len(german) == len(view.undone) == 12
-    assert german[0] == "Schritt 1, Kraftmessdose: null ohne Bahn, Prüfgewicht: nicht getan"
+    assert german[0] == "Schritt 1, Kraftmessdose: null ohne Bahn, Prüfgewicht: nicht gemessen"
     assert german[1].endswith(": bestanden, nicht unterschrieben")
     assert german[3].endswith(": offen (eingeben, wie lange es dauerte: time=120 ms)")
     assert german[6].endswith(": offen (unwind: noch einmal bei 0,9 m/s)")

@@ -45,9 +45,10 @@ BY_HAND = (
     "/runs/a@1..2: recorded on other settings (0a1b2c, in force from 20 s on) than the site file "
     "says now (3d4e5f)",
     "load=3 m: expected a plain number, or in a unit of that kind",
-    "step 3 is not done: nothing to sign",
+    "step 3 is not measured: nothing to sign",
     "step 12 signed as Ada; roll not compared",
     "no service answers: roll not compared",
+    "site file, rolls not compared",
     f"{RETURN_ALREADY} (its time is up)",
     "site file: 0a1b2c, now 3d4e5f",
 )

@@ -152,7 +152,7 @@ def test_a_step_that_does_not_apply_has_a_reason_and_can_be_signed(line, capsys)
         (["step", "4", "--run", "x@1..2"], 2, "looks at no record"),
         (["step", "4", "--typed", "colour=red"], 2, "does not ask for it"),
         (["step", "4", "--typed", "colour"], 2, "expected name=value"),
-        (["sign", "4", "--as", "Ada", "--reason", WHY], 4, "step 4 is not done"),
+        (["sign", "4", "--as", "Ada", "--reason", WHY], 4, "step 4 is not measured"),
         (["step", "1", "--run", "/nowhere@1..2"], 1, "not a run folder"),
     ],
 )

@@ -88,7 +88,7 @@ def test_the_outline_is_that_of_a_card(card):
     outline = Outline(text)
     said = " | ".join(outline.headings)
     assert said == (
-        "Euclid: commissioning card | Steps | What was not done | "
+        "Euclid: commissioning card | Steps | What is left to do | "
         "0. Machine: rights, processors, clock: | \u2713 pass | "
         "3. Limits, in the PLC first: | \u2717 fail | "
         "4. Watchdog of drive or gateway: | \u2026 open | "
@@ -148,7 +148,7 @@ def test_everything_that_counts_is_on_it(card):
     assert "seen on the drive" in text
 
 
-def test_what_was_not_done_is_listed_and_why(card):
+def test_what_is_left_to_do_is_listed_and_why(card):
     found, _ = shown(card, replace(INPUTS, responses={}))
     said = list(unfinished(found))
     assert len(said) == len(STEPS) - 1  # only step 0 is passed and signed
@@ -164,6 +164,6 @@ def test_what_was_not_done_is_listed_and_why(card):
 def test_a_step_that_was_not_measured_is_never_shown_as_measured(tmp_path):
     found, text = shown(book(tmp_path), Inputs())
     assert list(unfinished(found)) == [
-        f"step {step.number}, {step.title}: not done" for step in STEPS
+        f"step {step.number}, {step.title}: not measured" for step in STEPS
     ]
     assert "section" not in Outline(text).tags

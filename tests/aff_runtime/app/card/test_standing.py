@@ -6,6 +6,7 @@ import pytest
 
 from aff_runtime.app.card.entries import UNKNOWN, entries_of
 from aff_runtime.app.card.figures import Sample
+from aff_runtime.app.card.site_parts import Part
 from aff_runtime.app.card.standing import (
     Stand,
     card_of,
@@ -38,8 +39,8 @@ def test_steps_are_numbered_0_to_12_and_say_what_is_good():
         step_of(13)
 
 
-def test_a_fresh_card_has_nothing_done(tmp_path):
-    assert {one.stand for one in stands(book(tmp_path)).values()} == {Stand.NOT_DONE}
+def test_of_a_fresh_card_nothing_is_measured(tmp_path):
+    assert {one.stand for one in stands(book(tmp_path)).values()} == {Stand.NOT_MEASURED}
 
 
 def test_the_last_measurement_counts_and_all_are_kept(tmp_path):
@@ -54,10 +55,10 @@ def test_the_last_measurement_counts_and_all_are_kept(tmp_path):
 def test_a_signature_is_of_one_measurement_and_not_of_the_next(tmp_path):
     card = book(tmp_path)
     add(card, signed(3, add(card, measured(3))))
-    assert stands(card)[3].is_done
+    assert stands(card)[3].is_finished
     add(card, measured(3))
     assert stands(card)[3].signed is None
-    assert not stands(card)[3].is_done
+    assert not stands(card)[3].is_finished
 
 
 @pytest.mark.parametrize("rest", list(Rest))
@@ -82,6 +83,31 @@ def test_what_is_not_known_on_one_side_is_no_change_and_said():
             assert list(changed(step, then, now)) == []
             assert set(not_compared(step, then, now)) == wanted
         assert list(not_compared(step, INPUTS, INPUTS)) == []
+
+
+@pytest.mark.parametrize("lacks", ["then", "now"])
+def test_a_part_of_the_site_file_that_one_side_alone_knows_is_no_change_and_said(tmp_path, lacks):
+    """Another release draws the parts otherwise: what it knows is compared, the rest is said."""
+    wide = replace(INPUTS, parts={part.name: "1" * 64 for part in Part})
+    narrow = replace(wide, parts={n: v for n, v in wide.parts.items() if n != Part.ROLLS.name})
+    then, now = (narrow, wide) if lacks == "then" else (wide, narrow)
+    card = book(tmp_path)
+    for step in STEPS:
+        add(card, measured(step.number, inputs=then))
+    for step in STEPS:
+        found = stands(card, now)[step.number]
+        assert found.stand is Stand.PASS
+        wanted = ("site file, rolls not compared",) if Part.ROLLS in step.parts else ()
+        assert found.not_compared == wanted
+
+
+def test_a_site_file_that_one_side_alone_knows_is_no_change_and_said():
+    unknown = replace(INPUTS, site_hash="", parts={})
+    for step in STEPS:
+        wanted = ["site file not compared"] if Rest.SITE in step.rests_on else []
+        for then, now in ((INPUTS, unknown), (unknown, INPUTS)):
+            assert list(changed(step, then, now)) == []
+            assert list(not_compared(step, then, now)) == wanted
 
 
 def test_an_older_card_has_its_machine_in_the_first_entry(tmp_path):

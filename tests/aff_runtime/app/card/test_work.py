@@ -162,7 +162,7 @@ def test_a_search_is_kept_though_somebody_adds_to_the_card_meanwhile(begun, adde
         work.leave_out(mine, 9, "a search of an hour", inputs, "root")
         stands = work.CardFile.of(begun).card()
         assert stands.steps[9].measured.reason == "a search of an hour"
-        assert stands.steps[3].is_done
+        assert stands.steps[3].is_finished
     else:
         with pytest.raises(RefusedError, match="added to it meanwhile"):
             work.leave_out(mine, 9, "a search of an hour", inputs, "root")
