@@ -34,8 +34,9 @@ from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
 
 REMEMBERED_NS = 5 * VALID_NS
+"""An id is remembered for longer than any command with it can be valid."""
 
-BECAME = {Code.LATE: Result.LATE, Code.REPEATED: Result.REPEATED}
+RESULT_OF = {Code.LATE: Result.LATE, Code.REPEATED: Result.REPEATED}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,9 +75,10 @@ class Commanded(Protocol):
 class HandDesk:
     """Hears the screens.
 
-    A bypass is never refused, whatever it carries; more than ten a second are done as ten. What
-    arms is refused when it comes late, twice, for a state that is gone, from before a bypass,
-    too often, against ``may``, or when it cannot be put on record first.
+    A bypass is never refused, whatever it carries; more than ten a second of one user are done as
+    ten, the last among them. What arms is refused when it comes late, twice, for a state that is
+    gone, from before a bypass, too often, against ``may``, or when it cannot be put on record
+    first.
     """
 
     def __init__(
@@ -98,7 +100,7 @@ class HandDesk:
         self._service = service
         self._limits: dict[int, Limits] = {}
         self._ids: OrderedDict[str, int] = OrderedDict()
-        self._bypass_due = False
+        self._bypass_due: set[int] = set()
         self._visits = Visits(folder, selector, self._welcome, self._hear, is_private=is_private)
 
     @property
@@ -108,7 +110,7 @@ class HandDesk:
 
     @property
     def is_kept(self) -> bool:
-        """Whether every line since the audit was opened is in it, or in a number that it tells."""
+        """Whether no line since the audit was opened is lost: each is in it, or counted there."""
         return self._audit.is_kept
 
     def serve(self, key: selectors.SelectorKey) -> bool:
@@ -116,10 +118,9 @@ class HandDesk:
         return self._visits.serve(key)
 
     def step(self) -> None:
-        """Do what had to wait a moment."""
-        if self._bypass_due and any(one.bypasses.take() for one in self._limits.values()):
-            self._bypass_due = False
-            self._service.bypass()
+        """Do a bypass that had to wait, tend the audit, say how many lines were left out."""
+        if any(self._limits[uid].bypasses.take() for uid in self._bypass_due):
+            self._take_back()
         self._audit.tend()
         self._say_more(at_end=False)
 
@@ -171,9 +172,9 @@ class HandDesk:
         before = self._service.now().state
         is_at_once = limits.bypasses.take()
         if is_at_once:
-            self._service.bypass()
+            self._take_back()
         else:
-            self._bypass_due = True
+            self._bypass_due.add(visitor.peer.uid)
         entry = replace(entry_of(command, visitor, self._service.now()), result="done")
         if is_at_once and before not in (None, State.BYPASS):
             number = self._write(entry)
@@ -182,12 +183,18 @@ class HandDesk:
         self._counts.add(command.action, Via.HMI, Result.DONE)
         visitor.tell(Answer(id=command.id, ok=True, audit=number))
 
+    def _take_back(self) -> None:
+        """Take the correction back: of all who asked before, nothing is left to do."""
+        self._service.bypass()
+        self._bypass_due.clear()
+
     def _press(self, visitor: Caller, command: Command, limits: Limits) -> None:
+        """Have what changes something done, or say why not; it is on record before it is done."""
         now = self._service.now()
         entry = entry_of(command, visitor, now)
         against = self._against(command, now, limits)
         if against is not None:
-            became = BECAME.get(against.code, Result.REFUSED)
+            became = RESULT_OF.get(against.code, Result.REFUSED)
             self._counts.add(command.action, Via.HMI, became)
             refused = replace(entry, result="refused", why=against.text)
             number = self._keep(limits.lines.of(command.account), refused)
@@ -210,6 +217,8 @@ class HandDesk:
                 self._service.shadow(action is Action.SHADOW, answer)
             case Action.FORGET:
                 self._service.forget(answer)
+            case _:
+                answer(Reply(id=0, ok=False, message=f"{action}: no screen has that done here"))
 
     def _against(self, command: Command, now: ServiceState, limits: Limits) -> Reason | None:
         """Return the first reason why nothing is done; None when it is."""

@@ -11,14 +11,16 @@ from pathlib import Path
 
 import pytest
 
+from aff_runtime.app.hand import messages
 from aff_runtime.app.hand.audit import verify
 from aff_runtime.app.hand.may import PROBES, Action, Code, Place, Role
 from aff_runtime.app.hand.messages import LOGIN_REFUSED, VALID_NS, Answer, Notice
+from aff_runtime.app.link.peer import Peer
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor.hand import visits
 from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules
 from aff_runtime.app.supervisor.hand.entries import ServiceState
-from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS
+from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS, Caller, Visits
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import State
 from tests.aff_runtime.app.supervisor.hand.stand import Stand
@@ -258,6 +260,40 @@ def test_a_flood_of_bypasses_costs_ten_a_second_and_the_last_is_done(stand: Stan
     stand.clock.advance_ns(S)
     stand.round()
     assert stand.service.bypassed == 11
+
+
+def test_a_flood_of_bypasses_of_one_user_costs_another_none_of_his(
+    stand: Stand, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    uids = iter((1001, 1002))
+
+    def welcome(self: Visits, connection: socket.socket, peer: Peer) -> Caller:
+        return Caller(connection, replace(peer, uid=next(uids)))
+
+    monkeypatch.setattr(Visits, "_welcome", welcome)
+    loud, calm = stand.client(), stand.client()
+    stand.say(calm, Notice(what="hand taken", account="bert", place=Place.PANEL))
+    for _ in range(30):
+        stand.say(loud, stand.command(Action.BYPASS))
+    assert stand.service.bypassed == 10  # the burst of one user
+    for times in range(11, 21):
+        stand.say(calm, stand.command(Action.BYPASS, account="bert"))
+        assert stand.service.bypassed == times
+    stand.clock.advance_ns(S // 10)
+    stand.round()
+    assert stand.service.bypassed == 20  # what waited was done by those
+
+
+def test_what_no_hand_does_is_refused_and_on_record_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else it would be asked on record, and never answered."""
+    monkeypatch.setattr(messages, "BY_HAND", tuple(Action))
+    rules = HandRules(ceiling=Role.COMMISSION)
+    with contextlib.closing(Stand(tmp_path, rules)) as stand:
+        command = stand.command(Action.UNDO, role=Role.COMMISSION)
+        assert code(stand.say(stand.client(), command)) is Code.REFUSED
+        assert [row["result"] for row in stand.rows()] == ["asked", "refused"]
 
 
 @pytest.mark.parametrize("state", [None, State.BYPASS])
