@@ -112,6 +112,7 @@ def maintenance_in(view: MaintenanceView, say: Say) -> MaintenanceView:
         view,
         nothing=sentence(view.nothing, say),
         trends=tuple(_trend(one, say) for one in view.trends),
+        without_a_line=tuple(sentence(text, say) for text in view.without_a_line),
         rankings=tuple(_ranking(one, say) for one in view.rankings),
         suppliers=tuple(_suppliers(one, say) for one in view.suppliers),
     )

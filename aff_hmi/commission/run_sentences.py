@@ -70,6 +70,11 @@ RUNS = (
     # over weeks
     N_("{path}: holds no store; `aff-runtime watch add STORE RUN_DIR` begins one"),
     N_("none of the rollers in place has been read yet: runs at a steady speed are needed"),
+    N_(
+        "{roll}: no line, {count} whole turns in its longest steady stretch, {number} are needed, "
+        "{seconds} s at one speed"
+    ),
+    N_("{roll}: no line, {count} whole turns in its longest steady stretch, {number} are needed"),
     N_("runs tried: {count}, left out: {others}"),
     N_("{roll}: a new life from {when} UTC"),
 )

@@ -201,6 +201,8 @@ function showView(view) {
   byId("quiet").hidden = view.notes.length > 0 || view.trends.length === 0;
   put(byId("quiet"), words.quiet);
   trends(view.trends);
+  const without = view.without_a_line;
+  renewIfChanged(byId("without-a-line"), without, () => without.map((text) => part("li", "", text)));
   lives(view.lives);
   renewIfChanged(byId("rankings"), view.rankings, () =>
     view.rankings.length ? view.rankings.map(ranking) : [part("p", "", words.noRolls)],

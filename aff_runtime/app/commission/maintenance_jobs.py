@@ -28,7 +28,7 @@ from aff_runtime.app.commission.run_list import runs_folder
 from aff_runtime.app.commission.sources import Paths
 from aff_runtime.app.commission.talk import Talk
 from aff_runtime.app.report.watching import ingest, sentences
-from aff_runtime.app.report.watching.findings import QUANTITIES, Finding, findings
+from aff_runtime.app.report.watching.findings import QUANTITIES, Finding, findings, unread
 from aff_runtime.app.report.watching.lives import Life, lives
 from aff_runtime.app.report.watching.store import Store, load_store
 from aff_runtime.app.report.watching.suppliers import (
@@ -96,7 +96,8 @@ def exchange(where: Paths, asked: Request, talk: Talk) -> Answer:
 
 def maintenance_view(folder: Path, store: Store) -> MaintenanceView:
     """Return what a screen is shown of a store."""
-    found = findings(store, now=ingest.parse_utc(wall_time_iso()))
+    now = ingest.parse_utc(wall_time_iso())
+    found = findings(store, now=now)
     times = store.hours["time_utc"]
     ranked = rankings(store)
     nothing = "none of the rollers in place has been read yet: runs at a steady speed are needed"
@@ -111,6 +112,7 @@ def maintenance_view(folder: Path, store: Store) -> MaintenanceView:
         notes=tuple(sentences.notes(found)),
         lives=tuple(_life(one) for one in lives(store)),
         trends=tuple(_trend(one) for one in _first(found)[:MOST_TRENDS]),
+        without_a_line=tuple(sentences.unread(unread(store, now=now)[:MOST_TRENDS])),
         rankings=tuple(_ranking(one) for one in ranked),
         suppliers=tuple(_suppliers(one) for one in supplier_rankings(ranked)),
     )

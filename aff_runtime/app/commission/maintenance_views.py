@@ -174,7 +174,8 @@ class MaintenanceView:
     store : its folder. ``nothing`` : why there is none, or nothing in it; else empty.
     line : name of the production line.
     hours : of record in the store, from ``from_s`` to ``to_s``; ``web_km`` passed in them.
-    notes : what to know first, a sentence each.
+    notes : what to know first, a sentence each. ``without_a_line`` : of which roller, or roll of
+        web that is on, there is no line, and why.
     """
 
     store: str
@@ -187,5 +188,6 @@ class MaintenanceView:
     notes: tuple[str, ...] = ()
     lives: tuple[LifeRow, ...] = ()
     trends: tuple[TrendRow, ...] = ()
+    without_a_line: tuple[str, ...] = ()
     rankings: tuple[RankingRow, ...] = ()
     suppliers: tuple[SupplierRankingRow, ...] = ()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import inspect
+import math
 import textwrap
 from collections.abc import Iterator
 from typing import Any
@@ -12,11 +13,14 @@ import pytest
 
 pytest.importorskip("numba")
 
-from aff_hmi.commission.of_runs import refined_in
+from aff_hmi.commission.of_runs import maintenance_in, refined_in
 from aff_hmi.commission.sentences import sentence
 from aff_hmi.words import say_in
 from aff_runtime.app.commission import maintenance_jobs, refine_jobs
+from aff_runtime.app.commission.maintenance_views import MaintenanceView
 from aff_runtime.app.commission.refine_views import AskedOf, RefinedRow, RefinedView
+from aff_runtime.app.report.watching import sentences
+from aff_runtime.app.report.watching.findings import Unread
 from aff_runtime.base.refinement import Summary
 from sim_plant.refine.model import record_match, run_caveats
 from sim_plant.refine.report import announce
@@ -124,6 +128,16 @@ def test_a_limit_of_one_record_keeps_its_name_before_it() -> None:
     shown = refined_in(view, GERMAN).summary
     assert shown is not None
     assert shown.limits[0].startswith("run@2:00..9:00: kein Sprung des Zugsollwerts")
+
+
+def test_why_there_is_no_line_of_a_roller_is_translated() -> None:
+    rolls = [Unread(roll="r6", turns=4, turn_s=turn_s) for turn_s in (2.0, math.nan)]
+    view = MaintenanceView(store="/watch", without_a_line=tuple(sentences.unread(rolls)))
+    few = "r6: keine Zeile, 4 ganze Umdrehungen in seinem längsten gleichmäßigen Abschnitt, 8 sind"
+    assert maintenance_in(view, GERMAN).without_a_line == (
+        f"{few} nötig, 20 s bei einer Geschwindigkeit",
+        f"{few} nötig",
+    )
 
 
 def test_what_a_store_without_readings_says_is_translated() -> None:

@@ -188,6 +188,7 @@ WORST = of_weeks.WorstRow(order=1, size=120.0, error=3.0, unit="um")
 MAINTENANCE = of_weeks.MaintenanceView(
     store="/watch",
     line="Euclid",
+    without_a_line=("r7: no line",),
     lives=(
         of_weeks.LifeRow(
             roll="r6",

@@ -1,7 +1,10 @@
 """A line over weeks for a screen: the same numbers as in the store, and lives that begin there."""
 
+import math
 import shutil
+from dataclasses import replace
 
+import numpy as np
 import pytest
 
 pytest.importorskip("pyarrow")
@@ -16,7 +19,7 @@ from aff_runtime.app.commission.maintenance_jobs import (
 )
 from aff_runtime.app.commission.messages import Request
 from aff_runtime.app.commission.sources import Paths
-from aff_runtime.app.report.watching.findings import findings
+from aff_runtime.app.report.watching.findings import QUANTITIES, findings
 from aff_runtime.app.report.watching.store import load_store, save_store
 from aff_runtime.base.errors import ConfigError, RefusedError
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE
@@ -83,6 +86,21 @@ def test_a_growing_stroke_is_told_with_slope_interval_and_day_as_the_store_has_i
     assert shown.notes[0].startswith("r6 1x stroke grows")
     assert (shown.hours, shown.nothing) == (DAYS, "")
     assert shown.web_km == pytest.approx(DAYS * HOUR_M / 1e3)
+
+
+def test_what_turned_too_little_is_named_with_what_it_lacks(where):
+    """As the console says it: of eight whole turns at one speed it has four, at 2 s a turn."""
+    made = made_store(3)
+    orders, ones = made.orders, np.ones(made.orders["turns"].size)
+    lacking = {one.name: math.nan * ones for one in QUANTITIES if one.name in orders}
+    turns = {"turns": 4 * ones.astype(int), "frequency_Hz": 0.5 * orders["order"]}
+    folder = store_of(where)
+    folder.mkdir(parents=True)
+    save_store(folder, replace(made, orders={**orders, **lacking, **turns}))
+    lacks = "no line, 4 whole turns in its longest steady stretch, 8 are needed, 20 s at one speed"
+    assert view(where).without_a_line == (f"r6: {lacks}", f"unwind: {lacks}")
+    save_store(folder, made)
+    assert view(where).without_a_line == ()
 
 
 def test_many_readings_are_shown_as_means_of_neighbours(where):
