@@ -8,7 +8,7 @@ from enum import StrEnum
 
 from aff_runtime.app.card.entries import UNKNOWN, Begun, Entry, Inputs, Measured, Signed
 from aff_runtime.app.card.figures import Sample, Verdict
-from aff_runtime.app.card.steps import STEPS, Rest, Step
+from aff_runtime.app.card.steps import STEPS, Basis, Step
 
 
 class Stand(StrEnum):
@@ -124,44 +124,44 @@ def changed(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
     What is not known on one side is no change; a response that is on one side alone is one. A
     learned shape is none: the law saves it anew at each bypass, that of the proof among them.
     """
-    for rest in step.rests_on:
-        if rest is Rest.SITE:
+    for basis in step.rests_on:
+        if basis is Basis.SITE:
             yield from _changed_site(step, then, now)
-        elif rest is Rest.RESPONSES:
+        elif basis is Basis.RESPONSES:
             for name, old, new in _responses(then, now):
                 if UNKNOWN not in (old, new) and not _one_begins_the_other(old, new):
-                    yield _was(f"{rest} of {name}", old, new)
-        elif rest is Rest.MACHINE:
+                    yield _was(f"{basis} of {name}", old, new)
+        elif basis is Basis.MACHINE:
             if (
                 then.machine
                 and now.machine
                 and not _one_begins_the_other(then.machine, now.machine)
             ):
-                yield f"{rest}: {then.machine}, now {now.machine}"
-        elif not _alike(*_pair(rest, then, now)):
-            yield _was(rest, *_pair(rest, then, now))
+                yield f"{basis}: {then.machine}, now {now.machine}"
+        elif not _alike(*_pair(basis, then, now)):
+            yield _was(basis, *_pair(basis, then, now))
 
 
 def not_compared(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
     """Yield what a step rests on and is known on one side alone: nobody can say that it stayed."""
-    for rest in step.rests_on:
-        if rest is Rest.RESPONSES:
+    for basis in step.rests_on:
+        if basis is Basis.RESPONSES:
             for name, old, new in _responses(then, now):
                 if UNKNOWN in (old, new):
-                    yield f"{rest} of {name} not compared"
-        elif rest is Rest.SITE:
+                    yield f"{basis} of {name} not compared"
+        elif basis is Basis.SITE:
             yield from _site_not_compared(step, then, now)
-        elif _is_one_sided(*_pair(rest, then, now)):
-            yield f"{rest} not compared"
+        elif _is_one_sided(*_pair(basis, then, now)):
+            yield f"{basis} not compared"
 
 
-def _pair(rest: Rest, then: Inputs, now: Inputs) -> tuple[str, str]:
+def _pair(basis: Basis, then: Inputs, now: Inputs) -> tuple[str, str]:
     pairs = {
-        Rest.PLC: (then.plc, now.plc),
-        Rest.ROLL: (then.roll_id, now.roll_id),
-        Rest.MACHINE: (then.machine, now.machine),
+        Basis.PLC: (then.plc, now.plc),
+        Basis.ROLL: (then.roll_id, now.roll_id),
+        Basis.MACHINE: (then.machine, now.machine),
     }
-    return pairs[rest]
+    return pairs[basis]
 
 
 def _responses(then: Inputs, now: Inputs) -> Iterator[tuple[str, str, str]]:
@@ -174,23 +174,23 @@ def _changed_site(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
     """Yield the parts of the site file that are other ones; of an older entry the whole file."""
     if not (then.parts and now.parts):
         if not _alike(then.site_hash, now.site_hash):
-            yield _was(Rest.SITE, then.site_hash, now.site_hash)
+            yield _was(Basis.SITE, then.site_hash, now.site_hash)
         return
     for part in step.parts:
         old, new = then.parts.get(part.name, ""), now.parts.get(part.name, "")
         if not _alike(old, new):
-            yield _was(f"{Rest.SITE}, {part}", old, new)
+            yield _was(f"{Basis.SITE}, {part}", old, new)
 
 
 def _site_not_compared(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
     """Yield the parts of the site file that one side alone has, as of another release's entry."""
     if not (then.parts and now.parts):
         if _is_one_sided(then.site_hash, now.site_hash):
-            yield f"{Rest.SITE} not compared"
+            yield f"{Basis.SITE} not compared"
         return
     for part in step.parts:
         if _is_one_sided(then.parts.get(part.name, ""), now.parts.get(part.name, "")):
-            yield f"{Rest.SITE}, {part} not compared"
+            yield f"{Basis.SITE}, {part} not compared"
 
 
 def former_samples(step: Step, entries: Sequence[Entry], now: Inputs) -> tuple[Sample, ...]:

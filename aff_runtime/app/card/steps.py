@@ -26,8 +26,8 @@ from aff_runtime.app.card.site_parts import ALL, Part
 from aff_runtime.base.errors import RefusedError
 
 
-class Rest(StrEnum):
-    """What a step rests on: when it has changed, the step has to be done again."""
+class Basis(StrEnum):
+    """What a step rests on: when it has changed, the step is due again."""
 
     SITE = "site file"
     PLC = "program of the PLC"
@@ -57,7 +57,7 @@ class Step:
     measured: str
     unit: str
     limit: str
-    rests_on: tuple[Rest, ...]
+    rests_on: tuple[Basis, ...]
     parts: tuple[Part, ...] = ()
     needs: tuple[Need, ...] = ()
     seconds: float = 0.0
@@ -66,9 +66,9 @@ class Step:
     measure: Callable[[Evidence], StepResult]
 
 
-_WORDS = (Rest.SITE, Rest.PLC)
-_LOOP = (Rest.SITE, Rest.PLC, Rest.RESPONSES)
-_ROLL = (*_LOOP, Rest.ROLL)
+_WORDS = (Basis.SITE, Basis.PLC)
+_LOOP = (Basis.SITE, Basis.PLC, Basis.RESPONSES)
+_ROLL = (*_LOOP, Basis.ROLL)
 _RECORD = (Need.RECORD,)
 _READ = (Part.CHANNELS, Part.SIGNALS)
 _BUS = (*_READ, Part.WIRE, Part.LINE)
@@ -84,7 +84,7 @@ STEPS: tuple[Step, ...] = (
         measured="99 % point of the wake-up, rights granted",
         unit="us",
         limit="at most 500 us over 60 s, SCHED_FIFO granted",
-        rests_on=(Rest.MACHINE,),
+        rests_on=(Basis.MACHINE,),
         needs=(Need.RECORD, Need.SERVICE),
         seconds=61.0,
         measure=machine.measure,
@@ -132,7 +132,7 @@ STEPS: tuple[Step, ...] = (
         measured="reaction and its time, typed",
         unit="ms",
         limit="zero or ramp, at most 300 ms",
-        rests_on=(Rest.PLC,),
+        rests_on=(Basis.PLC,),
         typed=lambda _: limits.WATCHDOG_TYPED,
         measure=limits.watchdog,
     ),

@@ -42,8 +42,8 @@ def test_what_is_known_of_effects_is_still_what_the_catalogue_says():
         ("travel", {"wavenumber_1_m": 2.0, "equivalent_radius_m": 0.08}),
         ("event", {"from_s": 43.2, "zone": "the pull roll's zone", "channel": "pullroll_N"}),
         ("state", {"declared": "web.EA_N", "standard_deviations": 7.0}),
-        ("noise", {"channels": "a_N, b_N", "from_Hz": 1.0, "to_Hz": 2.0}),
-        ("noise", {}),
+        ("broadband", {"channels": "a_N, b_N", "from_Hz": 1.0, "to_Hz": 2.0}),
+        ("broadband", {}),
     ],
 )
 def test_what_is_unknown_is_told_in_german_with_the_same_numbers(kind, where):

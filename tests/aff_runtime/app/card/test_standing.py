@@ -15,16 +15,16 @@ from aff_runtime.app.card.standing import (
     newest_plc,
     not_compared,
 )
-from aff_runtime.app.card.steps import STEPS, Rest, step_of
+from aff_runtime.app.card.steps import STEPS, Basis, step_of
 from aff_runtime.base.errors import ConfigError, RefusedError
 from tests.aff_runtime.app.card.made import BAD, BEGUN_OF, INPUTS, add, book, measured, signed
 
 OTHERS = {
-    Rest.SITE: replace(INPUTS, site_hash="9" * 64),
-    Rest.PLC: replace(INPUTS, plc="8"),
-    Rest.ROLL: replace(INPUTS, roll_id="5"),
-    Rest.RESPONSES: replace(INPUTS, responses={"unwind": "9" * 64}),
-    Rest.MACHINE: replace(INPUTS, machine="Linux 6 x86_64, 2 processors"),
+    Basis.SITE: replace(INPUTS, site_hash="9" * 64),
+    Basis.PLC: replace(INPUTS, plc="8"),
+    Basis.ROLL: replace(INPUTS, roll_id="5"),
+    Basis.RESPONSES: replace(INPUTS, responses={"unwind": "9" * 64}),
+    Basis.MACHINE: replace(INPUTS, machine="Linux 6 x86_64, 2 processors"),
 }
 
 
@@ -61,7 +61,7 @@ def test_a_signature_is_of_one_measurement_and_not_of_the_next(tmp_path):
     assert not stands(card)[3].is_finished
 
 
-@pytest.mark.parametrize("rest", list(Rest))
+@pytest.mark.parametrize("rest", list(Basis))
 @pytest.mark.parametrize("step", STEPS, ids=lambda step: str(step.number))
 def test_a_step_is_due_again_by_what_it_rests_on_and_nothing_else(tmp_path, step, rest):
     card = book(tmp_path)
@@ -74,10 +74,10 @@ def test_a_step_is_due_again_by_what_it_rests_on_and_nothing_else(tmp_path, step
 
 def test_what_is_not_known_on_one_side_is_no_change_and_said():
     unknown = replace(INPUTS, plc="", roll_id="", machine="", responses={"unwind": UNKNOWN})
-    names = {Rest.PLC, Rest.ROLL, Rest.MACHINE}
+    names = {Basis.PLC, Basis.ROLL, Basis.MACHINE}
     for step in STEPS:
         wanted = {f"{rest} not compared" for rest in step.rests_on if rest in names}
-        if Rest.RESPONSES in step.rests_on:
+        if Basis.RESPONSES in step.rests_on:
             wanted.add("measured responses of unwind not compared")
         for then, now in ((INPUTS, unknown), (unknown, INPUTS)):
             assert list(changed(step, then, now)) == []
@@ -104,7 +104,7 @@ def test_a_part_of_the_site_file_that_one_side_alone_knows_is_no_change_and_said
 def test_a_site_file_that_one_side_alone_knows_is_no_change_and_said():
     unknown = replace(INPUTS, site_hash="", parts={})
     for step in STEPS:
-        wanted = ["site file not compared"] if Rest.SITE in step.rests_on else []
+        wanted = ["site file not compared"] if Basis.SITE in step.rests_on else []
         for then, now in ((INPUTS, unknown), (unknown, INPUTS)):
             assert list(changed(step, then, now)) == []
             assert list(not_compared(step, then, now)) == wanted
@@ -125,8 +125,8 @@ def test_samples_count_as_long_as_site_and_plc_are_the_same(tmp_path):
         add(card, measured(1, samples=(sample,)))
     entries = entries_of(card.read())
     assert former_samples(step_of(1), entries, INPUTS) == (one, two)
-    assert former_samples(step_of(1), entries, OTHERS[Rest.RESPONSES]) == (one, two)
-    assert former_samples(step_of(1), entries, OTHERS[Rest.SITE]) == ()
+    assert former_samples(step_of(1), entries, OTHERS[Basis.RESPONSES]) == (one, two)
+    assert former_samples(step_of(1), entries, OTHERS[Basis.SITE]) == ()
     assert former_samples(step_of(2), entries, INPUTS) == ()
     assert newest_plc(entries) == "7"
 
