@@ -85,7 +85,7 @@ def filled(text: str, values: Mapping[str, str], say: Say) -> str:
 def _alarm(seen: Observed) -> Iterator[Condition]:
     if seen.row is None or not seen.writer_lives:
         return
-    event = BY_CODE.get(seen.row.alarm)
+    event = BY_CODE.get(seen.row.alarm_code)
     if event is not None and event.name in PRIORITIES:
         yield Condition(
             key=event.name,
@@ -153,7 +153,7 @@ def _service(seen: Observed) -> Iterator[Condition]:
             page=ROLLS if of_roll else TIMING,
         )
     for text in facts.status.config_differs[:1]:
-        if seen.row is None or seen.row.alarm != 10:  # the alarm of that name says it too
+        if seen.row is None or seen.row.alarm_code != 10:  # the alarm of that name says it too
             yield Condition(
                 key="CONFIG_DIFFERS",
                 rank=low,

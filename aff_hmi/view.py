@@ -136,7 +136,7 @@ def view_of(
         notes |= {slot: say(DOUBT) for slot in doubted if slot in notes}
     return View(
         layout=layout.ident,
-        plc_age_s=finite_or_none(row.number("age_s"), 6) if row is not None else None,
+        plc_age_s=finite_or_none(row.plc_age_s, 6) if row is not None else None,
         tick_age_s=seen.tick_age_s if seen.writer_lives else None,
         facts_age_s=finite_or_none(seen.facts_age_s, 6) if seen.facts_age_s is not None else None,
         plc_late_s=site.hold_after_s if site is not None else 0.0,
@@ -211,7 +211,7 @@ def _why(
         why = say(N_("the response is being measured: a small excitation goes out"))
         return why, say(N_("wait; bypass ends it"))
     reason = reason_of(
-        state, seen.row.alarm if seen.row is not None else 0, blocked, say, standing
+        state, seen.row.alarm_code if seen.row is not None else 0, blocked, say, standing
     )
     return reason.why, reason.to_do
 

@@ -96,7 +96,7 @@ class SeriesSet:
         values : of the overview, by slot (``now:unwind``); those that are no curves are left out.
         """
         sample = np.full((1, len(self.all)), np.nan)
-        if row.number("age_s") > self._fault_after_s:
+        if row.plc_age_s > self._fault_after_s:
             return sample
         numbers = sample[0]
         for slot, value in values.items():

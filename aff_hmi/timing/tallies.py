@@ -112,7 +112,7 @@ class Tallies:
             unit = "meters_per_second" if output.unit == VELOCITY else "newton_meters"
             peak = window.peak(f"correction_{output.column}")
             yield Sample(f"aff_correction_peak_{unit}", (output.actuator,), peak)
-        if seen.row.number("age_s") <= site.fault_after_s:
+        if seen.row.plc_age_s <= site.fault_after_s:
             for channel in seen.row.channels:
                 if channel.is_of("_N") and channel.name not in site.references:
                     rms_N = window.rms(channel.name)

@@ -81,7 +81,7 @@ def lines(answer: StatusAnswer) -> Iterator[str]:
         tick = answer.live.tick
         timing = tick.timing
         yield (
-            f"comm     {answer.live.comm}, age {_short(timing.age_s, 1e3)} ms, "
+            f"comm     {answer.live.comm}, age {_short(timing.plc_age_s, 1e3)} ms, "
             f"tick {_short(timing.tick_us, 1e-3)} ms, "
             f"missed {_number(timing.missed_count)} ticks"
         )
@@ -92,8 +92,8 @@ def lines(answer: StatusAnswer) -> Iterator[str]:
         for channel in tick.channels:
             if channel.is_of(*SHOWN):
                 yield f"{channel.name:32} {_number(channel.value)}"
-        for sent in tick.corrections:
-            yield f"{sent.name:32} {_number(sent.value)}"
+        for due in tick.corrections:
+            yield f"{due.name:32} {_number(due.value)}"
     yield from block_lines(answer.blocks)
     yield from why_lines(answer.blocks)
     for text in answer.meeting_sentences:

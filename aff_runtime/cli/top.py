@@ -11,7 +11,7 @@ from typing import Any
 from aff_runtime.app.report.block_status import BlockStatus
 from aff_runtime.app.report.status import headline
 from aff_runtime.app.report.status_answer import StatusAnswer
-from aff_runtime.app.report.tick_row import CorrectionSent, TickRow
+from aff_runtime.app.report.tick_row import CorrectionDue, TickRow
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.printable import printable
 from aff_runtime.cli.service import connect, status_of
@@ -89,16 +89,16 @@ def _comm_row(answer: StatusAnswer) -> str:
         return "starting"
     timing = answer.live.tick.timing
     return (
-        f"comm {answer.live.comm}  age {_shown(timing.age_s, 1e3)} ms  "
+        f"comm {answer.live.comm}  age {_shown(timing.plc_age_s, 1e3)} ms  "
         f"io {_shown(timing.io_us, 1e-3)} ms  tick {_shown(timing.tick_us, 1e-3)} ms  "
         f"missed {_shown(timing.missed_count)}"
     )
 
 
-def _correction_row(sent: CorrectionSent) -> str:
+def _correction_row(due: CorrectionDue) -> str:
     """Return one actuator's row with the share of the law's wish that goes out."""
-    bar = "#" * round(BAR * min(1.0, max(0.0, sent.applied_ratio or 0.0)))
-    return f"{sent.name:40} {_shown(sent.value):>12}  |{bar:.<{BAR}}| out"
+    bar = "#" * round(BAR * min(1.0, max(0.0, due.applied_ratio or 0.0)))
+    return f"{due.name:40} {_shown(due.value):>12}  |{bar:.<{BAR}}| out"
 
 
 def _shown(value: float | None, factor: float = 1.0) -> str:

@@ -48,14 +48,14 @@ def live_status(tick: TickRow, need: Sequence[str], site: Site) -> tuple[State, 
     """
     return tick.state, replace(
         live_tick(tick),
-        blocked_by=missing_permissive(tick.status, need),
+        blocked_by=missing_permissive(tick.status_word, need),
         blocks=blocks(tick, site),
     )
 
 
 def live_tick(tick: TickRow) -> Live:
     """Return what a row of the ring says without knowledge of its site."""
-    event = BY_CODE.get(tick.alarm, BY_CODE[0])
+    event = BY_CODE.get(tick.alarm_code, BY_CODE[0])
     return Live(
         alarm=Alarm(code=event.code, name=event.name, text=event.text, action=event.action),
         comm=tick.outcome.name,

@@ -1,4 +1,7 @@
-"""One row per tick as objects: the one place above the loop that knows its columns by name."""
+"""One row per tick as objects.
+
+Who works on whole columns takes their names from ``loop.record``.
+"""
 
 from __future__ import annotations
 
@@ -21,13 +24,13 @@ class Timing:
 
     Attributes
     ----------
-    age_s : time since the PLC's heartbeat last moved, s.
+    plc_age_s : time since the PLC's heartbeat last moved, s.
     io_us : how long the exchange with the PLC took, us.
     tick_us : from the start of the tick until its record was made, us.
     missed_count : ticks that never happened, since the control process began to tick.
     """
 
-    age_s: float | None
+    plc_age_s: float | None
     io_us: float | None
     tick_us: float | None
     missed_count: float | None
@@ -46,8 +49,8 @@ class Channel:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class CorrectionSent:
-    """What the guard let out to one drive; it goes out with the next tick.
+class CorrectionDue:
+    """What the guard lets out to one drive; it is sent with the next tick.
 
     Attributes
     ----------
@@ -82,7 +85,8 @@ class TickRow:
     """One row of the ring.
 
     Of an empty row (``TickRow({})``, before the first tick) every number is NaN, and nothing is
-    fresh, measured or sent; ``state``, ``is_live``, ``alarm``, ``status`` and ``outcome`` raise.
+    fresh, measured or sent; ``state``, ``is_live``, ``alarm_code``,
+    ``status_word`` and ``outcome`` raise.
 
     Attributes
     ----------
@@ -106,7 +110,7 @@ class TickRow:
         """
         return State(int(self.number("state")))
 
-    def age_s(self, start_ns: int, now_ns: int) -> float:
+    def tick_age_s(self, start_ns: int, now_ns: int) -> float:
         """Return how old the row is, s; NaN where its control process does not say when it began.
 
         Parameters
@@ -128,7 +132,7 @@ class TickRow:
         return bool(bits & (StateBits.ARMED | StateBits.ACTIVE | StateBits.FADING))
 
     @property
-    def alarm(self) -> int:
+    def alarm_code(self) -> int:
         """Code of the alarm that stands; 0: none.
 
         Raises
@@ -139,7 +143,7 @@ class TickRow:
         return int(self.number("alarm"))
 
     @property
-    def status(self) -> int:
+    def status_word(self) -> int:
         """The PLC's status word.
 
         Raises
@@ -177,11 +181,16 @@ class TickRow:
         return self.number("time_s")
 
     @property
+    def plc_age_s(self) -> float:
+        """Time since the PLC's heartbeat last moved, s; NaN where it is not known."""
+        return self.number("age_s")
+
+    @property
     def timing(self) -> Timing:
         """How the tick went."""
         get = self.values.get
         return Timing(
-            age_s=get("age_s"),
+            plc_age_s=get("age_s"),
             io_us=get("io_us"),
             tick_us=get("tick_us"),
             missed_count=get("missed_count"),
@@ -200,18 +209,18 @@ class TickRow:
         )
 
     @property
-    def corrections(self) -> tuple[CorrectionSent, ...]:
+    def corrections(self) -> tuple[CorrectionDue, ...]:
         """What goes out with the next tick, in the order of the site file's actuators."""
         return tuple(self._corrections())
 
-    def _corrections(self) -> Iterator[CorrectionSent]:
+    def _corrections(self) -> Iterator[CorrectionDue]:
         for name, value in self.values.items():
             if name.startswith(CORRECTION):
                 ratio = self.values.get(APPLIED_RATIO + name.removeprefix(CORRECTION))
-                yield CorrectionSent(name=name, value=value, applied_ratio=ratio)
+                yield CorrectionDue(name=name, value=value, applied_ratio=ratio)
 
     def applied_ratio(self, actuator: str) -> float:
-        """Return ``applied_ratio`` of an actuator, see ``CorrectionSent``; NaN when unknown."""
+        """Return ``applied_ratio`` of an actuator, see ``CorrectionDue``; NaN when unknown."""
         ratios = (self.number(f"{APPLIED_RATIO}{actuator}_{unit}") for unit in _UNITS)
         return next((ratio for ratio in ratios if not math.isnan(ratio)), math.nan)
 

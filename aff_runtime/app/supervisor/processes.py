@@ -301,7 +301,7 @@ class Processes:
     def age_s(self, tick: TickRow) -> float:
         """Return how old a row of the ring is, s; NaN where that is not known."""
         start_ns = self.ring.header.meta.start_ns if self.ring is not None else 0
-        return tick.age_s(start_ns, self._clock.now_ns())
+        return tick.tick_age_s(start_ns, self._clock.now_ns())
 
     def fresh(self) -> TickRow | None:
         """Return the newest row, None where it is too old to say how the line stands."""

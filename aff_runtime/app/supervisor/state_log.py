@@ -27,7 +27,7 @@ class StateLog:
         """Log what has changed since the last call; nothing while there is no record."""
         if tick is None:
             return
-        state, alarm = tick.state, tick.alarm
+        state, alarm = tick.state, tick.alarm_code
         if (state, alarm) == (self._state, self._alarm):
             return
         event = BY_CODE.get(alarm, BY_CODE[0])

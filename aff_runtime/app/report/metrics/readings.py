@@ -114,7 +114,7 @@ def _samples(answer: StatusAnswer | None, now_ns: int) -> Iterator[Sample]:
 
 def tick_age_s(live: Live, now_ns: int) -> float:
     """Return how long ago the newest tick began, s; NaN when that is not known."""
-    return live.tick.age_s(live.meta.start_ns, now_ns)
+    return live.tick.tick_age_s(live.meta.start_ns, now_ns)
 
 
 def _ticks(live: Live | None, now_ns: int) -> bool:
@@ -143,14 +143,14 @@ def _ticking(live: Live) -> Iterator[Sample]:
     timing = live.tick.timing
     yield Sample("aff_ticks_total", (), live.tick.number("tick") + 1.0)
     yield Sample("aff_ticks_missed_total", (), _known(timing.missed_count))
-    yield Sample("aff_plc_heartbeat_age_seconds", (), _known(timing.age_s))
+    yield Sample("aff_plc_heartbeat_age_seconds", (), _known(timing.plc_age_s))
     for right in live.meta.rights:
         name = right.text.split(":", maxsplit=1)[0]
         yield Sample("aff_realtime_right_granted", (name,), float(right.granted))
 
 
 def _line(facts: LineFacts, tick: TickRow) -> Iterator[Sample]:
-    if tick.number("age_s") <= facts.fault_after_s:
+    if tick.plc_age_s <= facts.fault_after_s:
         yield from _measured(facts, tick)
     for output in facts.outputs:
         kind = "meters_per_second" if output.unit == VELOCITY else "newton_meters"
@@ -164,7 +164,7 @@ def _line(facts: LineFacts, tick: TickRow) -> Iterator[Sample]:
 def _measured(facts: LineFacts, tick: TickRow) -> Iterator[Sample]:
     """Yield what was read from the PLC in this tick."""
     for name in facts.permissives:
-        yield Sample("aff_permissive_ok", (name,), float(bool(tick.status & Status[name])))
+        yield Sample("aff_permissive_ok", (name,), float(bool(tick.status_word & Status[name])))
     for channel in tick.channels:
         if channel.is_of("_N"):
             kind = "tension_reference" if channel.name in facts.references else "tension"
