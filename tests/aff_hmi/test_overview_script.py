@@ -16,13 +16,15 @@ from tests.aff_hmi.scripts import STATIC, called
 PAGE = """
 const parts = {};
 const bare = (id) => ({ id, dataset: {}, textContent: "", setAttribute: () => {},
-  classList: { toggle: () => {} }, querySelector: () => null, closest: () => (parts[id] ??= part()) });
-const part = () => ({ dataset: { from: "supervisor" }, dead: null, querySelector: () => null,
+  classList: { toggle: () => {} }, querySelector: () => null,
+  closest: () => (parts[id] ??= part()) });
+const part = () => ({ dataset: { from: "supervisor" }, querySelector: () => null,
   classList: { toggle(name, is) { this.is = is; } } });
 const found = {};
 const absent = ["also", "alarms", "coming", "events"];
 const byId = (id) => (absent.includes(id) ? null : (found[id] ??= bare(id)));
-byId("words").dataset = { unknown: "UNKNOWN", was: "was", none: "-", old: "{age}", since: "{age}" };
+const age = "{age}";
+byId("words").dataset = { unknown: "UNKNOWN", was: "was", none: "-", old: age, since: age };
 for (const id of ["why", "to-do"]) byId(id).closest();
 globalThis.document = { documentElement: byId("root"), title: "Euclid", hidden: false,
   getElementById: byId, addEventListener: () => {}, dispatchEvent: () => {},

@@ -27,7 +27,7 @@ def is_finished(stand: str, *, is_signed: bool) -> bool:
     return stand in (Stand.PASS, Stand.NOT_APPLICABLE) and is_signed
 
 
-_OF_VERDICT = {
+_STAND_OF_VERDICT = {
     Verdict.PASS: Stand.PASS,
     Verdict.FAIL: Stand.FAIL,
     Verdict.OPEN: Stand.OPEN,
@@ -215,14 +215,14 @@ def newest_plc(entries: Sequence[Entry]) -> str:
 
 
 def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepStanding:
-    mine = [
+    measurements = [
         entry
         for entry in entries
         if isinstance(entry.content, Measured) and entry.content.step == step.number
     ]
-    if not mine:
+    if not measurements:
         return StepStanding(step=step, stand=Stand.NOT_MEASURED)
-    last = mine[-1]
+    last = measurements[-1]
     assert isinstance(last.content, Measured)
     then = last.content.inputs
     if not (then.machine or then.parts):  # of an older release: the card's first entry names it
@@ -239,11 +239,11 @@ def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepS
     )
     return StepStanding(
         step=step,
-        stand=Stand.AGAIN if why else _OF_VERDICT[last.content.verdict],
+        stand=Stand.AGAIN if why else _STAND_OF_VERDICT[last.content.verdict],
         why=why,
         not_compared=tuple(not_compared(step, then, now)) if now is not None else (),
         last=last,
-        earlier=len(mine) - 1,
+        earlier=len(measurements) - 1,
         signature_entry=signature_entry,
     )
 

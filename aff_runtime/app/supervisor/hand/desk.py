@@ -29,7 +29,7 @@ from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.command_counts import CommandTally, Result, Via
 from aff_runtime.app.supervisor.hand.entries import ServiceState, entry_of
 from aff_runtime.app.supervisor.hand.quotas import Limits, Quota
-from aff_runtime.app.supervisor.hand.visits import Caller, Visits
+from aff_runtime.app.supervisor.hand.visits import ScreenVisitor, Visits
 from aff_runtime.base.ports import Clock
 from aff_runtime.base.signals import State
 
@@ -47,7 +47,7 @@ class HandRules:
     commands_from: Place = Place.PANEL
 
 
-class Commanded(Protocol):
+class CommandedService(Protocol):
     """The service, as far as a screen reaches it."""
 
     def now(self) -> ServiceState:
@@ -90,7 +90,7 @@ class HandDesk:
         is_private: bool,
         rules: HandRules,
         audit: Audit,
-        service: Commanded,
+        service: CommandedService,
         counts: CommandTally,
     ) -> None:
         self._clock = clock
@@ -132,12 +132,12 @@ class HandDesk:
 
     # --- one visitor ------------------------------------------------------------------------
 
-    def _welcome(self, visitor: Caller) -> None:
+    def _welcome(self, visitor: ScreenVisitor) -> None:
         rules = self._rules
         said = Welcome(version=__version__, ceiling=rules.ceiling, arms_from=rules.commands_from)
         visitor.tell(said)
 
-    def _hear(self, visitor: Caller, packet: bytes) -> bool:
+    def _hear(self, visitor: ScreenVisitor, packet: bytes) -> bool:
         """Do what one packet says; False when its visitor has to go."""
         limits = self._limits.setdefault(visitor.peer.uid, Limits(self._clock))
         try:
@@ -161,13 +161,13 @@ class HandDesk:
             limits.lines.of(said.account).leave_out()
         return is_heard
 
-    def _refuse_unreadable(self, visitor: Caller, why: str, limits: Limits) -> None:
+    def _refuse_unreadable(self, visitor: ScreenVisitor, why: str, limits: Limits) -> None:
         entry = Entry(what="no command", result="refused", why=why, peer=str(visitor.peer))
         self._keep(limits.lines.of(""), entry)
 
     # --- commands ---------------------------------------------------------------------------
 
-    def _bypass(self, visitor: Caller, command: Command, limits: Limits) -> None:
+    def _bypass(self, visitor: ScreenVisitor, command: Command, limits: Limits) -> None:
         """Take the correction back first; everything else comes after."""
         before = self._service.now().state
         is_at_once = limits.bypasses.take()
@@ -188,7 +188,7 @@ class HandDesk:
         self._service.bypass()
         self._bypass_due.clear()
 
-    def _press(self, visitor: Caller, command: Command, limits: Limits) -> None:
+    def _press(self, visitor: ScreenVisitor, command: Command, limits: Limits) -> None:
         """Have what changes something done, or say why not; it is on record before it is done."""
         now = self._service.now()
         entry = entry_of(command, visitor, now)
@@ -256,7 +256,7 @@ class HandDesk:
         self._ids[ident] = now_ns
         return True
 
-    def _answered(self, visitor: Caller, command: Command, reply: Reply) -> None:
+    def _answered(self, visitor: ScreenVisitor, command: Command, reply: Reply) -> None:
         """Put the control process's answer on record and pass it on."""
         entry = entry_of(command, visitor, self._service.now())
         result = Result.DONE if reply.ok else Result.REFUSED

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from aff_runtime.app.hand.audit import Entry
 from aff_runtime.app.hand.messages import Command, Notice
-from aff_runtime.app.supervisor.hand.visits import Caller
+from aff_runtime.app.supervisor.hand.visits import ScreenVisitor
 from aff_runtime.base.signals import State
 
 
@@ -35,9 +35,11 @@ class ServiceState:
     remote: bool = False
 
 
-def entry_of(message: Command | Notice, caller: Caller, now: ServiceState | None = None) -> Entry:
+def entry_of(
+    message: Command | Notice, visitor: ScreenVisitor, now: ServiceState | None = None
+) -> Entry:
     """Return the audit entry of a message, before its result is known (a notice has none)."""
-    peer = str(caller.peer)
+    peer = str(visitor.peer)
     if isinstance(message, Notice):
         return Entry(
             what=message.what,

@@ -16,7 +16,7 @@ PACKETS_PER_ROUND = 16  # of one visitor, before others have their turn
 ANOTHER = "name another folder with --hand-dir"
 
 
-class Caller(Visitor):
+class ScreenVisitor(Visitor):
     """One screen."""
 
     def tell(self, message: Told) -> None:
@@ -27,7 +27,7 @@ class Caller(Visitor):
             return
 
 
-class Visits(PacketSocket[Caller]):
+class Visits(PacketSocket[ScreenVisitor]):
     """Listens at ``hand.sock`` in a folder.
 
     Parameters
@@ -36,15 +36,15 @@ class Visits(PacketSocket[Caller]):
     hear : called with every packet; False sends the visitor away.
     """
 
-    KIND = Caller
+    KIND = ScreenVisitor
     MOST = MAX_VISITORS
 
     def __init__(
         self,
         folder: Path,
         selector: selectors.BaseSelector,
-        welcome: Callable[[Caller], None],
-        hear: Callable[[Caller, bytes], bool],
+        welcome: Callable[[ScreenVisitor], None],
+        hear: Callable[[ScreenVisitor, bytes], bool],
         *,
         is_private: bool,
     ) -> None:
@@ -55,13 +55,13 @@ class Visits(PacketSocket[Caller]):
     def _uids(self) -> frozenset[int]:
         return screen_uids()
 
-    def _welcome(self, connection: socket.socket, peer: Peer) -> Caller:
-        return Caller(connection, peer)
+    def _welcome(self, connection: socket.socket, peer: Peer) -> ScreenVisitor:
+        return ScreenVisitor(connection, peer)
 
-    def _greet(self, visitor: Caller) -> None:
+    def _greet(self, visitor: ScreenVisitor) -> None:
         self._say_welcome(visitor)
 
-    def _attend(self, visitor: Caller) -> None:
+    def _attend(self, visitor: ScreenVisitor) -> None:
         """Take up to ``PACKETS_PER_ROUND`` packets of one visitor."""
         for _ in range(PACKETS_PER_ROUND):
             try:

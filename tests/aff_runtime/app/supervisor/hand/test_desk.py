@@ -20,7 +20,7 @@ from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor.hand import visits
 from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules
 from aff_runtime.app.supervisor.hand.entries import ServiceState
-from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS, Caller, Visits
+from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS, ScreenVisitor, Visits
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import State
 from tests.aff_runtime.app.supervisor.hand.stand import Stand
@@ -267,8 +267,8 @@ def test_a_flood_of_bypasses_of_one_user_costs_another_none_of_his(
 ) -> None:
     uids = iter((1001, 1002))
 
-    def welcome(self: Visits, connection: socket.socket, peer: Peer) -> Caller:
-        return Caller(connection, replace(peer, uid=next(uids)))
+    def welcome(self: Visits, connection: socket.socket, peer: Peer) -> ScreenVisitor:
+        return ScreenVisitor(connection, replace(peer, uid=next(uids)))
 
     monkeypatch.setattr(Visits, "_welcome", welcome)
     loud, calm = stand.client(), stand.client()
