@@ -14,7 +14,7 @@ PROMISED_DB = 3.0
 UNDERSTOOD = re.compile(r"warnings_understood=(\d+)")
 LIMITS = {"unwind": "0.15 m/s", "swrap_follower": "0.04 m/s"}
 SIGNED = (0, 3, 4, 12)
-"""Steps of a short card; the others stand on it as not done."""
+"""Steps of a short card; the others stand on it as not measured."""
 TRIES = 3
 PAIRS, MOST_PAIRS, PROOFS = 2, 6, 2
 """Pairs of off and on that a proof has, most that are begun for one, and proofs that are tried."""
