@@ -135,6 +135,7 @@ REMEDIES = (
 VERDICT = (
     N_("Nothing found: the declared line explains the record fitted to its noise."),
     N_("Traced: {what}."),
+    N_("Found: {what}."),
     N_("Unknown: {what}; no effect of the library explains it."),
     N_("{what} cannot be told from {why}."),
     N_("{what} or {roll} (not told apart)"),

@@ -16,7 +16,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.effects import Effect
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.fleet.refine_look import LookResult
-from sim_plant.refine.report.verdict import Ambiguity, ChannelError, EffectFinding
+from sim_plant.refine.report.verdict import Ambiguity, ChannelRms, EffectFinding
 
 SURE = 4.0
 """Standard deviations of a slope that is told: of hundreds of lines one were else told daily."""
@@ -121,7 +121,7 @@ def _tone(effect: Effect, parameters: Mapping[str, float | str]) -> float:
     return float(parameters.get(name, effect.accepts[name].default))
 
 
-def _worst_tension(rms: Mapping[str, ChannelError]) -> tuple[float, float]:
+def _worst_tension(rms: Mapping[str, ChannelRms]) -> tuple[float, float]:
     rows = [row for name, row in rms.items() if name.endswith("_N") and row.noise_floor > 0.0]
     if not rows:
         return math.nan, math.nan

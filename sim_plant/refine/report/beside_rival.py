@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from aff_runtime.base.channel_units import unit_of_name
-from sim_plant.refine.report.verdict import ChannelError, EffectFinding
+from sim_plant.refine.report.verdict import ChannelRms, EffectFinding
 from sim_plant.refine.report.wording import place_words
 
 
-def beside_rival(effect: EffectFinding, errors: Mapping[str, ChannelError]) -> str:
+def beside_rival(effect: EffectFinding, errors: Mapping[str, ChannelRms]) -> str:
     """Return the errors in the tension in which both differ most, in noise floors, or ""."""
     left = {
         name: rms

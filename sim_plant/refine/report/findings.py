@@ -21,7 +21,7 @@ from sim_plant.refine.report.experiments import experiments
 from sim_plant.refine.report.verdict import (
     Ambiguity,
     Answer,
-    ChannelError,
+    ChannelRms,
     EffectFinding,
     Moment,
     NumberChange,
@@ -103,7 +103,7 @@ def _answer(selection: Selection) -> Answer:
     return "traced" if selection.accepted else "nothing"
 
 
-def channel_errors(evaluation: Evaluation) -> dict[str, ChannelError]:
+def channel_errors(evaluation: Evaluation) -> dict[str, ChannelRms]:
     """Return the error of every channel before and after."""
     rows = zip(
         evaluation.channels,
@@ -113,7 +113,7 @@ def channel_errors(evaluation: Evaluation) -> dict[str, ChannelError]:
         strict=True,
     )
     return {
-        name: ChannelError(before=float(b), after=float(a), noise_floor=float(f))
+        name: ChannelRms(before=float(b), after=float(a), noise_floor=float(f))
         for name, b, a, f in rows
     }
 

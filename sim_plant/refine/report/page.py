@@ -23,6 +23,7 @@ from sim_plant.refine.report.parts_shown import loudest, overlays
 from sim_plant.refine.report.plots import channels_by_error, spectrum, wavenumber_map
 from sim_plant.refine.report.sketch import sketch
 from sim_plant.refine.report.tables import ShiftRow, above_noise, best_each, error_rows, shift_rows
+from sim_plant.refine.report.verdict import effects_word
 from sim_plant.refine.report.wording import (
     claim_words,
     coordinate_text,
@@ -53,7 +54,7 @@ def headline(verdict: Verdict, facts: RefineFacts = NOTHING_KNOWN) -> str:
         for e in verdict.effects
         for also in (rivals.get(e.place, ()),)
     ]
-    text = "Traced: " + "; ".join(names) + "." if names else ""
+    text = f"{effects_word(verdict.answer)}: {'; '.join(names)}." if names else ""
     left_out = " and ".join(name.replace("_", " ") for name in facts.without)
     library = f"library without {left_out} (left out on request)" if left_out else "library"
     for item in verdict.unknown:

@@ -19,6 +19,14 @@ Coordinate = Mapping[str, float | str]
 Answer = Literal["nothing", "traced", "not_identifiable", "unknown"]
 
 
+def effects_word(answer: Answer) -> str:
+    """Return the word before the effects of a headline.
+
+    ``Traced`` would say that nothing else is left: under ``unknown`` they were but found.
+    """
+    return "Found" if answer == "unknown" else "Traced"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Moment:
     """When something begins: s from the start of a record fitted.
@@ -111,7 +119,7 @@ class Ambiguity:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ChannelError:
+class ChannelRms:
     """Error of one channel, rms in its unit: as declared, as amended, and of noise alone."""
 
     before: float
@@ -133,7 +141,7 @@ class Verdict:
     effects: tuple[EffectFinding, ...]
     unknown: tuple[UnknownFinding, ...]
     ambiguous: tuple[Ambiguity, ...]
-    residual_rms: Mapping[str, ChannelError]
+    residual_rms: Mapping[str, ChannelRms]
     holdout: str
 
     def names(self, place: EffectAt) -> bool:
@@ -187,7 +195,7 @@ class Verdict:
                 unknown=tuple(map(_unknown_of, data["unknown"])),
                 ambiguous=tuple(map(_ambiguity_of, data["ambiguous"])),
                 residual_rms={
-                    name: ChannelError(**row) for name, row in data["residual_rms"].items()
+                    name: ChannelRms(**row) for name, row in data["residual_rms"].items()
                 },
                 holdout=data["holdout"],
             )
@@ -238,7 +246,7 @@ def _ambiguity_of(row: Any) -> Ambiguity:
     )
 
 
-def rms_rows(errors: Mapping[str, ChannelError]) -> dict[str, dict[str, float]]:
+def rms_rows(errors: Mapping[str, ChannelRms]) -> dict[str, dict[str, float]]:
     """Return errors by channel as version 1 has them."""
     return {
         name: {"before": e.before, "after": e.after, "noise_floor": e.noise_floor}

@@ -154,6 +154,11 @@ def test_an_effect_that_is_new_is_told_in_english():
     )
 
 
+def test_effects_beside_something_unknown_are_found_in_german_too():
+    said = told(summary(headline="Found: slip at pull_roll, slope 0.1 s/m."), GERMAN).headline
+    assert said == "Gefunden: Schlupf: pull_roll, slope 0.1 s/m."
+
+
 def test_a_set_names_its_members_in_german():
     said = summary(
         headline="Traced: eccentric roller at R1 or R2 (not told apart), eccentricity 0.1 mm."

@@ -16,7 +16,7 @@ from sim_plant.line.declaration import EffectEntry
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.verdict import (
     Ambiguity,
-    ChannelError,
+    ChannelRms,
     EffectFinding,
     UnknownFinding,
     Verdict,
@@ -59,7 +59,7 @@ def look(verdict: Verdict | None, day: str = "2026-09-28") -> LookResult:
 
 
 def test_what_is_told_in_the_place_of_another_stands_there_with_the_error_it_leaves():
-    left = {"r3_tension_N": ChannelError(before=9.0, after=5.5, noise_floor=0.25)}
+    left = {"r3_tension_N": ChannelRms(before=9.0, after=5.5, noise_floor=0.25)}
     wrong = Scored(result=look(replace(told(OTHER), residual_rms=left)), hidden=HIDDEN)
     text = page([wrong], 200, None, None, None)
     row = "| line0001 | eccentric_roller at R6 | traced | eccentric_roller at R7, named | 22.0 |"

@@ -11,16 +11,16 @@ from sim_plant.fleet.refine_look import LookResult
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.verdict import (
     Ambiguity,
-    ChannelError,
+    ChannelRms,
     EffectFinding,
     UnknownFinding,
     Verdict,
 )
 
 RMS = {
-    "unwind_tension_N": ChannelError(before=2.0, after=1.1, noise_floor=1.0),
-    "r3_tension_N": ChannelError(before=0.9, after=0.6, noise_floor=0.3),
-    "line_speed_m_s": ChannelError(before=9.0, after=9.0, noise_floor=1.0),
+    "unwind_tension_N": ChannelRms(before=2.0, after=1.1, noise_floor=1.0),
+    "r3_tension_N": ChannelRms(before=0.9, after=0.6, noise_floor=0.3),
+    "line_speed_m_s": ChannelRms(before=9.0, after=9.0, noise_floor=1.0),
 }
 R6 = EffectAt("eccentric_roller", "R6")
 

@@ -10,7 +10,7 @@ from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
 from sim_plant.line.load import load_declaration
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.records.read import read_record
-from sim_plant.refine.report.verdict import ChannelError, UnknownFinding
+from sim_plant.refine.report.verdict import ChannelRms, UnknownFinding
 from tests.sim_plant.refine.run_cases import (
     FURTHER,
     Case,
@@ -41,7 +41,7 @@ def test_a_verdict_is_alike_whatever_size_it_tells_and_not_at_another_place():
 
 
 def test_a_row_says_both_errors_of_size_and_whether_the_verdicts_are_alike():
-    rms = {"unwind_tension_N": ChannelError(before=1.0, after=0.3, noise_floor=0.25)}
+    rms = {"unwind_tension_N": ChannelRms(before=1.0, after=0.3, noise_floor=0.25)}
     service = replace(told(1.03), residual_rms=rms)
     cells = [cell.strip() for cell in row(CASE, service, told(location="R8")).split("|")[1:-1]]
     assert cells == [

@@ -11,7 +11,7 @@ from sim_plant.refine.report.next_step import next_step
 from sim_plant.refine.report.page import confidence, gain, headline
 from sim_plant.refine.report.plots import channels_by_error
 from sim_plant.refine.report.tables import above_noise, best_each, error_rows, shift_rows
-from sim_plant.refine.report.verdict import Ambiguity, ChannelError, Moment, UnknownFinding
+from sim_plant.refine.report.verdict import Ambiguity, ChannelRms, Moment, UnknownFinding
 from tests.each_case import each_case
 from tests.sim_plant.refine.report.judged_line import CHANNELS, judged
 from tests.sim_plant.refine.small import finding, verdict_with
@@ -29,6 +29,9 @@ SAME = Ambiguity(
 
 def unknown(kind, where=None):
     return UnknownFinding(unknown_class=kind, coordinate=where or {}, chi2_reduction=1e4)
+
+
+SEEN_AT = {"from_s": 26.74, "zone": "unwind_zone", "channel": "unwind_speed_rad_s"}
 
 
 def test_angles_and_radii_are_not_what_the_plots_show():
@@ -52,6 +55,21 @@ def test_the_first_lines_say_what_how_much_what_it_brings_and_what_to_do():
     said = gain(judged(), held=True)
     assert "3 N rms as declared, 0.26 N as amended; noise alone leaves 0.25 N" in said
     assert "no proof" in gain(judged(), held=False)
+
+
+@each_case(
+    ("answer", "left", "word"),
+    [
+        ("unknown", [unknown("time", {"frequency_Hz": 4.0})], "Found"),
+        ("unknown", [unknown("event", SEEN_AT)], "Found"),
+        ("not_identifiable", [], "Traced"),
+        ("traced", [], "Traced"),
+    ],
+)
+def test_a_headline_says_traced_of_no_verdict_that_leaves_something_unknown(answer, left, word):
+    said = headline(verdict_with(EFFECT, unknown=left, answer=answer))
+    assert said.startswith(f"{word}: out of round roll at unwind")
+    assert (word == "Traced") is ("Unknown: " not in said)
 
 
 @each_case(
@@ -137,7 +155,7 @@ def test_many_numbers_outside_say_that_the_explanation_is_incomplete():
 @pytest.mark.parametrize(("after", "told"), [(0.79, True), (0.36, True), (0.35, False)])
 def test_a_tension_that_is_left_well_above_its_noise_is_told_first(after, told):
     """Noise of 0.25 N: as much power beyond it is sqrt(2) 0.25 = 0.3536 N."""
-    left = {"pullroll_tension_N": ChannelError(before=6.5, after=after, noise_floor=0.25)}
+    left = {"pullroll_tension_N": ChannelRms(before=6.5, after=after, noise_floor=0.25)}
     found = replace(verdict_with(EFFECT), residual_rms=left)
     partly = (
         f"Partly: pullroll_tension_N still misses by {after:.2g} N (noise 0.25 N); "
@@ -187,9 +205,8 @@ def test_a_number_that_fits_elsewhere_is_told_in_its_own_unit():
 
 def test_an_event_is_looked_up_in_the_log_of_its_record():
     begins = Moment(record="day2.csv", time_s=26.74)
-    where = {"from_s": 26.74, "zone": "unwind_zone", "channel": "unwind_speed_rad_s"}
     event = UnknownFinding(
-        unknown_class="event", coordinate=where, chi2_reduction=211522.9, begins=begins
+        unknown_class="event", coordinate=SEEN_AT, chi2_reduction=211522.9, begins=begins
     )
     found = verdict_with(unknown=[event], answer="unknown")
     assert "Look in the log of day2.csv at 26.74 s" in next_step(found)
@@ -275,9 +292,9 @@ def test_how_sure_says_in_newton_what_the_next_best_leaves_where_the_two_differ_
         },
     )
     errors = {
-        "unwind_tension_N": ChannelError(before=3.0, after=0.26, noise_floor=0.1),
-        "pullroll_tension_N": ChannelError(before=3.0, after=1.0, noise_floor=0.2),
-        "line_speed_m_s": ChannelError(before=0.004, after=0.001, noise_floor=0.001),
+        "unwind_tension_N": ChannelRms(before=3.0, after=0.26, noise_floor=0.1),
+        "pullroll_tension_N": ChannelRms(before=3.0, after=1.0, noise_floor=0.2),
+        "line_speed_m_s": ChannelRms(before=0.004, after=0.001, noise_floor=0.001),
     }
     said = confidence(replace(verdict_with(one), residual_rms=errors))
     assert (

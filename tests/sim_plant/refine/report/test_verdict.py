@@ -10,7 +10,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.verdict import (
     Ambiguity,
-    ChannelError,
+    ChannelRms,
     EffectFinding,
     UnknownFinding,
     Verdict,
@@ -43,7 +43,7 @@ VERDICT = Verdict(
             experiments=("turn R6",),
         ),
     ),
-    residual_rms={"unwind_tension_N": ChannelError(before=1.0, after=0.25, noise_floor=0.25)},
+    residual_rms={"unwind_tension_N": ChannelRms(before=1.0, after=0.25, noise_floor=0.25)},
     holdout="b.csv",
 )
 GOLDEN = """\
