@@ -238,14 +238,14 @@ def record_summary(verdict: RecordVerdict, out: Path, *, held: bool) -> str:
     from sim_plant.refine.without_line.wording import effect_text, spectral_line_text  # noqa: PLC0415 - heavy imports
 
     lines = [f"\nverdict: {verdict.answer}"]
-    lines += [f"  {effect_text(x)}" for x in verdict.general]
+    lines += [f"  {effect_text(x)}" for x in verdict.general_effects]
     lines += [f"  {x.axis}: {spectral_line_text(x)}" for x in verdict.unknown]
     lines += [f"  no effect: {x.frequency:.4g} Hz {x.clock}" for x in verdict.clocks]
     for name, error in verdict.residual_rms.items():
         lines.append(
             f"{name}: rms {error.before:.5g} with the declared filter alone, "
             f"{verdict.models[name].plain_rms:.5g} with plain least squares, "
-            f"{error.after:.5g} with the effects and lines"
+            f"{error.after:.5g} with the effects and spectral lines"
         )
     return "\n".join([*lines, _last(verdict.holdout, out, held=held)])
 

@@ -74,6 +74,12 @@ class GeneralCriteria:
         "on either side of the shorter filters that are tried beside the plain one",
         NOT_RECORDED,
     )
+    shortest_causal_back: int = criterion(
+        3,
+        "samples",
+        "a causal filter that is tried reaches back by as many at least",
+        "decision: a shorter one is part of the centred filter with one or two taps more",
+    )
     plain_half: int = criterion(
         20,
         "samples",

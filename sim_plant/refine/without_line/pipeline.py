@@ -20,7 +20,13 @@ from sim_plant.refine.without_line.free_spectral_lines import (
     find_spectral_lines,
 )
 from sim_plant.refine.without_line.general.effect import OutputRecord
-from sim_plant.refine.without_line.general.findings import Finding, delays_of, findings, pruned
+from sim_plant.refine.without_line.general.findings import (
+    Delay,
+    Finding,
+    delays_of,
+    findings,
+    pruned,
+)
 from sim_plant.refine.without_line.general.judging import Judged, explained_by, judge, rms
 from sim_plant.refine.without_line.general.least_squares import parts_of
 from sim_plant.refine.without_line.general.search import CONSTANT, GAIN_ALONE, Search, search
@@ -33,8 +39,8 @@ from sim_plant.refine.without_line.record_filter import (
 )
 from sim_plant.refine.without_line.stamps import Stamped
 from sim_plant.refine.without_line.verdict import (
-    OutputError,
     OutputModel,
+    OutputRms,
     RecordVerdict,
     headline,
     next_step,
@@ -72,7 +78,7 @@ class _Output:
     explained : of every record fitted (judged,).
     claimed : the effects that are claimed.
     refused : what is not claimed, as sentences.
-    delays : by input, s: how far the output is behind it by a gain alone, and its interval.
+    delays : by input: how far the output is behind it by a gain alone.
     """
 
     name: str
@@ -81,7 +87,7 @@ class _Output:
     explained: tuple[Array, ...]
     claimed: tuple[Finding, ...]
     refused: tuple[str, ...]
-    delays: dict[str, tuple[float, float, float]]
+    delays: dict[str, Delay]
 
 
 def refine_records(
@@ -126,7 +132,7 @@ def refine_records(
         clocks=(*(x for x in lines if x.clock), *clocks(items)),
         not_claimed=(*caveats, *(text for o in outputs for text in o.refused)),
         holdout=str((plan.holdout or plan.records)[0]),
-        general=tuple(x for o in outputs for x in o.claimed),
+        general_effects=tuple(x for o in outputs for x in o.claimed),
         residual_rms={o.name: _error(o, left) for o, left in zip(outputs, left_over, strict=True)},
         models={
             o.name: _model(o, declaration, stamped[at], left, machine)
@@ -181,10 +187,9 @@ def _output(
     )
 
 
-def _error(o: _Output, left: Array) -> OutputError:
+def _error(o: _Output, left: Array) -> OutputRms:
     """Return the error of an output; spectral lines count only where they make it smaller."""
-    without_lines = _least_rms(o.judged)
-    return OutputError(before=o.judged.declared_rms, after=min(rms(left), without_lines))
+    return OutputRms(before=o.judged.declared_rms, after=min(rms(left), _least_rms(o.judged)))
 
 
 def _least_rms(judged: Judged) -> float:
@@ -211,7 +216,7 @@ def _model(
         fell_back=o.judged.fell_back,
         plain_rms=o.judged.plain_rms,
         chosen_rms=o.judged.chosen_rms,
-        with_lines=bool(machine) and rms(left) <= _least_rms(o.judged),
+        with_spectral_lines=bool(machine) and rms(left) <= _least_rms(o.judged),
         tried=o.judged.rows,
         delays=o.delays,
         at_stamps=_at_stamps(o, output_record(declaration, judged_on.record, o.name), judged_on),
@@ -257,6 +262,6 @@ def _write(
         command=command,
         headline=headline(verdict),
         held=bool(plan.holdout),
-        next_step=next_step(verdict, travel=declaration.travel_speed is not None),
+        next_step=next_step(verdict, has_travel=declaration.travel_speed is not None),
     )
     (plan.out / "report.html").write_text(page, encoding="utf-8")

@@ -30,3 +30,7 @@ CATALOGUE = (
     past_outputs.EFFECT,
 )
 BY_NAME = {effect.name: effect for effect in CATALOGUE}
+FILTER, SHIFT, OWN, PAST = (
+    module.EFFECT.name for module in (filter_length, channel_shift, offset_drift, past_outputs)
+)
+"""Names of those that are no term of a model: its lags, shifts, zero and drift, past outputs."""

@@ -1,4 +1,7 @@
-"""How far the filter reaches back and ahead: centred on the sample, causal, or a gain alone."""
+"""How far the filters that are tried reach back and ahead: centred on the sample, or causal.
+
+A constant and a gain alone are tried beside them (`search`).
+"""
 
 from __future__ import annotations
 
@@ -8,16 +11,22 @@ from sim_plant.refine.without_line.general.effect import GeneralEffect
 GENERAL = CRITERIA.without_line.general
 
 
-def reaches(taps: int) -> list[tuple[str, int, int]]:
+def reaches(furthest_samples: int) -> list[tuple[str, int, int]]:
     """Return name, samples ahead and samples back of every filter to be tried.
 
     Parameters
     ----------
-    taps : declared, on either side; no filter reaches further: all are judged on the same samples.
+    furthest_samples : to either side, declared as ``taps``; no filter reaches further: all are
+        judged on the same samples.
     """
-    halves = sorted({min(half, taps) for half in (*GENERAL.halves, GENERAL.plain_half, taps)})
-    filters = [(f"{2 * half + 1} taps, centred", half, half) for half in halves]
-    filters += [(f"{back + 1} taps, causal", 0, back) for back in halves if back > 2]
+    tried = (*GENERAL.halves, GENERAL.plain_half, furthest_samples)
+    sides = sorted({min(side, furthest_samples) for side in tried})
+    filters = [(f"{2 * side + 1} taps, centred", side, side) for side in sides]
+    filters += [
+        (f"{side + 1} taps, causal", 0, side)
+        for side in sides
+        if side >= GENERAL.shortest_causal_back
+    ]
     return filters
 
 

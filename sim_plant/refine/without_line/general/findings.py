@@ -9,7 +9,7 @@ from scipy.special import stdtrit
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.without_line.general.catalogue import BY_NAME
+from sim_plant.refine.without_line.general.catalogue import BY_NAME, OWN, SHIFT
 from sim_plant.refine.without_line.general.effect import OutputRecord
 from sim_plant.refine.without_line.general.judging import Judged, explained_by, judge, rms
 from sim_plant.refine.without_line.general.least_squares import fit, refined, with_slopes
@@ -23,7 +23,15 @@ from sim_plant.refine.without_line.general.search import (
 )
 
 Interval = tuple[float, float]
-SHIFT = "channel_shift"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Delay:
+    """How far an output is behind an input, s, with the ends of its 95 % interval."""
+
+    value_s: float
+    low_s: float
+    high_s: float
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,10 +90,8 @@ def _estimates(trial: Trial, records: Sequence[OutputRecord]) -> _Estimates:
     )
 
 
-def delays_of(
-    trial: Trial, records: Sequence[OutputRecord]
-) -> dict[str, tuple[float, float, float]]:
-    """Return by input how far the output is behind it, s: value, low and high.
+def delays_of(trial: Trial, records: Sequence[OutputRecord]) -> dict[str, Delay]:
+    """Return by input how far the output is behind it.
 
     Parameters
     ----------
@@ -98,7 +104,9 @@ def delays_of(
         records[0].inputs, estimates.numbers, estimates.number_sd, strict=False
     ):
         low, high = _between(float(value), float(deviation), estimates.blocks)
-        delays[name] = (float(value) * step_s, low * step_s, high * step_s)
+        delays[name] = Delay(
+            value_s=float(value) * step_s, low_s=low * step_s, high_s=high * step_s
+        )
     return delays
 
 
@@ -159,7 +167,7 @@ def _without_it(
 ) -> float:
     """Return the error on the record judged when all else is fitted without the effect."""
     less = trial_of("", "", *refined(without(best.model, x.effect, x.place), records))
-    shift, own = judged.shift_samples is not None, judged.own and x.effect != "offset_drift"
+    shift, own = judged.shift_samples is not None, judged.own and x.effect != OWN
     return rms(record.judged - explained_by(less, record, shift=shift, own=own))
 
 
@@ -191,7 +199,7 @@ def _finding(
                 values[size.name] = (float(e.weights[mine]), float(e.weight_sd[mine]))
         at += len(x.numbers)
         column += width
-    if name == "offset_drift":
+    if name == OWN:
         values = _own(e, column, len(records))
     return _claimed(name, output, place, values, e.blocks)
 
@@ -218,7 +226,7 @@ def _own(e: _Estimates, column: int, records: int) -> dict[str, tuple[float, flo
     That mean belongs to the constant that all records share.
     """
     values: dict[str, tuple[float, float]] = {}
-    for k, size in enumerate(BY_NAME["offset_drift"].sizes):
+    for k, size in enumerate(BY_NAME[OWN].sizes):
         mine = e.weights[column + k :: 2][:records]
         spread = e.weight_sd[column + k :: 2][:records]
         mean = float(mine.mean()) if k == 0 else 0.0

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
+from sim_plant.refine.without_line.general.catalogue import PAST
 from sim_plant.refine.without_line.general.effect import OutputRecord
 from sim_plant.refine.without_line.general.least_squares import block_edges, moments
 from sim_plant.refine.without_line.general.model import own_regressors, regressors
@@ -229,7 +230,7 @@ def _taken(trial: Trial, best: Trial) -> bool:
     a, b = trial.model, best.model
     if (a.ahead, a.back, bool(a.delays)) != (b.ahead, b.back, bool(b.delays)):
         return False
-    if trial.effect == "past_outputs" or (a.own and not b.own) or (a.shifts and not b.shifts):
+    if trial.effect == PAST or (a.own and not b.own) or (a.shifts and not b.shifts):
         return False
     there = {(x.effect, x.place) for x in b.effects}
     return all((x.effect, x.place) in there for x in a.effects)

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.without_line.general.catalogue import BY_NAME
+from sim_plant.refine.without_line.general.catalogue import BY_NAME, OWN
 from sim_plant.refine.without_line.general.effect import OutputRecord, PlacedEffect, Stage, shifted
 from sim_plant.refine.without_line.general.state_dependence import BY
 
@@ -118,6 +118,6 @@ def regressors(model: Model, record: OutputRecord, shift: float) -> Array:
 
 def own_regressors(record: OutputRecord) -> Array:
     """Return 1 and time where the record is judged (judged, 2): its own zero and drift."""
-    zero_and_drift = BY_NAME["offset_drift"].regressors
+    zero_and_drift = BY_NAME[OWN].regressors
     assert zero_and_drift is not None
-    return zero_and_drift(record, PlacedEffect(effect="offset_drift", place="output"))[record.keep]
+    return zero_and_drift(record, PlacedEffect(effect=OWN, place="output"))[record.keep]

@@ -10,7 +10,14 @@ from numpy.typing import NDArray
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.without_line.general.catalogue import BY_NAME, CATALOGUE
+from sim_plant.refine.without_line.general.catalogue import (
+    BY_NAME,
+    CATALOGUE,
+    FILTER,
+    OWN,
+    PAST,
+    SHIFT,
+)
 from sim_plant.refine.without_line.general.effect import OutputRecord, PlacedEffect
 from sim_plant.refine.without_line.general.filter_length import reaches
 from sim_plant.refine.without_line.general.least_squares import Moments, fit, refined
@@ -185,14 +192,14 @@ def _candidates(
 def _filters(records: Sequence[OutputRecord]) -> list[Trial]:
     """Return every filter length, the shortest first; a constant first."""
     constant = Model(ahead=0, back=-1)
-    trials = [trial_of("filter_length", CONSTANT, constant, fit(constant, records))]
+    trials = [trial_of(FILTER, CONSTANT, constant, fit(constant, records))]
     if not records[0].inputs:
         return trials
     gain = Model(ahead=0, back=0, delays=_delays(records))
-    trials.append(trial_of("filter_length", GAIN_ALONE, *refined(gain, records)))
+    trials.append(trial_of(FILTER, GAIN_ALONE, *refined(gain, records)))
     for name, ahead, back in reaches(records[0].end_samples):
         model = Model(ahead=ahead, back=back)
-        trials.append(trial_of("filter_length", name, model, fit(model, records)))
+        trials.append(trial_of(FILTER, name, model, fit(model, records)))
     return sorted(trials, key=lambda trial: trial.weights.size)
 
 
@@ -232,9 +239,9 @@ def _grown(best: Trial, records: Sequence[OutputRecord]) -> tuple[Trial, list[Tr
 
 def without(model: Model, name: str, place: str) -> Model:
     """Return the model without one of its effects."""
-    if name == "channel_shift":
+    if name == SHIFT:
         return replace(model, shifts=())
-    if name == "offset_drift":
+    if name == OWN:
         return replace(model, own=False)
     kept = tuple(x for x in model.effects if (x.effect, x.place) != (name, place))
     return replace(model, effects=kept)
@@ -242,8 +249,8 @@ def without(model: Model, name: str, place: str) -> Model:
 
 def effects_in(model: Model) -> list[tuple[str, str]]:
     """Return name and place of every effect of a model."""
-    places = [("channel_shift", "output")] if model.shifts else []
-    places += [("offset_drift", "output")] if model.own else []
+    places = [(SHIFT, "output")] if model.shifts else []
+    places += [(OWN, "output")] if model.own else []
     return [*places, *((x.effect, x.place) for x in model.effects)]
 
 
@@ -260,7 +267,7 @@ def _pruned(best: Trial, records: Sequence[OutputRecord]) -> Trial:
 
 def _past(best: Trial, records: Sequence[OutputRecord]) -> list[Trial]:
     """Return the error one step ahead with past outputs of every order."""
-    effect = BY_NAME["past_outputs"]
+    effect = BY_NAME[PAST]
     trials = []
     for placed in effect.starts(records):
         order = int(placed.constants[0])

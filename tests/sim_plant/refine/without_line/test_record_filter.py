@@ -165,7 +165,7 @@ def test_the_belt_has_the_same_travel_lines_fast_and_slow(tmp_path):
     assert not model.fell_back
     at_stamps = model.at_stamps
     assert at_stamps["chosen"] < at_stamps["plain"]
-    (shift,) = [x for x in result.general if x.effect == "channel_shift"]
+    (shift,) = [x for x in result.general_effects if x.effect == "channel_shift"]
     low, high = shift.interval95["shift_s of RandomSlowSpeed2.txt.gz"]
     assert -0.006 < low < high < -0.003
     assert shift.after_rms < shift.before_rms

@@ -72,7 +72,7 @@ def test_a_shift_is_found_through_uneven_stamps_and_judged_on_them(declaration, 
     )
     result = refine_records(plan, declaration, lambda _: None)
     assert result.answer == "traced"
-    (shift,) = result.general
+    (shift,) = result.general_effects
     assert shift.numbers["shift_s of b.csv"] == pytest.approx(0.0234, abs=2e-4)
     assert shift.numbers["shift_s of c.csv"] == pytest.approx(-0.0071, abs=2e-4)
     stamps = result.models["y_N"].at_stamps

@@ -1,4 +1,7 @@
-"""Every general effect is found in a record made with it, with its number."""
+"""Every general effect that may be claimed is found in a record made with it, with its number.
+
+How long the filter is: test_filter_length.py. Past outputs are never taken.
+"""
 
 import numpy as np
 import pytest
