@@ -42,6 +42,12 @@ class RecurringCriteria:
         "above the lowest frequency that is strong, in which the fundamental is",
         "a strong spectral line has skirts of two bins",
     )
+    resolved_cycles: float = criterion(
+        1.0,
+        "cycles in the record",
+        "a spectral line that is off a harmonic of the rhythm by less is that harmonic",
+        "theory: two frequencies that drift apart by less than a cycle have one peak",
+    )
     alike_share: float = criterion(
         0.7,
         "of the strongest",

@@ -88,7 +88,7 @@ def forward_selection(
     if whole is None:
         return _without_needless_numbers(objective, selection, progress)
     progress(f"all of it is one thing: {whole.text}")
-    told = replace(told_as(selection, whole, first), adjustments={})
+    told = replace(told_as(whole, selection), adjustments={})
     return _taken_back(objective, told, progress)
 
 

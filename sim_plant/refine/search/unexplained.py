@@ -21,7 +21,7 @@ from sim_plant.refine.spectra.coordinates import RecordAxes, near
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 
 UNEXPLAINED = CRITERIA.search.unexplained
-Place = tuple[str, Mapping[str, float | str]]
+ClassAndCoordinate = tuple[str, Mapping[str, float | str]]
 """Class and coordinate of a spectral line."""
 
 
@@ -41,7 +41,7 @@ class Unknown:
     unknown_class: str
     coordinate: Mapping[str, float | str]
     chi2_reduction: float
-    also: tuple[Place, ...] = ()
+    also: tuple[ClassAndCoordinate, ...] = ()
 
     def same_roll_as(self, other: Unknown) -> bool:
         """Return whether both are orders of the same roll."""
@@ -175,7 +175,7 @@ def periodic_left(after: Sequence[Sequence[SpectralLines]], excess: float) -> Un
 
 def classes_at(
     after: Sequence[Sequence[SpectralLines]], spectrum: SpectralLines, at: float
-) -> list[Place]:
+) -> list[ClassAndCoordinate]:
     """Return the class and coordinate of the line at ``at``, then those not told from it.
 
     At one speed a line in time is one in travel, and one at an angle: all have the same cycles per
