@@ -100,14 +100,14 @@ def drawn_effect(draw: np.random.Generator, line: Declaration) -> EffectEntry:
     Every effect is as likely that answers in proportion to its size: others have a start or a
     threshold, which a draw would have to know.
     """
-    fair = [h for h in all_hypotheses(line) if h.strengths and all(h.linear)]
+    fair = [h for h in all_hypotheses(line) if h.strength_count and all(h.linear)]
     names = sorted({h.effect.name for h in fair})
     name = names[int(draw.integers(len(names)))]
     places = [h for h in fair if h.effect.name == name]
     found: Hypothesis = places[int(draw.integers(len(places)))]
     values = dict(found.fixed)
     for at, parameter in enumerate(found.names):
-        share = math.exp(draw.uniform(0.0, math.log(3.0))) if at < found.strengths else 1.0
+        share = math.exp(draw.uniform(0.0, math.log(3.0))) if at < found.strength_count else 1.0
         away = share * (found.start[at] - found.absent[at])
         values[parameter] = min(max(found.absent[at] + away, found.low[at]), found.high[at])
     return EffectEntry(effect=name, location=found.location, parameters=values)

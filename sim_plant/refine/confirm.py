@@ -275,7 +275,8 @@ def without_weakest_imitation(judgement: Judgement) -> WithoutImitation | None:
     shown = [
         k
         for k, accepted in enumerate(selection.accepted)
-        if not accepted.hypothesis.moment or str(accepted.hypothesis.key) in evaluation.moments
+        if not accepted.hypothesis.moment_parameter
+        or str(accepted.hypothesis.key) in evaluation.moments
     ]
     if not shown:
         return None

@@ -13,7 +13,7 @@ from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.effects.phasor import phasor
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.model.hypotheses import turned
+from sim_plant.refine.model.turned import turned
 from sim_plant.refine.model.twin import Added
 
 ANGLES = CRITERIA.fit.start_angles

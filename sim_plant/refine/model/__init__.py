@@ -12,5 +12,6 @@ __all__ = [
     "simulation_pool",
     "site_match",
     "start_state",
+    "turned",
     "twin",
 ]

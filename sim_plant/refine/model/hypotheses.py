@@ -1,4 +1,7 @@
-"""Every effect of the library at every place, as columns to try and numbers to fit."""
+"""Every effect of the library at every place of a line.
+
+What of it is fitted, from where, and within which bounds.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,6 @@ from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 
 from sim_plant.base.effects import Demand, Effect, Value
-from sim_plant.base.signatures import Frequency
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.effects.onset import HOLD_S
 from sim_plant.line.build import build_arrays, timing_of
@@ -24,6 +26,7 @@ from sim_plant.refine.model.twin import Added
 StartValues = tuple[float, ...]
 """Of a hypothesis: its numbers in the order of ``names``."""
 Choice = tuple[tuple[str, Value], ...]
+"""Parameters with their values, by name."""
 MODEL = CRITERIA.model
 STEPS = MODEL.steps
 
@@ -37,7 +40,7 @@ class Hypothesis:
     effect, location : as in a declaration.
     fixed : options that are chosen, not fitted.
     names : fitted parameters, those of role *strength* first.
-    strengths : how many of them are of that role.
+    strength_count : how many of them are of that role.
     start : values that a fit starts from: typical ones of the catalogue, or those chosen.
     absent : values at which the effect is exactly absent.
     low, high : physical bounds, from the effect's own file and from the line.
@@ -49,9 +52,9 @@ class Hypothesis:
 
     effect: Effect
     location: str
-    fixed: tuple[tuple[str, Value], ...]
+    fixed: Choice
     names: tuple[str, ...]
-    strengths: int
+    strength_count: int
     start: tuple[float, ...]
     absent: tuple[float, ...]
     low: tuple[float, ...]
@@ -86,7 +89,7 @@ class Hypothesis:
         return tuple(min(self.acts_below.get(name, high), high) for name, high in rows)
 
     @property
-    def moment(self) -> str:
+    def moment_parameter(self) -> str:
         """The parameter that says when it begins; empty where it lasts throughout."""
         onset = self.effect.onset
         return onset.moment if onset is not None and onset.moment in self.names else ""
@@ -125,20 +128,20 @@ class Hypothesis:
             if math.isfinite(bound) and bound not in (absent, *self.effect.accepts[name].tries)
         )
 
-    def begins_after(self, values: Sequence[float], judged_from_s: float) -> bool:
-        """Return whether a declared number becomes another one where a record is judged.
+    def is_number_off(self, values: Sequence[float], judged_from_s: float) -> bool:
+        """Return whether it is a declared number that is another one all the while it is judged.
 
-        One that is another one all the while it is judged is a declared number that is off, and no
-        event. True of every effect of another kind: those may be there from the start.
+        Such a number is off, and no event. No effect of another kind is that: those may be there
+        from the start.
         """
-        if not self.effect.shifted_by or not self.moment:
-            return True
-        return values[self.names.index(self.moment)] > judged_from_s
+        if not self.effect.shifted_by or not self.moment_parameter:
+            return False
+        return values[self.names.index(self.moment_parameter)] <= judged_from_s
 
     @property
     def curved(self) -> bool:
         """Whether a slope at its absence says nothing of the effect at a size that matters."""
-        rows = [self.effect.accepts[name] for name in self.names[: self.strengths]]
+        rows = [self.effect.accepts[name] for name in self.names[: self.strength_count]]
         return any(not row.linear for row in rows)
 
     def start_effects(self) -> list[Added]:
@@ -149,9 +152,9 @@ class Hypothesis:
         if self.curved:
             return [self.added(self.start)]
         effects = []
-        for at in range(self.strengths):
+        for at in range(self.strength_count):
             values = list(self.absent)
-            values[self.strengths :] = self.start[self.strengths :]
+            values[self.strength_count :] = self.start[self.strength_count :]
             values[at] = self.start[at]
             effects.append(self.added(values))
         return effects
@@ -159,10 +162,12 @@ class Hypothesis:
     def increments(self, values: Sequence[float]) -> list[float]:
         """Return a finite-difference step per number, large against the chaos of quantised loops.
 
-        ``linear_share`` of the larger of its size and its start size where the response is linear;
-        else ``curved_share`` of the larger of its size and ``curved_least_share`` of its start
-        size. Below ``acts_below`` downwards, at most one of ``room_parts`` parts of the way up to
-        it. An angle takes ``angle_rad``, a parameter that states a ``step`` that one.
+        A parameter that states a ``step`` takes that one, another angle ``angle_rad``. Of a
+        strength that is linear it is ``linear_share`` of the larger of its size and its start
+        size; of all else ``curved_share`` of the larger of its size and ``curved_least_share`` of
+        its start size; ``from_absence`` where both are 0. Below ``acts_below`` the step goes down,
+        by at most 1 / ``room_parts`` of the distance to it. A step that would pass ``high`` goes
+        down.
         """
         steps = []
         for name, value, start, absent in zip(
@@ -183,7 +188,7 @@ class Hypothesis:
         return [-s if v + s > hi else s for s, v, hi in zip(steps, values, self.high, strict=True)]
 
 
-def variants(effect: Effect) -> list[tuple[tuple[str, Value], ...]]:
+def variants(effect: Effect) -> list[Choice]:
     """Return every combination of the values that are worth a candidate each."""
     tried = [[(name, value) for value in p.tries] for name, p in effect.accepts.items() if p.tries]
     return [tuple(choice) for choice in itertools.product(*tried)]
@@ -192,7 +197,7 @@ def variants(effect: Effect) -> list[tuple[tuple[str, Value], ...]]:
 def hypothesis(
     effect: Effect,
     location: str,
-    choice: Sequence[tuple[str, Value]] = (),
+    choice: Choice = (),
     fitted: Sequence[str] | None = None,
     line: Declaration | None = None,
 ) -> Hypothesis:
@@ -212,15 +217,18 @@ def hypothesis(
     rows = [effect.accepts[n] for n in names]
     start = [float(picked.get(n, r.typical)) for n, r in zip(names, rows, strict=True)]
     strength_rows = [r for r in rows if r.role == "strength"]
-    bounds = bounds_at(line, effect, location) if line is not None else {}
-    low = [max(r.low, bounds.get(n, (r.low,))[0]) for n, r in zip(names, rows, strict=True)]
-    high = [min(r.high, bounds.get(n, (r.high,))[-1]) for n, r in zip(names, rows, strict=True)]
+    at_place = bounds_at(line, effect, location) if line is not None else {}
+    low, high = [], []
+    for n, r in zip(names, rows, strict=True):
+        place_low, place_high = at_place.get(n, (r.low, r.high))
+        low.append(max(r.low, place_low))
+        high.append(min(r.high, place_high))
     return Hypothesis(
         effect=effect,
         location=location,
         fixed=fixed,
         names=tuple(names),
-        strengths=len(strength_rows),
+        strength_count=len(strength_rows),
         start=tuple(start),
         absent=tuple(float(r.default) for r in rows),
         low=tuple(low),
@@ -238,6 +246,7 @@ def onset_hypotheses(
         onset = effect.onset
         if onset is None or effect.name in without:
             continue
+        # the other values of the grid are tried where the moment is (`events`, `placed_events`)
         first_of_grid = tuple((name, values[0]) for name, values in onset.grid)
         for form in onset.forms:
             choice = (*onset.fixed, *((n, v) for n, v in first_of_grid if n in form))
@@ -254,29 +263,27 @@ def onset_hypotheses(
     return library
 
 
-def _begun_at(
-    line: Declaration, effect: Effect
-) -> list[tuple[str, tuple[tuple[str, Value], ...]]]:
+def _begun_at(line: Declaration, effect: Effect) -> list[tuple[str, Choice]]:
     """Return where an effect may begin, and the size to start from that the place asks for.
 
-    A declared number starts from its tolerance: a share of one is newtons of another. None that
-    another effect which may begin is the name of.
+    A declared number starts from its own tolerance, as no one size fits numbers of unlike units.
+    Left out are numbers that an effect with an onset is the other name of: it stands for them.
     """
     places = candidate_locations(line, effect)
     if not effect.shifted_by:
         return [(location, ()) for location in places]
-    told = _told_by_onsets()
+    named = _numbers_that_onsets_stand_for()
     kinds = {number.name: number.kind for number in declared_numbers(line)}
     sizes = {name: tolerance_of(line, name, kind) for name, kind in kinds.items()}
     return [
         (name, ((effect.shifted_by, sizes[name] or MODEL.default_tolerance[kinds[name]]),))
         for name in places
-        if not any(fnmatchcase(name, pattern) for pattern in told)
+        if not any(fnmatchcase(name, pattern) for pattern in named)
     ]
 
 
-def _told_by_onsets() -> list[str]:
-    """Return patterns of declared numbers that an effect which may begin is the name of."""
+def _numbers_that_onsets_stand_for() -> list[str]:
+    """Return patterns of declared numbers that an effect with an onset is the other name of."""
     return [
         row.number.format(place="*")
         for effect in CATALOGUE
@@ -343,9 +350,7 @@ def _for_demand(line: Declaration, without: Collection[str], demand: Demand) -> 
     ]
 
 
-def _possible(
-    line: Declaration, effect: Effect, location: str, choice: Sequence[tuple[str, Value]]
-) -> bool:
+def _possible(line: Declaration, effect: Effect, location: str, choice: Choice) -> bool:
     """Return whether every place that a location names can have an effect in this form."""
     if effect.refuses is None:
         return True
@@ -360,29 +365,3 @@ def with_number(h: Hypothesis, start: StartValues, name: str, value: float) -> S
     """Return numbers to start from with another value of one of them."""
     k = h.names.index(name)
     return (*start[:k], value, *start[k + 1 :])
-
-
-def turned(effect: Effect, values: dict[str, Value], angle_rad: float) -> dict[str, Value]:
-    """Return parameters of the same effect with its body turned ``angle_rad`` further at start.
-
-    The k-th pair of a cosine and a sine part is order k, or the order that it names; of an effect
-    that shows at a frequency in time every pair is order 1.
-    """
-    parameters = dict(values)
-    for k, pair in enumerate(effect.quadratures, start=1):
-        order = 1.0 if isinstance(effect.shows, Frequency) else float(k)
-        if pair.order:
-            order = float(values.get(pair.order, effect.parameters[pair.order]))
-        further_rad = (-order if pair.against else order) * angle_rad
-        if pair.angle in parameters:
-            parameters[pair.angle] = float(parameters[pair.angle]) + further_rad
-        if pair.cos not in parameters and pair.sin not in parameters:
-            continue
-        size = complex(float(parameters.get(pair.cos, 0.0)), float(parameters.get(pair.sin, 0.0)))
-        size *= complex(math.cos(further_rad), math.sin(further_rad))
-        parameters[pair.cos], parameters[pair.sin] = size.real, size.imag
-    of_pairs = {pair.angle for pair in effect.quadratures}
-    for name, value in values.items():
-        if effect.accepts[name].role == "angle" and name not in of_pairs:
-            parameters[name] = float(value) + angle_rad
-    return parameters

@@ -29,38 +29,40 @@ def standard_deviations(fit: Fit) -> list[float]:
     return [math.hypot(*both) for both in zip(noise, model_errors(fit), strict=True)]
 
 
-def amplitude_standard_deviation(fit: Fit, cos: int, sin: int) -> float:
+def amplitude_standard_deviation(fit: Fit, cos_index: int, sin_index: int) -> float:
     """Return the standard deviation of a phasor's length, in the unit of its parts.
 
     Equation: variance u' C u, u the unit vector along the phasor, C the covariance of its parts.
 
     Parameters
     ----------
-    cos, sin : positions of its parts in the row of all fitted numbers.
+    cos_index, sin_index : of its parts, in the row of all fitted numbers.
     """
     flat = [x for row in fit.values for x in row]
-    both = [cos, sin]
-    own = max(model_errors(fit)[k] for k in both)
-    size = math.hypot(flat[cos], flat[sin])
-    if not (fit.covariance.size and size > 0.0):
+    both = [cos_index, sin_index]
+    model_error = max(model_errors(fit)[k] for k in both)
+    length = math.hypot(flat[cos_index], flat[sin_index])
+    if not (fit.covariance.size and length > 0.0):
         return max(standard_deviations(fit)[k] for k in both)
-    along = np.array([flat[cos], flat[sin]]) / size
-    noise = float(along @ fit.covariance[np.ix_(both, both)] @ along)
-    return math.hypot(math.sqrt(max(noise, 0.0)), own)
+    along = np.array([flat[cos_index], flat[sin_index]]) / length
+    variance = float(along @ fit.covariance[np.ix_(both, both)] @ along)
+    return math.hypot(math.sqrt(max(variance, 0.0)), model_error)
 
 
 def phasors(fit: Fit, h: Hypothesis, at: int) -> list[tuple[Quadrature, float]]:
-    """Return the phasors of an effect of which both parts were fitted, and their lengths' errors.
+    """Return the phasors of an effect of which both parts were fitted.
+
+    Each with the standard deviation of its length.
 
     Parameters
     ----------
-    at : position of the effect's first number in the row of all fitted numbers.
+    at : index of the effect's first number in the row of all fitted numbers.
     """
-    position = {name: at + k for k, name in enumerate(h.names)}
+    index = {name: at + k for k, name in enumerate(h.names)}
     return [
-        (pair, amplitude_standard_deviation(fit, position[pair.cos], position[pair.sin]))
+        (pair, amplitude_standard_deviation(fit, index[pair.cos], index[pair.sin]))
         for pair in h.effect.quadratures
-        if pair.cos in position and pair.sin in position
+        if pair.cos in index and pair.sin in index
     ]
 
 
@@ -70,7 +72,8 @@ def sizes_shown(selection: Selection) -> list[bool]:
     One of its strengths, or the length of a phasor, has an interval that leaves out the value at
     which the effect has no trace. Where none has, the effect can be absent for all that its own
     numbers say, however much better the fit is with it: something else has its place there.
-    Without a covariance no step ran, and the scores alone speak.
+    Without a covariance no step ran, and the scores alone speak. An effect without strengths has
+    no size to doubt.
     """
     fit, sd, at = selection.fit, standard_deviations(selection.fit), 0
     if not fit.covariance.size:
@@ -78,21 +81,24 @@ def sizes_shown(selection: Selection) -> list[bool]:
     shown = []
     ranges = selection.ranges or ({},) * len(fit.hypotheses)
     for h, values, known in zip(fit.hypotheses, fit.values, ranges, strict=True):
-        rows = list(zip(h.names, values, h.idle, sd[at : at + len(values)], strict=True))
-        between = {name: known.get(name, interval(value, s)) for name, value, _, s in rows}
-        idle = {name: none for name, _, none, _ in rows[: h.strengths]}
-        sizes = [not low <= idle[n] <= high for n, (low, high) in between.items() if n in idle]
-        flat = dict(zip(h.names, values, strict=True))
-        for pair, spread in phasors(fit, h, at):
-            low, _ = interval(math.hypot(flat[pair.cos], flat[pair.sin]), spread)
-            sizes.append(low > 0.0)
-        shown.append(any(sizes) or not idle)
+        rows = zip(h.names, values, sd[at : at + len(values)], strict=True)
+        ends = {name: known.get(name, interval(value, own_sd)) for name, value, own_sd in rows}
+        idle_strengths = list(zip(h.names, h.idle, strict=True))[: h.strength_count]
+        is_size = [not ends[name][0] <= idle <= ends[name][1] for name, idle in idle_strengths]
+        value_of = dict(zip(h.names, values, strict=True))
+        for pair, length_sd in phasors(fit, h, at):
+            low, _ = interval(math.hypot(value_of[pair.cos], value_of[pair.sin]), length_sd)
+            is_size.append(low > 0.0)
+        shown.append(any(is_size) or not idle_strengths)
         at += len(values)
     return shown
 
 
 def _anywhere(low: float, high: float) -> float:
-    """Return the standard deviation of a number anywhere within its bounds; pi without bounds."""
+    """Return the standard deviation of a number anywhere within its bounds.
+
+    pi where a bound is infinite: only angles have none.
+    """
     return (high - low) / math.sqrt(12.0) if math.isfinite(high - low) else math.pi
 
 

@@ -48,7 +48,7 @@ def with_effect(
     values, line = fit.values[-1], objective.pool.twins[0].declaration
     if not np.isfinite(fit.cost) or h.at_bound(values) or not certain_size(fit):
         return None
-    if not h.begins_after(values, _judged_from_s(objective, h)):
+    if h.is_number_off(values, _judged_from_s(objective, h)):
         return None
     return None if within_tolerance(line, objective.nuisances, h, values) else fit
 
@@ -70,7 +70,7 @@ def without_idle(objective: Objective, fit: Fit) -> Fit:
     h, values = fit.hypotheses[-1], fit.values[-1]
     line = objective.pool.twins[0].declaration
     for k, (name, absent) in enumerate(zip(h.names, h.absent, strict=True)):
-        if h.strengths < 2 or k >= h.strengths:
+        if h.strength_count < 2 or k >= h.strength_count:
             break
         kept = tuple(n for n in h.names if n != name)
         choice = (*h.fixed, (name, absent))
@@ -100,7 +100,7 @@ def certain_size(fit: Fit) -> bool:
     if h.curved or not fit.covariance.size:
         return True
     at = fit.covariance.shape[0] - len(values)
-    inside = slice(at, at + h.strengths)
-    size = np.subtract(values[: h.strengths], h.absent[: h.strengths])
+    inside = slice(at, at + h.strength_count)
+    size = np.subtract(values[: h.strength_count], h.absent[: h.strength_count])
     weighed = np.linalg.lstsq(fit.covariance[inside, inside], size, rcond=None)[0]
     return bool(size @ weighed > CRITERIA.search.acceptance.certain_size)

@@ -51,7 +51,7 @@ class Candidate:
         fewer = replace(
             h,
             names=tuple(h.names[k] for k in kept),
-            strengths=len(kept),
+            strength_count=len(kept),
             start=pick(h.start),
             absent=pick(h.absent),
             low=pick(h.low),

@@ -60,7 +60,8 @@ def best_episodes(
     """
     h = c.hypothesis
     endless = replace(
-        h, start=(*h.start[: h.strengths], *with_episode(c, 0.0, FOREVER_S)[h.strengths :])
+        h,
+        start=(*h.start[: h.strength_count], *with_episode(c, 0.0, FOREVER_S)[h.strength_count :]),
     )
     case = replace(fit.case, effects=(*fit.case.effects, endless.start_effects()[0]))
     base, run = objective.pool.run([fit.case, case], keep=False)
@@ -84,7 +85,7 @@ def best_episodes(
 def with_episode(c: Candidate, later_s: float, hold_s: float) -> StartValues:
     """Return the candidate's numbers with its moment ``later_s`` later and held for ``hold_s``."""
     h = c.hypothesis
-    change = {h.moment: moment_of(c) + later_s, HOLD_S: hold_s}
+    change = {h.moment_parameter: moment_of(c) + later_s, HOLD_S: hold_s}
     return tuple(change.get(n, v) for n, v in zip(h.names, c.start, strict=True))
 
 

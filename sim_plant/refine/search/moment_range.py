@@ -29,7 +29,7 @@ LANES = 8
 def is_plain_moment(h: Hypothesis, name: str) -> bool:
     """Return whether a number is the moment, s, of an effect that has a size and no shape."""
     onset = h.effect.onset
-    timed = onset is not None and onset.unit == "s" and name == h.moment
+    timed = onset is not None and onset.unit == "s" and name == h.moment_parameter
     return timed and len(h.names) == 2 and h.effect.accepts[h.names[0]].linear
 
 
@@ -74,7 +74,7 @@ def moment_range(
     louder : variance of a number, over what the weighing's noise alone makes of it.
     """
     h, values = fit.hypotheses[effect], fit.values[effect]
-    moment, first = h.names.index(h.moment), at - h.names.index(h.moment)
+    moment, first = h.names.index(h.moment_parameter), at - h.names.index(h.moment_parameter)
     others = np.delete(columns, [first, first + 1], axis=1)
     begun = _begun(objective, fit, others, effect, MOMENTS.far_chi2 * louder)
     saved, power = begun.saved, _power(begun.gram)
@@ -126,7 +126,10 @@ def _begun(objective: Objective, fit: Fit, others: Array, effect: int, far_chi2:
     """
     simulate = _simulation(objective, fit, effect)
     h, values = fit.hypotheses[effect], fit.values[effect]
-    twin, moment_s = objective.pool.twins[h.record_index or 0], values[h.names.index(h.moment)]
+    twin, moment_s = (
+        objective.pool.twins[h.record_index or 0],
+        values[h.names.index(h.moment_parameter)],
+    )
     sample_s = float(twin.declaration.sample_time_s)
     known = {0: simulate([0.0])[:, 0]}
     for sign, room_s in ((-1, moment_s), (1, twin.speed_m_s.size * sample_s - moment_s)):
@@ -150,7 +153,7 @@ def _begun(objective: Objective, fit: Fit, others: Array, effect: int, far_chi2:
 def _simulation(objective: Objective, fit: Fit, effect: int) -> Callable[[Sequence[float]], Array]:
     """Return what gives the whitened responses (rows, n) to an effect begun so much later, s."""
     h, values = fit.hypotheses[effect], fit.values[effect]
-    at = h.names.index(h.moment)
+    at = h.names.index(h.moment_parameter)
     absent = [v if k == at else h.absent[k] for k, v in enumerate(values)]
 
     def responses(offsets: Sequence[float]) -> Array:

@@ -29,7 +29,7 @@ def placed_anew(objective: Objective, fit: Fit) -> Fit:
     does not find a moment from seconds away: what is left there looks like a second event.
     """
     for k, h in enumerate(fit.hypotheses):
-        if not h.moment:
+        if not h.moment_parameter:
             continue
         others = replace(
             fit,
@@ -56,7 +56,7 @@ def with_moment_refined(objective: Objective, fit: Fit) -> Fit:
     does there: where the answer is quick Gauss-Newton steps end a few samples off.
     """
     h, at = fit.hypotheses[-1], len(fit.hypotheses) - 1
-    if not h.moment:
+    if not h.moment_parameter:
         return fit
     others = fit.without_effect_at(at)
     residual = objective.residual(objective.pool.one(others.case), fit.shifts)
@@ -120,7 +120,9 @@ def _best_moment(
 ) -> Candidate:
     """Return the candidate at its best moment; ``grid`` are steps from the one it has."""
     moments = [max(0.0, moment_of(c) + d) for d in grid]
-    starts = [with_number(c.hypothesis, c.start, c.hypothesis.moment, m) for m in moments]
+    starts = [
+        with_number(c.hypothesis, c.start, c.hypothesis.moment_parameter, m) for m in moments
+    ]
     return _best_of_starts(objective, fit, c, residual, starts)
 
 
@@ -138,7 +140,9 @@ def _best_of_shapes(
     if name == RISE_S:  # the middle of the rise stays: the moment was found by it
         rise_s = c.start[h.names.index(RISE_S)]
         begun = [max(0.0, moment_of(c) - 0.5 * (value - rise_s)) for value in values]
-        starts = [with_number(h, s, h.moment, m) for s, m in zip(starts, begun, strict=True)]
+        starts = [
+            with_number(h, s, h.moment_parameter, m) for s, m in zip(starts, begun, strict=True)
+        ]
     return _best_of_starts(objective, fit, c, residual, [c.start, *starts])
 
 
@@ -151,8 +155,8 @@ def _best_of_starts(
 ) -> Candidate:
     """Return the candidate at the start whose strengths explain most, by one linear step each."""
     h = c.hypothesis
-    typical = h.start[: h.strengths]
-    tried = [replace(h, start=(*typical, *s[h.strengths :])) for s in dict.fromkeys(starts)]
+    typical = h.start[: h.strength_count]
+    tried = [replace(h, start=(*typical, *s[h.strength_count :])) for s in dict.fromkeys(starts)]
     cases = [
         replace(fit.case, effects=(*fit.case.effects, added))
         for each in tried
@@ -179,7 +183,7 @@ def _best_of_starts(
                 c,
                 chi2_reduction=linear.chi2_reduction,
                 penalty=penalty,
-                start=(*sizes, *each.start[h.strengths :]),
+                start=(*sizes, *each.start[h.strength_count :]),
             )
             best_look = replace(best, hypothesis=each), columns
     if best_look is None:

@@ -123,8 +123,11 @@ def sure_look(
         return c
     sizes = np.ones(1)
     if not h.curved:
-        first, absent = np.array(h.start[: h.strengths]), np.array(h.absent[: h.strengths])
-        sizes = (np.array(c.start[: h.strengths]) - absent) / (first - absent)
+        first, absent = (
+            np.array(h.start[: h.strength_count]),
+            np.array(h.absent[: h.strength_count]),
+        )
+        sizes = (np.array(c.start[: h.strength_count]) - absent) / (first - absent)
     rest = left - objective.projector.project(columns @ sizes)
     sure = sure_part(
         c.chi2_reduction, before=quantisation_chi2, after=objective.quantisation_chi2(rest)
@@ -190,7 +193,7 @@ def shortlist(candidates: Sequence[Candidate], *, beside_half: bool = False) -> 
     floor = SCREENING.shortlist_floor * CRITERIA.search.acceptance.periodic_score
     kept: list[Candidate] = []
     for c in candidates:
-        curved = not all(c.hypothesis.linear) or bool(c.hypothesis.moment)
+        curved = not all(c.hypothesis.linear) or bool(c.hypothesis.moment_parameter)
         share = SCREENING.shortlist_share_curved if curved else SCREENING.shortlist_share
         share = 0.0 if beside_half else share
         if c.score < max(floor, share * best):
@@ -230,7 +233,7 @@ def linear_candidate(objective: Objective, h: Hypothesis, inner: Inner) -> Candi
         return Candidate(hypothesis=h, chi2_reduction=-np.inf, penalty=0.0, start=h.start)
     if h.curved:
         saved = 2.0 * float(inner.against[0]) - float(inner.gram[0, 0])
-        price = bic_penalty(objective, h.strengths)
+        price = bic_penalty(objective, h.strength_count)
         return Candidate(hypothesis=h, chi2_reduction=saved, penalty=price, start=h.start)
     use = list(range(inner.against.size))
     if len(h.effect.quadratures) > SCREENING.profile_pairs:
@@ -255,7 +258,7 @@ def linear_candidate(objective: Objective, h: Hypothesis, inner: Inner) -> Candi
 def _start(h: Hypothesis, use: Sequence[int], sizes: Array) -> tuple[float, ...]:
     """Return numbers to begin a fit with: strengths in ``use`` at their linear sizes."""
     start = list(h.absent)
-    start[h.strengths :] = h.start[h.strengths :]
+    start[h.strength_count :] = h.start[h.strength_count :]
     smallest, largest = SCREENING.first_size
     for k, at in enumerate(use):
         size = float(sizes[k])

@@ -46,4 +46,4 @@ def lasting_response(
 
 def hypothesis_beginning_at(h: Hypothesis, moment: float) -> Hypothesis:
     """Return the hypothesis with the moment to begin at."""
-    return replace(h, start=with_number(h, h.start, h.moment, float(moment)))
+    return replace(h, start=with_number(h, h.start, h.moment_parameter, float(moment)))

@@ -80,10 +80,10 @@ def raised_for_a_while(fit: Fit, at: int, record: int, duration_s: float) -> lis
     share = WANDERING.share
     sizes = [
         absent + share * (value - absent)
-        for value, absent in zip(values[: h.strengths], h.absent, strict=False)
+        for value, absent in zip(values[: h.strength_count], h.absent, strict=False)
     ]
-    given = dict(h.added((*sizes, *values[h.strengths :])).parameters)
-    begins_s = max(0.0, float(given[onset.moment])) if h.moment else 0.0
+    given = dict(h.added((*sizes, *values[h.strength_count :])).parameters)
+    begins_s = max(0.0, float(given[onset.moment])) if h.moment_parameter else 0.0
     count = max(1, round((duration_s - begins_s) / WANDERING.interval_s))
     edges = np.linspace(begins_s, duration_s, count + 1)
     return [

@@ -105,9 +105,9 @@ def test_whatever_a_step_asks_for_the_line_is_simulated_within_bounds(h, raw):
 @given(st.sampled_from(LIBRARY), st.integers(0, 1000), st.sampled_from([-1e4, -1.0, 1.0, 1e4]))
 def test_screening_starts_no_fit_beyond_a_bound(h, seed, size):
     draw = np.random.default_rng(seed)
-    columns = draw.standard_normal((VECTOR, h.strengths))
+    columns = draw.standard_normal((VECTOR, h.strength_count))
     columns[OBJECTIVE.rows :] = 0.0
-    residual = size * columns @ draw.standard_normal(h.strengths)
+    residual = size * columns @ draw.standard_normal(h.strength_count)
     inner = OBJECTIVE.projector.inner(residual, columns)
     start = linear_candidate(OBJECTIVE, h, inner).start
     assert all(lo <= v <= hi for v, lo, hi in zip(start, h.low, h.high, strict=True))

@@ -1,5 +1,6 @@
+"""Effects at their places on a line: what is fitted of them, from where, in which steps."""
+
 import itertools
-import math
 from pathlib import Path
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from sim_plant.base.effects import Demand
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.model.hypotheses import all_hypotheses, hypothesis, onset_hypotheses, turned
+from sim_plant.refine.model.hypotheses import all_hypotheses, hypothesis, onset_hypotheses
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
 
@@ -23,7 +24,7 @@ def test_what_begins_at_a_moment_is_tried_in_every_form_and_in_one_record_only()
     found = onset_hypotheses(LINE, 1)
     assert {h.effect.name for h in found} == {e.name for e in CATALOGUE if e.onset is not None}
     assert {h.record_index for h in found} == {1}
-    assert all(h.moment in h.names for h in found)
+    assert all(h.moment_parameter in h.names for h in found)
     assert not [h for h in onset_hypotheses(LINE, 0, ["splice"]) if h.effect.name == "splice"]
 
 
@@ -118,34 +119,38 @@ def test_a_probe_moves_one_strength_and_leaves_the_others_absent():
     assert second["sin_m"] > 0.0 == second["cos_m"]
 
 
-def test_values_are_kept_within_bounds():
+@pytest.mark.parametrize("beyond", [-3.0, 1e9])
+def test_values_are_kept_within_bounds(beyond):
     h = hypothesis(BY_NAME["web_modulus"], "web")
-    assert dict(h.added([-3.0]).parameters)["factor"] == h.low[0]
+    end = h.low[0] if beyond < 0.0 else h.high[0]
+    assert dict(h.added([beyond]).parameters)["factor"] == end
 
 
 def test_increments_stay_inside_the_bounds():
     h = hypothesis(BY_NAME["web_modulus"], "web")
-    assert h.increments([h.high[0]])[0] < 0.0
+    for end in (h.low[0], h.high[0]):
+        assert h.within([end + step for step in h.increments([end])])
 
 
-def test_turning_a_body_turns_its_phasor():
-    effect = BY_NAME["eccentric_roller"]
-    out = turned(effect, {"cos_m": 1.0, "sin_m": 0.0}, 0.5)
-    assert out["cos_m"] == pytest.approx(math.cos(0.5))
-    assert out["sin_m"] == pytest.approx(math.sin(0.5))
+def test_a_linear_strength_steps_by_a_quarter_of_the_larger_of_its_size_and_its_start():
+    """A curved number by a twentieth of its size, or of a fifth of its start."""
+    h = hypothesis(BY_NAME["eccentric_roller"], "R6")
+    cos_m, sin_m = h.increments([4.0 * h.start[0], 0.1 * h.start[1]])
+    assert cos_m == pytest.approx(0.25 * 4.0 * h.start[0])
+    assert sin_m == pytest.approx(0.25 * h.start[1])
+    twist = hypothesis(
+        BY_NAME["shaft_compliance_backlash"], "unwind", fitted=("compliance_rad_N_m",)
+    )
+    (start,) = twist.start
+    assert twist.increments([2.0 * start]) == pytest.approx([0.05 * 2.0 * start])
+    assert twist.increments([0.0]) == pytest.approx([0.05 * 0.2 * start])
 
 
-def test_turning_a_roll_turns_order_n_by_n_times_the_angle():
-    effect = BY_NAME["out_of_round_roll"]
-    out = turned(effect, {"cos3_m": 1.0, "sin3_m": 0.0, "angle_rad": 0.1}, 0.2)
-    assert math.atan2(out["sin3_m"], out["cos3_m"]) == pytest.approx(0.6)
-    assert out["angle_rad"] == pytest.approx(0.3)
-
-
-def test_the_unbalance_of_a_bouncing_roll_turns_by_the_order_it_names():
-    values = {"cosn_kg_m": 1.0, "sinn_kg_m": 0.0, "order": 4.0}
-    out = turned(BY_NAME["roll_bounce"], values, 0.2)
-    assert math.atan2(out["sinn_kg_m"], out["cosn_kg_m"]) == pytest.approx(-0.8)
+def test_a_step_that_an_effect_states_is_taken_and_an_angle_turns_by_its_own():
+    delay = hypothesis(BY_NAME["loop_delay"], "unwind")
+    assert delay.increments(delay.start) == [BY_NAME["loop_delay"].accepts["delay_s"].step]
+    flat = hypothesis(BY_NAME["out_of_round_roll"], "unwind", fitted=("size_m", "angle_rad"))
+    assert flat.increments(flat.start)[1] == pytest.approx(0.02)
 
 
 def test_a_ripple_is_tried_at_every_order_that_its_file_names():

@@ -9,7 +9,8 @@ from sim_plant.base.signatures import Frequency
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
 from sim_plant.line.locations import candidate_locations
 from sim_plant.refine.fit.turning import turns_with
-from sim_plant.refine.model.hypotheses import hypothesis, turned
+from sim_plant.refine.model.hypotheses import hypothesis
+from sim_plant.refine.model.turned import turned
 from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
 from tests.sim_plant.refine.small import LINE
 
@@ -101,3 +102,23 @@ def test_a_body_further_on_does_from_the_start_what_it_did_later(effect):
     now = ours[:, FIRST : FIRST + LONG]
     assert float(np.linalg.norm(then)) > 0.0
     assert float(np.linalg.norm(now - then)) < 0.5 * float(np.linalg.norm(then))
+
+
+def test_turning_a_body_turns_its_phasor():
+    effect = BY_NAME["eccentric_roller"]
+    out = turned(effect, {"cos_m": 1.0, "sin_m": 0.0}, 0.5)
+    assert out["cos_m"] == pytest.approx(math.cos(0.5))
+    assert out["sin_m"] == pytest.approx(math.sin(0.5))
+
+
+def test_turning_a_roll_turns_order_n_by_n_times_the_angle():
+    effect = BY_NAME["out_of_round_roll"]
+    out = turned(effect, {"cos3_m": 1.0, "sin3_m": 0.0, "angle_rad": 0.1}, 0.2)
+    assert math.atan2(out["sin3_m"], out["cos3_m"]) == pytest.approx(0.6)
+    assert out["angle_rad"] == pytest.approx(0.3)
+
+
+def test_the_unbalance_of_a_bouncing_roll_turns_by_the_order_it_names():
+    values = {"cosn_kg_m": 1.0, "sinn_kg_m": 0.0, "order": 4.0}
+    out = turned(BY_NAME["roll_bounce"], values, 0.2)
+    assert math.atan2(out["sinn_kg_m"], out["cosn_kg_m"]) == pytest.approx(-0.8)

@@ -84,12 +84,8 @@ def test_a_number_that_is_another_one_all_the_while_is_no_number_that_changes():
     gain = hypothesis(
         BY_NAME["changed_number"], "sensors.low_pass_Hz", fitted=("change", "from_s"), line=LINE
     )
-    assert gain.moment == "from_s"
-    assert [gain.begins_after((0.1, at_s), 7.5) for at_s in (-1.0, 5.0, 7.5, 8.0)] == [
-        False,
-        False,
-        False,
-        True,
-    ]
+    assert gain.moment_parameter == "from_s"
+    off = [gain.is_number_off((0.1, at_s), 7.5) for at_s in (-1.0, 5.0, 7.5, 8.0)]
+    assert off == [True, True, True, False]
     drag = hypothesis(BY_NAME["bearing_drag"], "R5", fitted=("constant_N_m", "from_s"), line=LINE)
-    assert drag.begins_after((0.1, -1.0), 7.5)  # one that drags from the start is an effect
+    assert not drag.is_number_off((0.1, -1.0), 7.5)  # one that drags from the start is an effect
