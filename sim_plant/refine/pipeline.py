@@ -12,7 +12,7 @@ from sim_plant.line.declaration import Declaration
 from sim_plant.line.load import LineFile
 from sim_plant.refine.confirm import RecordWithTwin, confirmed, judge
 from sim_plant.refine.fit.objective import declared_objective
-from sim_plant.refine.fit.start_angles import at_start_angles
+from sim_plant.refine.fit.start_angles import with_effects_as_the_record_begins
 from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.lacking import caveats_of
 from sim_plant.refine.model.demand import demand_of
@@ -150,7 +150,7 @@ def read_all(plan: Plan, line: Declaration) -> tuple[list[RecordWithTwin], list[
 
 def at_its_start_angles(recorded: RecordWithTwin) -> RecordWithTwin:
     """Return the record with declared effects at its own start angles, which its findings name."""
-    twin, angles = at_start_angles(recorded.twin, recorded.measured)
+    twin, angles = with_effects_as_the_record_begins(recorded.twin, recorded.measured)
     text = tuple(
         f"{what if ' at ' in what else f'what is declared at {what}'} begins {angle_rad:+.3g} rad "
         "further on than declared"

@@ -16,7 +16,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.roll_synchronisation import shifts_in_step
-from sim_plant.refine.fit.turning import Turning, phased, turns_with, with_turned
+from sim_plant.refine.fit.turning import Turning, has_start_angle, turns_with, with_turned
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Added, Case, Twin
 from sim_plant.refine.noise.innovations import NoiseModel, declared_noise
@@ -26,7 +26,9 @@ AT_ONCE = 24
 """Tries of the first grid that are held at a time: each is as large as the record."""
 
 
-def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]]:
+def with_effects_as_the_record_begins(
+    twin: Twin, measured: Array
+) -> tuple[Twin, dict[str, float]]:
     """Return the twin with its declared effects as they stood when the record began.
 
     A declaration's angles are those of the record it was made from; on every other one the rolls
@@ -44,10 +46,10 @@ def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]
         When the declaration gives a channel no noise at all.
     """
     entries = twin.declaration.effects
-    stated = tuple(_added(e) for e in entries if phased(_added(e)))
+    stated = tuple(_added(e) for e in entries if has_start_angle(_added(e)))
     if not stated:
         return twin, {}
-    others = tuple(e for e in entries if not phased(_added(e)))
+    others = tuple(e for e in entries if not has_start_angle(_added(e)))
     bare = _with_effects(twin, others)
     pool = SimulationPool([bare], workers=1)
     case = Case(effects=stated)
@@ -55,9 +57,10 @@ def at_start_angles(twin: Twin, measured: Array) -> tuple[Twin, dict[str, float]
     if not all(np.isfinite(run[0]).all() for run in runs):
         return twin, {}
     model = declared_noise(bare, (runs[1][0] - runs[0][0])[None])
-    # out of step a roll is turned by half of what it loses: its angle would be that of the middle
+    # a roll out of step with its recorded angle drifts off over the record: the angle found would
+    # fit the middle, and be off at the start by half the drift
     case = replace(case, shifts=shifts_in_step(pool, measured, case, model.first))
-    effects, angles = start_angles(pool, measured, case, model)
+    effects, angles = find_start_angles(pool, measured, case, model)
     return _with_effects(twin, (*others, *(e.entry() for e in effects))), angles
 
 
@@ -111,123 +114,125 @@ def costs_of(
 
 def _white(pool: SimulationPool, model: NoiseModel, residual: Array) -> Array:
     """Return a residual (channels, samples) whitened, without means; see ``costs_of``."""
-    zero = np.array([name.endswith("_angle_rad") for name in pool.twins[0].channels])
-    residual[zero] -= residual[zero, model.first :].mean(axis=1, keepdims=True)
-    white = model.whiten(residual)
+    is_angle = np.array([name.endswith("_angle_rad") for name in pool.twins[0].channels])
+    means = residual[:, model.first :].mean(axis=1, keepdims=True)
+    white = model.whiten(np.where(is_angle[:, None], residual - means, residual))
     white -= white.mean(axis=1, keepdims=True)
     return white
 
 
-def start_angles(
+def find_start_angles(
     pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
     """Return the effects at this record's start angles, and the angles, rad by ``turns_with``.
 
-    A grid round the turn, or the part of one that is a period, all bodies together; then narrower
-    ones about the best, one body after the other; in the end all together once more. Angles lie
-    within +-pi and count from those in ``case``.
+    What turns together is a group (`Turning`): what is on one body, or a hum in time alone. A grid
+    round the turn, or the part of one that is a period, all groups together; then narrower ones
+    about the best, one group after the other; in the end all at once. Angles lie within +-pi and
+    count from those in ``case``.
 
     Parameters
     ----------
     pool, measured, model : as for ``costs_of``.
     case : the effects, and what else is on the line, as simulated.
     """
-    names = list(dict.fromkeys(turns_with(e) for e in case.effects if phased(e)))
+    names = list(dict.fromkeys(turns_with(e) for e in case.effects if has_start_angle(e)))
     if not names:
         return case.effects, {}
-    bodies = [Turning.of(name, case.effects) for name in names]
-    angles = _on_grid(pool, measured, case, model, bodies)
+    groups = [Turning.of(name, case.effects) for name in names]
+    angles = _on_grid(pool, measured, case, model, groups)
     share = 1.0
     for _ in range(ANGLES.zooms):
-        for k, body in enumerate(bodies):
-            width = share * body.period_rad / body.angle_count
+        for k, group in enumerate(groups):
+            width = share * group.period_rad / group.angle_count
             grid = angles[k] + width * np.array(ANGLES.zoom_parts)
-            here = _turned(case, bodies, angles)
+            here = _turned(case, groups, angles)
             costs = costs_of(
                 pool,
                 measured,
                 model,
-                [_turned(here, [body], [float(a) - angles[k]]) for a in grid],
+                [_turned(here, [group], [float(a) - angles[k]]) for a in grid],
             )
-            angles[k] = _lowest(grid, costs)
+            angles[k] = _vertex(grid, costs)
         share *= ANGLES.narrowing
-    if len(bodies) > 1:
-        angles = _together(pool, measured, case, model, bodies, angles)
-    found = _turned(case, bodies, angles)
+    if len(groups) > 1:
+        angles = _together(pool, measured, case, model, groups, angles)
+    found = _turned(case, groups, angles)
     within = [math.remainder(angle, 2.0 * math.pi) for angle in angles]
     return found.effects, dict(zip(names, within, strict=True))
 
 
-def _turned(case: Case, bodies: Sequence[Turning], angles: Sequence[float]) -> Case:
-    """Return the case with every body turned by its angle, rad."""
-    for body, angle in zip(bodies, angles, strict=True):
-        case = replace(case, effects=with_turned(case.effects, body.name, angle))
+def _turned(case: Case, groups: Sequence[Turning], angles: Sequence[float]) -> Case:
+    """Return the case with every group turned by its angle, rad."""
+    for group, angle in zip(groups, angles, strict=True):
+        case = replace(case, effects=with_turned(case.effects, group.name, angle))
     return case
 
 
 def _on_grid(
-    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, bodies: Sequence[Turning]
+    pool: SimulationPool, measured: Array, case: Case, model: NoiseModel, groups: Sequence[Turning]
 ) -> list[float]:
-    """Return the angles, rad, of a grid round the turn at which all bodies together cost least.
+    """Return the angles, rad, of a grid round the turn at which all groups together cost least.
 
-    Their responses are added up: each is simulated alone, at every angle of its grid. Of one body
-    only the products of its own responses with others are needed, so few are held at a time.
+    Their responses are added up: each is simulated alone, at every angle of its grid. Of the group
+    of most tries only the products with the others are needed, so few of its own are held.
     """
-    still = replace(case, effects=tuple(e for e in case.effects if not phased(e)))
+    still = replace(case, effects=tuple(e for e in case.effects if not has_start_angle(e)))
     base = pool.run([still], keep=False)[0][0]
     left = _white(pool, model, measured - base).ravel()
-    # bodies have unlike counts of tries: what a shorter grid lacks costs without end
-    shape = (len(bodies), max(body.angle_count for body in bodies))
+    # groups have unlike counts of tries: what a shorter grid lacks costs without end
+    shape = (len(groups), max(group.angle_count for group in groups))
     alone, products = np.full(shape, np.inf), np.zeros(shape * 2)
     kept: dict[int, Array] = {}
-    in_turn = sorted(range(len(bodies)), key=lambda k: bodies[k].angle_count)
-    for k in in_turn:
+    fewest_tries_first = sorted(range(len(groups)), key=lambda k: groups[k].angle_count)
+    for k in fewest_tries_first:
         parts: list[Array] = []
-        for first, rows in _responses(pool, model, case, base, bodies[k]):
-            at = np.arange(first, first + len(rows))
-            runs_through = np.isfinite(rows).all(axis=1)
-            rows[~runs_through] = 0.0
-            alone[k, at] = np.where(runs_through, 0.0, np.inf) - 2.0 * rows @ left
-            products[k, at, k, at] = np.sum(rows**2, axis=1)
-            for other, there in kept.items():
-                both = rows @ there.T
-                products[k, at, other, : len(there)] = both
-                products[other, : len(there), k, at] = both
-            if k != in_turn[-1]:  # that of most tries: no other needs its responses
-                parts.append(rows)
+        for first, responses in _responses(pool, model, case, base, groups[k]):
+            tries = np.arange(first, first + len(responses))
+            runs_through = np.isfinite(responses).all(axis=1)
+            responses[~runs_through] = 0.0
+            alone[k, tries] = np.where(runs_through, 0.0, np.inf) - 2.0 * responses @ left
+            products[k, tries, k, tries] = np.sum(responses**2, axis=1)
+            for other, of_other in kept.items():
+                crossed = responses @ of_other.T
+                products[k, tries, other, : len(of_other)] = crossed
+                products[other, : len(of_other), k, tries] = crossed
+            if k != fewest_tries_first[-1]:  # that of most tries: no other needs its responses
+                parts.append(responses)
         if parts:
             kept[k] = np.concatenate(parts)
     found = _least_together(alone, products)
-    return [float(body.grid[k]) for body, k in zip(bodies, found, strict=True)]
+    return [float(group.grid[k]) for group, k in zip(groups, found, strict=True)]
 
 
 def _responses(
-    pool: SimulationPool, model: NoiseModel, case: Case, base: Array, body: Turning
+    pool: SimulationPool, model: NoiseModel, case: Case, base: Array, group: Turning
 ) -> Iterator[tuple[int, Array]]:
-    """Yield the first of some tries of a body's grid, and what they change from ``base``, white.
+    """Yield the index of the first of some tries of a group's grid, and their responses.
 
-    One row per try, of all channels and judged samples.
+    A response is what a try changes from ``base``, white: one row per try, of all channels and
+    judged samples.
     """
-    still = tuple(e for e in case.effects if not phased(e))
-    own = tuple(e for e in case.effects if phased(e) and turns_with(e) == body.name)
-    for first in range(0, body.angle_count, AT_ONCE):
-        angles = body.grid[first : first + AT_ONCE]
-        turned = [with_turned(own, body.name, float(a)) for a in angles]
+    still = tuple(e for e in case.effects if not has_start_angle(e))
+    own = tuple(e for e in case.effects if has_start_angle(e) and turns_with(e) == group.name)
+    for first in range(0, group.angle_count, AT_ONCE):
+        angles = group.grid[first : first + AT_ONCE]
+        turned = [with_turned(own, group.name, float(a)) for a in angles]
         cases = [replace(case, effects=(*still, *effects)) for effects in turned]
         runs = (run[0] for run in pool.run(cases, keep=False))
         yield first, np.stack([_white(pool, model, run - base).ravel() for run in runs])
 
 
 def _least_together(alone: Array, products: Array) -> list[int]:
-    """Return per body the try of least cost together.
+    """Return per group the try of least cost together.
 
-    Equation: sum_i alone[i, a_i] + sum_ij products[i, a_i, j, a_j], two bodies at a time over all
-    their tries, until that changes none.
+    Equation: sum_i alone[i, a_i] + sum_ij products[i, a_i, j, a_j], two groups at a time over all
+    their tries, until that changes none, or ``most_passes`` times.
 
     Parameters
     ----------
-    alone : (bodies, tries), infinite for one that does not run.
-    products : of responses (bodies, tries, bodies, tries); of one body those with themselves.
+    alone : (groups, tries), infinite for one that does not run.
+    products : of responses (groups, tries, groups, tries); of one group those with themselves.
     """
     count = len(alone)
     own = alone + np.einsum("iaia->ia", products)
@@ -252,25 +257,26 @@ def _together(
     measured: Array,
     case: Case,
     model: NoiseModel,
-    bodies: Sequence[Turning],
+    groups: Sequence[Turning],
     angles: list[float],
 ) -> list[float]:
-    """Return the angles after steps of all together, each as long as the cost falls.
+    """Return the angles after steps of all at once, as many as let the cost fall.
 
-    Bodies that act nearly alike lie in a narrow valley: steps of one alone end on its wall.
+    Groups that act nearly alike lie in a narrow valley: steps of one alone end on its wall. At
+    most ``most_passes`` steps.
     """
-    before, cost = angles, math.inf
-    shares = np.array([body.step_share for body in bodies])
+    best, cost = angles, math.inf
+    shares = np.array([group.step_share for group in groups])
     steps_rad = ANGLES.slope_rad * shares
     for _ in range(ANGLES.most_passes):
         moved = [list(np.array(angles) + row) for row in np.diag(steps_rad)]
-        tries = [_turned(case, bodies, each) for each in (angles, *moved)]
+        tries = [_turned(case, groups, each) for each in (angles, *moved)]
         base, *runs = (run[0] for run in pool.run(tries, keep=False))
         left = _white(pool, model, measured - base).ravel()
         now = float(left @ left)
         if not now < cost:
-            return before
-        before, cost = angles, now
+            return best
+        best, cost = angles, now
         rows = np.stack([_white(pool, model, run - base).ravel() for run in runs])
         slopes = rows / steps_rad[:, None]
         if not np.isfinite(slopes).all():
@@ -278,10 +284,10 @@ def _together(
         step = np.linalg.lstsq(slopes.T, left, rcond=None)[0]
         steps = np.clip(step, -ANGLES.most_rad * shares, ANGLES.most_rad * shares)
         angles = [float(a) for a in np.array(angles) + steps]
-    return before
+    return best
 
 
-def _lowest(grid: Array, values: Array) -> float:
+def _vertex(grid: Array, values: Array) -> float:
     """Return where the fitted parabola has its vertex, rad, kept inside the grid.
 
     Of a parabola that opens downwards, and where a line does not run at a try, the try of

@@ -19,7 +19,7 @@ from sim_plant.refine.model.twin import Added
 ANGLES = CRITERIA.fit.start_angles
 
 
-def phased(effect: Added) -> bool:
+def has_start_angle(effect: Added) -> bool:
     """Return whether an effect has an angle that another start of the rolls changes."""
     record = BY_NAME[effect.effect]
     return bool(record.quadratures) or any(
@@ -74,7 +74,8 @@ def turns_with(effect: Added) -> str:
 def with_turned(effects: tuple[Added, ...], body: str, angle_rad: float) -> tuple[Added, ...]:
     """Return the effects, those with an angle that ``turns_with`` this body turned."""
     return tuple(
-        turned_effect(e, angle_rad) if phased(e) and turns_with(e) == body else e for e in effects
+        turned_effect(e, angle_rad) if has_start_angle(e) and turns_with(e) == body else e
+        for e in effects
     )
 
 
@@ -104,7 +105,7 @@ class Turning:
         taken: their common period may be many turns. Over a turn each of order 1 and above goes
         through all its phases, but not each pair of them through all pairs.
         """
-        own = (e for e in effects if phased(e) and turns_with(e) == name)
+        own = (e for e in effects if has_start_angle(e) and turns_with(e) == name)
         orders = {order for e in own for order in orders_of(e)}
         whole = all(order % 1.0 == 0.0 for order in orders)
         common = math.gcd(*map(int, orders)) if whole else 1.0

@@ -13,9 +13,9 @@ from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.roll_synchronisation import shifts_in_step
-from sim_plant.refine.fit.start_angles import costs_of, start_angles
+from sim_plant.refine.fit.start_angles import costs_of, find_start_angles
 from sim_plant.refine.fit.start_states import changes_by_starts, with_start_state
-from sim_plant.refine.fit.turning import phased, turns_with, with_turned
+from sim_plant.refine.fit.turning import has_start_angle, turns_with, with_turned
 from sim_plant.refine.judge.frequencies import differs_by_record, frequency_Hz, with_frequencies
 from sim_plant.refine.judge.moments import has_moments, with_moments
 from sim_plant.refine.model.simulation_pool import SimulationPool
@@ -40,8 +40,8 @@ class Evaluation:
     corrected : the simulation with declared numbers as re-estimated and no effects.
     effects : those found, with the start angles of this record.
     angles_rad, unwound_m : states of rolls estimated on this record: start angles, by what turns
-        (``turns_with``), and per location the age of a profile, the length of web that has left
-        the roll since it was formed; all else is as fitted.
+        (``turns_with``), and per location the age of a profile, by how much the roll's radius has
+        fallen since it was formed; all else is as fitted.
     moments : when events begin in this record, s or m of web, by "effect at location".
     frequencies_Hz : those of the mains in this record, by the same.
     first : index of the first judged sample.
@@ -151,7 +151,7 @@ def at_its_own_state(
     """
     first = OwnState(case=case)
     sought = has_moments(case) or any(differs_by_record(effect) for effect in case.effects)
-    if sought and any(phased(effect) for effect in case.effects):
+    if sought and any(has_start_angle(effect) for effect in case.effects):
         first = _with_rolls(pool, measured, first, model)
     first = _at_mains(pool, measured, first, model)
     effects, moments = with_moments(pool, measured, first.case, model)
@@ -194,33 +194,31 @@ def _with_rolls(
     pool: SimulationPool, measured: Array, found: OwnState, model: NoiseModel
 ) -> OwnState:
     """Return the state with start angles and ages of rolls found anew; angles add up."""
-    effects, more = start_angles(pool, measured, found.case, model)
+    effects, more = find_start_angles(pool, measured, found.case, model)
     case = replace(found.case, effects=effects)
-    effects, unwound = with_unwound_lengths(pool, measured, case, model)
+    effects, ages_m = with_profile_ages(pool, measured, case, model)
     angles = {
         place: math.remainder(angle + found.angles_rad.get(place, 0.0), 2.0 * math.pi)
         for place, angle in more.items()
     }
-    return replace(
-        found, case=replace(case, effects=effects), angles_rad=angles, unwound_m=unwound
-    )
+    return replace(found, case=replace(case, effects=effects), angles_rad=angles, unwound_m=ages_m)
 
 
-def with_unwound_lengths(
+def with_profile_ages(
     pool: SimulationPool, measured: Array, case: Case, model: NoiseModel
 ) -> tuple[tuple[Added, ...], dict[str, float]]:
     """Return the effects with the ages of their profiles in this record, and those ages, m.
 
-    An age is the length of web unwound since the profile was formed; only those that were fitted
-    are found anew. It changes the length of a turn, so the angle is found together with it.
+    An age is by how much the radius has fallen since the profile was formed; only those that were
+    fitted are found anew. It changes the length of a turn, so the angle is found together with it.
     """
-    unwound: dict[str, float] = {}
+    ages_m: dict[str, float] = {}
     for at, effect in enumerate(case.effects):
         profiles = BY_NAME[effect.effect].profiles
         if profiles is not None and profiles.age in dict(effect.parameters):
             case = _with_best_age(pool, measured, case, model, at, profiles.age)
-            unwound[effect.location] = float(dict(case.effects[at].parameters)[profiles.age])
-    return case.effects, unwound
+            ages_m[effect.location] = float(dict(case.effects[at].parameters)[profiles.age])
+    return case.effects, ages_m
 
 
 def _with_best_age(

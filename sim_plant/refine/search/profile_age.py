@@ -1,4 +1,4 @@
-"""The age of a named profile: how much web has left the roll since it was formed.
+"""The age of a named profile: by how much the roll's radius has fallen since it was formed, m.
 
 On a larger roll its corners stand closer together.
 """

@@ -1,3 +1,5 @@
+"""Effects begin where a record shows them: declared ones, beside others, at any order."""
+
 import math
 import tracemalloc
 from pathlib import Path
@@ -7,10 +9,8 @@ import pytest
 
 from sim_plant.line.declaration import EffectEntry
 from sim_plant.line.load import load_declaration
-from sim_plant.refine.fit.start_angles import at_start_angles
-from sim_plant.refine.fit.turning import Turning, orders_of, phased
+from sim_plant.refine.fit.start_angles import with_effects_as_the_record_begins
 from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
-from tests.each_case import each_case
 from tests.sim_plant.refine.small import formula_twin, line_with
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
@@ -41,7 +41,7 @@ def roller(angle_rad):
 @pytest.mark.sweep(every=3)
 def test_a_declared_roller_begins_where_the_record_shows_it(start_rad):
     measured = twin(roller(start_rad)).simulate(Case(quick=False, seed=3))
-    found, angles = at_start_angles(twin(roller(1.0)), measured)
+    found, angles = with_effects_as_the_record_begins(twin(roller(1.0)), measured)
     (entry,) = found.declaration.effects
     off = math.remainder(entry.parameters["angle_rad"] - start_rad, 2.0 * math.pi)
     assert abs(off) < 0.06
@@ -53,7 +53,10 @@ def test_a_declared_roller_begins_where_the_record_shows_it(start_rad):
 def test_what_has_no_angle_stays_as_declared():
     stiff = EffectEntry(effect="web_modulus", location="web", parameters={"factor": 1.2})
     there = twin(stiff)
-    assert at_start_angles(there, np.zeros((len(CHANNELS), SAMPLES))) == (there, {})
+    assert with_effects_as_the_record_begins(there, np.zeros((len(CHANNELS), SAMPLES))) == (
+        there,
+        {},
+    )
 
 
 @pytest.mark.campaign  # quick: a declared roller, above
@@ -62,16 +65,13 @@ def test_a_profile_declared_without_an_angle_is_turned_too():
         effect="out_of_round_roll", location="unwind", parameters={"shape": "flat", "size_m": 0.01}
     )
     measured = twin(flat.model_copy(update={"parameters": {**flat.parameters, "angle_rad": 2.0}}))
-    found, _ = at_start_angles(twin(flat), measured.simulate(Case(quick=False, seed=5)))
+    found, _ = with_effects_as_the_record_begins(
+        twin(flat), measured.simulate(Case(quick=False, seed=5))
+    )
     (entry,) = found.declaration.effects
     assert math.remainder(entry.parameters["angle_rad"] - 2.0, 2.0 * math.pi) == pytest.approx(
         0.0, abs=0.01
     )
-
-
-def test_an_angle_makes_an_effect_one_that_is_turned():
-    assert phased(Added("eccentric_roller", "R6", (("cos_m", 1e-4),)))
-    assert not phased(Added("loop_delay", "unwind", (("delay_s", 0.05),)))
 
 
 ROWS = 4000
@@ -98,7 +98,7 @@ def test_a_declared_profile_is_turned_with_its_roll_in_step(shift):
     there = formula_twin(lump_of_smaller_roll, channels, ROWS, noise_sd=(1e-3, 1.0), line=line)
     added = Added(true.effect, true.location, tuple(true.parameters.items()))
     case = Case(effects=(added,), shifts=((RADIUS, shift),), seed=5)
-    found, angles = at_start_angles(there, there.simulate(case))
+    found, angles = with_effects_as_the_record_begins(there, there.simulate(case))
     (entry,) = found.declaration.effects
     assert entry.parameters["angle_rad"] == pytest.approx(1.9, abs=0.03)
     assert angles["unwind"] == pytest.approx(1.5, abs=0.03)
@@ -142,7 +142,7 @@ def power_left(*true):
     there = formula_twin(formula, ("unwind_tension_N",), ROWS, line=line)
     hidden = tuple(Added(e.effect, e.location, tuple(e.parameters.items())) for e in true)
     measured = there.simulate(Case(effects=hidden, seed=5))
-    found, _ = at_start_angles(there, measured)
+    found, _ = with_effects_as_the_record_begins(there, measured)
     shown = tuple(
         Added(e.effect, e.location, tuple(e.parameters.items())) for e in found.declaration.effects
     )
@@ -159,7 +159,7 @@ def test_a_ripple_of_a_high_order_begins_where_the_record_shows_it(order):
 
 
 @pytest.mark.parametrize(("order", "turned_rad"), [(24.0, 2.294), (36.0, 2.868)])
-def test_beside_a_first_order_of_the_same_roll_it_does_too(order, turned_rad):
+def test_a_ripple_of_a_high_order_begins_right_beside_a_first_order_of_its_roll(order, turned_rad):
     """Both turn with the roll: an angle of it takes their phases by one and by ``order`` of it."""
     assert power_left(ripple(1.0, turned_rad), ripple(order, order * turned_rad)) < 1e-3
 
@@ -173,38 +173,3 @@ def test_no_more_than_some_tries_are_held_at_a_time():
     finally:
         tracemalloc.stop()
     assert peak < 0.75 * 176 * 3000 * 8
-
-
-def added(effect, location, **parameters):
-    return Added(effect, location, tuple(parameters.items()))
-
-
-@each_case(
-    ("orders", "tries", "part"),
-    [((1.0,), 24, 1.0), ((36.0,), 24, 36.0), ((1.0, 36.0), 144, 1.0), ((24.0, 36.0), 24, 12.0)],
-)
-def test_the_first_grid_has_four_tries_in_a_period_of_the_highest_order(orders, tries, part):
-    both = [
-        added("torque_ripple", "unwind", order=n, amplitude_N_m=1.0, angle_rad=0.0) for n in orders
-    ]
-    turning = Turning.of("unwind", both)
-    assert turning.angle_count == tries
-    assert turning.period_rad == pytest.approx(2.0 * math.pi / part)
-
-
-def test_orders_that_are_there_count_and_no_others():
-    profile = {"shape": "orders", "cos2_m": 1e-4, "sin6_m": 1e-4, "cos4_m": 0.0}
-    assert orders_of(added("out_of_round_roll", "unwind", **profile)) == {2.0, 6.0}
-    flat = {"shape": "flat", "size_m": 0.01, "angle_rad": 0.0}
-    assert orders_of(added("out_of_round_roll", "unwind", **flat)) == {
-        1.0,
-        2.0,
-        3.0,
-        4.0,
-        5.0,
-        6.0,
-    }
-    hum = {"frequency_Hz": 49.7, "cos_N": 1.0}
-    assert orders_of(added("mains_hum", "R3", **hum)) == {1.0}
-    nip = {"nip_radius_m": 0.03, "cos_N": 1.0}
-    assert orders_of(added("nip_pulse", "pull_roll", **nip)) == {1.0}

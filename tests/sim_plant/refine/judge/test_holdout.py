@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sim_plant.refine.fit.turning import with_turned
-from sim_plant.refine.judge.holdout import evaluate, with_unwound_lengths
+from sim_plant.refine.judge.holdout import evaluate, with_profile_ages
 from sim_plant.refine.model.twin import Added, Case
 from sim_plant.refine.noise.innovations import noise_model
 from tests.sim_plant.refine.small import formula_twin, pool_of, white
@@ -37,7 +37,7 @@ def profile(**more):
 def test_the_roll_of_the_held_out_record_is_taken_as_it_is():
     measured = tension(0.42, 0.013) + NOISE
     case = Case(effects=(profile(unwound_m=0.006),))
-    (found,), unwound = with_unwound_lengths(pool(), measured, case, MODEL)
+    (found,), unwound = with_profile_ages(pool(), measured, case, MODEL)
     p = dict(found.parameters)
     assert p["angle_rad"] == pytest.approx(0.42, abs=0.005)
     assert p["unwound_m"] == pytest.approx(0.013, abs=5e-4)
@@ -47,7 +47,7 @@ def test_the_roll_of_the_held_out_record_is_taken_as_it_is():
 
 def test_a_profile_without_that_number_stays_as_fitted():
     case = Case(effects=(profile(),))
-    assert with_unwound_lengths(pool(), tension(0.42, 0.013), case, MODEL) == (case.effects, {})
+    assert with_profile_ages(pool(), tension(0.42, 0.013), case, MODEL) == (case.effects, {})
 
 
 def test_what_else_is_on_the_roll_turns_with_it():
@@ -56,7 +56,7 @@ def test_what_else_is_on_the_roll_turns_with_it():
     cell = Added("mains_hum", "R9", (("amplitude_N", 0.4), ("phase_rad", 1.0)))
     measured = tension(0.42, 0.013) + NOISE
     effects = (centre, cell, profile(unwound_m=0.006))
-    found, _ = with_unwound_lengths(pool(), measured, Case(effects=effects), MODEL)
+    found, _ = with_profile_ages(pool(), measured, Case(effects=effects), MODEL)
     turned = dict(found[2].parameters)["angle_rad"] - 0.4
     assert abs(turned) > 0.01
     now = dict(found[0].parameters)
