@@ -52,8 +52,8 @@ ELSEWHERE = {
     "report/outcome.py": {"limit": "Plan.workers"},
     "report/page.py": {"page": "SHOWN_SHIFTS"},
     "report/plots.py": {
-        "page": "POINTS SHOWN_S AROUND_MOMENT_S LEAD_SHARE HIGHEST_HZ "
-        "BELOW_FLOOR_DB ABOVE_FLOOR_DB"
+        "page": "POINTS SHOWN_S MOST_CHANNELS LEAST_EXPLAINED AROUND_MOMENT_S LEAD_SHARE "
+        "HIGHEST_HZ BELOW_FLOOR_DB ABOVE_FLOOR_DB"
     },
     "report/sketch.py": {"page": "WIDTH_IN HEIGHTS_IN LEAST_SHARE _LEFT_OF"},
     "report/tables.py": {"page": "DIGITS"},

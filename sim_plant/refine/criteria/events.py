@@ -14,8 +14,8 @@ class EventCriteria:
 
     response_moments: int = criterion(
         4,
-        "1",
-        "moments of a record at which a response is simulated; for others the nearest is shifted",
+        "moments",
+        "of a record at which a response is simulated; for others the nearest is shifted",
         "speed and radius change little over a quarter of a record",
     )
     window: Mapping[str, float] = criterion(
@@ -167,8 +167,8 @@ class EventCriteria:
     )
     bin_sd: float = criterion(
         5.0,
-        "1",
-        "standard deviations above that level from which a bin is loud",
+        "standard deviations",
+        "above the level of ``level_share`` from which a bin is loud",
         "a minute has 120 bins",
     )
     quiet_s: float = criterion(

@@ -69,12 +69,13 @@ def robust_covariance(objective: Objective, jacobian: Array, residual: Array) ->
         variance = np.maximum(variance, simulated)
     left = objective.projector.project(residual)
     pulls = block_sums(objective, normed * left[:, np.newaxis]) @ inverse.T
-    pulled, free = np.sum(pulls**2, axis=0), len(pulls) - 1.0
-    if free > 0.0:
-        chance = fdtri(free, np.minimum(freedom, MANY), CRITERIA.report.confidence)
-        wrong = pulled > chance * variance
-        freedom = np.where(wrong, free, freedom)
-        variance = np.where(wrong, pulled, variance)
+    pulled, freedom_of_blocks = np.sum(pulls**2, axis=0), len(pulls) - 1.0
+    if freedom_of_blocks > 0.0:
+        freedom_of_noise = np.minimum(freedom, MANY)
+        by_chance = fdtri(freedom_of_blocks, freedom_of_noise, CRITERIA.report.confidence)
+        is_model_error = pulled > by_chance * variance
+        freedom = np.where(is_model_error, freedom_of_blocks, freedom)
+        variance = np.where(is_model_error, pulled, variance)
     return RobustCovariance(
         noise=noise,
         tolerances=inverse @ (prior.T @ prior) @ inverse.T,
@@ -88,10 +89,13 @@ def moved_by_declared(objective: Objective, residual: Array, jacobian: Array) ->
 
     A declared number that a fit has moved further than chance moves any of them may imitate what
     the model has wrong. Its tolerance then says nothing of how far it may have taken others along.
-    ``residual`` is what a fit leaves, ``jacobian`` (rows, q) is what a unit
-    of each of its numbers changes of the residual's rows. Effective
-    radii stay: angles fix them. n counts the declared numbers that are looked at.
-    Equation: |z| > z_n, P(|z| < z_n)^n = the stated confidence  [Sidak 1967].
+    Effective radii stay: angles fix them.
+
+    ``residual`` is what a fit leaves, ``jacobian`` (rows, q) what a unit of each of its numbers
+    changes of the residual's rows.
+
+    Equation: |z| > z_n, P(|z| < z_n)^n = the stated confidence, n of the declared numbers that are
+    looked at  [Sidak 1967].
     """
     z = -residual[objective.rows :]
     looked_at = np.array(

@@ -1,4 +1,4 @@
-"""Run many simulations of the twins on all cores, side by side, each only once."""
+"""Run many simulations of the twins, side by side and in several processes, each only once."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ at the declared drive tick, eight of them one by one 160 s, the first start 20 s
 times that, for a machine that has other work."""
 
 Group = tuple[int, tuple[Case, ...]]
-"""Cases that run side by side, and the number of their twin."""
+"""Index of a twin, and cases of it that run side by side."""
 
 _twins: list[Twin] = []
 """Of this worker process."""
@@ -27,28 +27,37 @@ def _adopt(twins: Sequence[Twin]) -> None:
 
 
 def _work(group: Group) -> list[Array]:
-    number, cases = group
-    return simulated(_twins[number], number, cases)
+    twin, cases = group
+    return simulated(_twins[twin], twin, cases)
 
 
 def _name(group: Group) -> str:
-    number, cases = group
+    """Return what a group is called where it was lost: its first case, and how many are beside."""
+    twin, cases = group
     put = [f"{added.effect} at {added.location}" for added in cases[0].effects]
     put += [f"order {order} of body {body}" for body, order, _, _ in cases[0].ripples]
     put += [f"{name} shifted" for name, _ in cases[0].shifts]
     put += [f"another start of {o.of} {o.roller}" for o in cases[0].start]
     put += [] if cases[0].seed is None else [f"noise {cases[0].seed}"]
     beside = f" and {len(cases) - 1} beside it" if len(cases) > 1 else ""
-    return f"simulation of record {number + 1} with {', '.join(put) or 'nothing added'}{beside}"
+    return f"simulation of record {twin + 1} with {', '.join(put) or 'nothing added'}{beside}"
 
 
 class SimulationPool:
     """Simulates cases on every twin, remembers results, uses ``workers`` processes.
 
-    ``responses`` keeps what a search has simulated of the line and needs again: what
-    effects change, by whatever names them, (channels, samples) per case and record.
-    Use as a context manager; one worker runs in this process. ``say`` reports a simulation
-    that is repeated because its process was lost.
+    Use as a context manager; one worker runs in this process.
+
+    Attributes
+    ----------
+    simulations : how many were run so far, of one case on one twin each.
+    responses : what a search has simulated of the line and needs again: what effects change, by
+        whatever names them, (channels, samples) per case and record.
+
+    Parameters
+    ----------
+    say : told of a simulation that is repeated because its process was lost.
+    limit_s : for one group of simulations; see ``LIMIT_S``.
     """
 
     def __init__(
@@ -87,6 +96,10 @@ class SimulationPool:
     def run(self, cases: Sequence[Case], keep: bool = True) -> list[list[Array]]:
         """Return, per case, one (channels, samples) array per twin.
 
+        Parameters
+        ----------
+        keep : remember the results; without it only what was known before is not run again.
+
         Raises
         ------
         LostJobError
@@ -99,16 +112,19 @@ class SimulationPool:
         if self._pool is not None:
             done = self._pool.map(groups)
         else:
-            done = [simulated(self.twins[number], number, cases) for number, cases in groups]
+            done = [simulated(self.twins[twin], twin, members) for twin, members in groups]
         known = dict(self._known)
-        for (number, members), records in zip(groups, done, strict=True):
-            known.update(zip([(number, case) for case in members], records, strict=True))
+        for (twin, members), records in zip(groups, done, strict=True):
+            known.update(zip([(twin, case) for case in members], records, strict=True))
         if keep:
             self._known = known
         return [[known[t, case] for t in range(len(self.twins))] for case in cases]
 
     def forget(self) -> None:
-        """Drop all results: a search that goes on from elsewhere does not come back to them."""
+        """Drop the results of ``run``: a search that goes on from elsewhere needs none of them.
+
+        ``responses`` stay.
+        """
         self._known.clear()
 
     def one(self, case: Case) -> list[Array]:

@@ -62,11 +62,13 @@ class Activity:
 def activity_of(
     columns: Mapping[str, Array], acted: Sequence[Array], speed_m_s: Array, step_s: float
 ) -> Activity:
-    """Return how long each lasted; ``columns`` and ``acted`` are (samples,).
+    """Return how long each lasted.
 
     Parameters
     ----------
-    acted : the correction of each actuator, in its own unit: only whether it is 0 counts.
+    columns : of the run (samples,): ``state``, ``state_bits``, and where there are any the probe's
+        stage and ``limit_ratio_...`` of each output.
+    acted : the correction of each actuator (samples,), in its own unit; whether it is 0 counts.
     """
     stage = columns.get(STAGE, np.full(speed_m_s.shape, np.nan))
     is_correcting = np.zeros(speed_m_s.shape, dtype=np.bool_)
@@ -92,8 +94,8 @@ def activity_of(
 def ramps(speed_m_s: Array, step_s: float) -> Flags:
     """Return where the line speed (samples,) changes.
 
-    The mean of the second (``ramp_look_s``) after a sample is compared with that of the second
-    before. The first and the last half second of a record never count.
+    The mean over ``ramp_look_s`` after a sample is compared with that over as long before. Half as
+    long at the beginning and at the end of a record never counts.
     """
     reach = max(1, round(0.5 * RUN.ramp_look_s / step_s))
     if speed_m_s.size <= 2 * reach:

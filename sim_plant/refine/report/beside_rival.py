@@ -10,7 +10,10 @@ from sim_plant.refine.report.wording import place_words
 
 
 def beside_rival(effect: EffectFinding, errors: Mapping[str, ChannelRms]) -> str:
-    """Return the errors in the tension in which both differ most, in noise floors, or ""."""
+    """Return the errors with an effect and with its runner-up in its place.
+
+    In the tension in which they differ most, in noise floors; "" where none was judged.
+    """
     left = {
         name: rms
         for name, rms in effect.runner_up_rms.items()

@@ -22,6 +22,10 @@ POINTS = 3000
 """At least so many points are drawn of a longer spectrum, each the largest of its neighbours."""
 SHOWN_S = 8.0
 """Length of what is drawn of a record where the declared line is worst."""
+MOST_CHANNELS = 3
+"""Channels that are drawn of a record."""
+LEAST_EXPLAINED = 10.0
+"""Smaller chi-square reductions are drawn as this: their axis is a logarithm."""
 AROUND_MOMENT_S, LEAD_SHARE = 20.0, 0.25
 """Length of what is drawn around a moment, for web that takes its time to pass the line; and the
 share of it that leads up to that moment."""
@@ -85,12 +89,12 @@ def _with_unit(channel: str) -> str:
 
 
 def shown_channels(judged: Evaluation) -> list[int]:
-    """Return three channels: those with the largest error as declared, a tension among them."""
+    """Return the channels of the largest error as declared, a tension among them."""
     ranked = channels_by_error(judged)
-    show = ranked[:3]
+    show = ranked[:MOST_CHANNELS]
     tensions = [k for k in ranked if judged.channels[k].endswith("_N")]
     if tensions and not set(tensions) & set(show):
-        show = [*show[:2], tensions[0]]
+        show = [*show[:-1], tensions[0]]
     return show
 
 
@@ -108,12 +112,14 @@ def part_around(judged: Evaluation, sample_time_s: float, moment_s: float) -> sl
     return slice(start, min(samples, start + size))
 
 
-def worst_part(judged: Evaluation, channel: int, samples: int, line: Array | None = None) -> slice:
-    """Return the ``samples`` judged samples in which a line is furthest off: the declared one.
+def worst_part(
+    judged: Evaluation, channel: int, samples: int, simulated: Array | None = None
+) -> slice:
+    """Return the ``samples`` judged samples in which a simulated line is furthest off.
 
-    Or ``line`` (channels, samples), its simulation.
+    ``simulated`` (channels, samples) is of that line; None: of the line as declared.
     """
-    model = judged.declared if line is None else line
+    model = judged.declared if simulated is None else simulated
     squared = (judged.measured[channel] - model[channel])[judged.first :] ** 2
     samples = min(samples, squared.size)
     total = np.concatenate(([0.0], np.cumsum(squared)))
@@ -122,17 +128,18 @@ def worst_part(judged: Evaluation, channel: int, samples: int, line: Array | Non
 
 
 def spectrum(
-    declared_lines: Sequence[SpectralLines],
-    amended_lines: Sequence[SpectralLines],
+    declared_spectra: Sequence[SpectralLines],
+    amended_spectra: Sequence[SpectralLines],
     threshold: float,
     *,
     draw_amended: bool = True,
 ) -> str:
     """Return what a free spectral line explains in time, travel and roll angle, chi-square."""
-    figure = Figure(figsize=(11, 2.6 * len(declared_lines)))
-    panels = np.atleast_1d(figure.subplots(len(declared_lines), 1))
+    figure = Figure(figsize=(11, 2.6 * len(declared_spectra)))
+    panels = np.atleast_1d(figure.subplots(len(declared_spectra), 1))
     texts = {"time": "Hz", "travel": "1/m of web", "angle": "times per turn of "}
-    for panel, as_declared, as_amended in zip(panels, declared_lines, amended_lines, strict=True):
+    rows = zip(panels, declared_spectra, amended_spectra, strict=True)
+    for panel, as_declared, as_amended in rows:
         both = ((as_declared, DECLARED, "declared"), (as_amended, AMENDED, "amended"))
         for drawn, colour, label in both if draw_amended else both[:1]:
             thin = max(1, drawn.chi2_reduction.size // POINTS)
@@ -140,7 +147,7 @@ def spectrum(
             peak = drawn.chi2_reduction[:size].reshape(-1, thin).max(axis=1)
             panel.semilogy(
                 drawn.frequency[:size:thin],
-                np.maximum(peak, 10.0),
+                np.maximum(peak, LEAST_EXPLAINED),
                 lw=0.7,
                 color=colour,
                 label=label,

@@ -54,7 +54,7 @@ class NumberChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EffectFinding:
-    """One effect that was traced.
+    """One effect that was found.
 
     Attributes
     ----------

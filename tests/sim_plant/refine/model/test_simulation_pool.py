@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
+from sim_plant.refine.model.twin import Case
 from sim_plant.refine.noise.innovations import declared_noise
 from sim_plant.refine.pipeline import check_runs
 from sim_plant.refine.records.recording import Recording
@@ -55,3 +56,19 @@ def test_a_channel_without_any_noise_is_refused_by_name():
     twin = formula_twin(lambda _: np.zeros((1, 400)), ["r3_tension_N"], 400)
     with pytest.raises(PlantError, match=r"sensors\.r3_tension_N: the line file declares no"):
         declared_noise(twin, np.zeros((3, 1, 400)))
+
+
+def test_a_case_is_simulated_once_unless_its_result_was_not_to_be_kept_or_was_dropped():
+    twin = formula_twin(lambda case: np.zeros((1, 8)), ("unwind_tension_N",), 8)
+    one, other = Case(), Case(seed=1)
+    pool = pool_of(twin)
+    pool.run([other], keep=False)
+    pool.run([one, one])
+    pool.run([one, other], keep=False)
+    assert twin.simulated == [other, one, other]
+    pool.forget()
+    pool.responses["kept"] = []
+    assert np.array_equal(pool.one(one)[0], np.zeros((1, 8)))
+    assert twin.simulated == [other, one, other, one]
+    assert pool.simulations == 4
+    assert "kept" in pool.responses
