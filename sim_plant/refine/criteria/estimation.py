@@ -81,25 +81,26 @@ class NoiseCriteria:
     same_ratio: float = criterion(
         1e-3,
         "1",
-        "a ratio of two steps of words this close to a whole number is one",
+        "a ratio of two steps of words this close to a whole number is that number",
         "scales are written with few digits",
     )
     drift_terms: int = criterion(
         32,
         "cosines",
-        "the slowest of a record, whose level is looked at, where drift_s or less is judged",
+        "the slowest of a record, whose level is looked at; a record longer than ``drift_s`` has "
+        "more",
         NOT_RECORDED,
     )
     drift_s: float = criterion(
         60.0,
         "s",
-        "judged time from which on more of them are looked at",
+        "judged time from which on more cosines than ``drift_terms`` are looked at",
         "that of a record of 80 s",
     )
     drift_Hz: float = criterion(
         0.4,
         "Hz",
-        "where they end in a long record too",
+        "frequency at which the cosines end that a longer record has more",
         "where 32 of 40 s end; white noise with 0.3 of its sd in 3 s drift kept 2.7 of its power "
         "at 0.03 to 0.1 Hz in 10 min, 0.96 with more of them",
     )
@@ -224,9 +225,14 @@ class FitCriteria:
         "numbers of that kind were 17 to 126 standard deviations off: that then costs less than "
         "0.02",
     )
-    least_gain: float = criterion(1.0, "chi2", "a step that gains less ends the fit", NOT_RECORDED)
+    least_gain: float = criterion(
+        1.0,
+        "chi2",
+        "a step that gains less than this, or the share below, ends the fit",
+        NOT_RECORDED,
+    )
     least_gain_share: float = criterion(
-        1e-4, "of the cost", "a step that gains less ends the fit", NOT_RECORDED
+        1e-4, "of the cost", "so does one that gains less than this", NOT_RECORDED
     )
     in_step_rad: float = criterion(
         0.02,

@@ -81,12 +81,16 @@ class EventCriteria:
     episode_reach_s: float = criterion(
         4.0,
         "s",
-        "farthest distance of an episode's beginning from the moment that the filter gives",
+        "farthest distance of an episode's beginning from the moment that the filter gives; two "
+        "of an effect at a place that begin within it are one",
         "the filter has another length: its moment is off by half of the difference",
     )
     most_peaks: int = criterion(2, "1", "moments taken from one response", DEVELOPMENT)
     most_moments: int = criterion(
-        2, "1", "moments at which an effect at a place is tried", DEVELOPMENT
+        2,
+        "moments",
+        "at which an effect at a place is tried; and of effects found, at which numbers are tried",
+        DEVELOPMENT,
     )
     most_places: int = criterion(
         4, "1", "pairs of place and moment at which one effect is tried", DEVELOPMENT
@@ -94,7 +98,8 @@ class EventCriteria:
     least_chi2: float = criterion(
         60.0,
         "chi2",
-        "least that an event has to explain, by a matched filter or on grids",
+        "least that an event has to explain, by a matched filter or on grids, and that one placed "
+        "anew has to gain",
         "chance gives 2 ln of all moments and places, 25, model error about as much; rounded up",
     )
     least_share: float = criterion(
@@ -163,7 +168,11 @@ class EventCriteria:
         "seeded sets with one, 1 is told as an event with 3 channels, none with 6",
     )
     bin_s: float = criterion(
-        0.5, "s", "length over which the residual's power is averaged", "some periods of a loop"
+        0.5,
+        "s",
+        "length over which the residual's power is averaged; declared numbers are tried at whole "
+        "multiples of it",
+        "some periods of a loop",
     )
     bin_sd: float = criterion(
         5.0,

@@ -23,7 +23,8 @@ def slow_terms(samples: int, sample_time_s: float) -> int:
 
     Cosine m has m half waves in the record, m / (2 T) Hz in T seconds: 32 of them end at 0.4 Hz in
     40 s and at 0.27 Hz in 60 s. From there on every second brings the 0.8 that end at 0.4 Hz.
-    Equation: 32 + 2 ``drift_Hz`` max(0, T - ``drift_s``), at most half of the samples  [own].
+    Equation: ``drift_terms`` + 2 ``drift_Hz`` max(0, T - ``drift_s``), at most half of
+    the samples, or ``drift_terms`` where those are more  [own].
     """
     more = 2.0 * NOISE.drift_Hz * max(0.0, samples * sample_time_s - NOISE.drift_s)
     return min(NOISE.drift_terms + round(more), max(NOISE.drift_terms, samples // 2))
