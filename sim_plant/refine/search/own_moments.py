@@ -32,7 +32,7 @@ def more_than_model_errors(
     moment. Not counted are effects with spectral lines, whose errors lie there too, see
     ``set_apart``.
     """
-    if not any(c.hypothesis.moment for c in fitted):
+    if not any(c.hypothesis.moment_parameter for c in fitted):
         return list(fitted)
     powers = response_powers(objective, base)
     kept: list[FittedCandidate] = []
@@ -75,9 +75,9 @@ def begun_power(power: Array, at: int, samples: int) -> float:
 def _begun_power(objective: Objective, c: FittedCandidate, powers: Sequence[Array]) -> float:
     """Return what effects begin to do at a candidate's moment; 0 of one that has none."""
     h, onset = c.hypothesis, c.hypothesis.effect.onset
-    if not h.moment or onset is None:
+    if not h.moment_parameter or onset is None:
         return 0.0
-    moment = c.fit.values[-1][h.names.index(h.moment)]
+    moment = c.fit.values[-1][h.names.index(h.moment_parameter)]
     record = h.record_index or 0
     twin = objective.pool.twins[record]
     axis = moment_axis(twin, objective.whitening.noise[record].first, onset.unit)
