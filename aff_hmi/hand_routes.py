@@ -29,8 +29,8 @@ from aff_hmi.press_request import (
     SECURE_COOKIE,
     TABLE,
     Answering,
-    Entry,
     PressRequest,
+    PressRule,
     Said,
     because,
     body,
@@ -168,7 +168,7 @@ class HandRoutes:
         )
 
     async def _answer_long(
-        self, request: Request, entry: Entry, asked: PressRequest, answer: Answering
+        self, request: Request, entry: PressRule, asked: PressRequest, answer: Answering
     ) -> Response:
         """Read and answer what holds texts, of who may press it: one at a time is in memory."""
         try:
@@ -213,7 +213,7 @@ class HandRoutes:
         return is_bypass and not self._hand.reasons(Action.BYPASS, None, place)
 
     @staticmethod
-    def _has_token(request: Request, session: Session, entry: Entry, said: Said) -> bool:
+    def _has_token(request: Request, session: Session, entry: PressRule, said: Said) -> bool:
         """Return whether the page says the session's own token.
 
         A bypass does without: the origin was checked, and a page that is older than the login must

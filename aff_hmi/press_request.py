@@ -51,7 +51,7 @@ Answering: TypeAlias = Callable[[PressRequest], Awaitable[Response]]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class PressRule:
     """One row of the table.
 
     Attributes
@@ -70,66 +70,66 @@ class Entry:
 EDITS: dict[str, type] = {"base": str, "edits": str, "text": str}
 WINDOWS: dict[str, type] = {"windows": str, "holdout": str, "without": str}
 TABLE = {
-    "/login": Entry(role=None, keys={"name": str, "password": str}, needs_token=False),
-    "/logout": Entry(role=Role.VIEW, keys={}),
-    "/sessions": Entry(role=Role.VIEW, keys={}),
-    "/sessions/end": Entry(role=Role.VIEW, keys={"number": int}),
-    "/hand": Entry(role=Role.OPERATE, keys={"do": str, "of": str}),
-    "/act": Entry(
+    "/login": PressRule(role=None, keys={"name": str, "password": str}, needs_token=False),
+    "/logout": PressRule(role=Role.VIEW, keys={}),
+    "/sessions": PressRule(role=Role.VIEW, keys={}),
+    "/sessions/end": PressRule(role=Role.VIEW, keys={"number": int}),
+    "/hand": PressRule(role=Role.OPERATE, keys={"do": str, "of": str}),
+    "/act": PressRule(
         role=Role.VIEW,
         keys={"action": str, "id": str, "seen": str, "frame": int},
         needs_token=None,
     ),
-    "/acknowledge": Entry(role=Role.OPERATE, keys={"key": str}),
-    "/shelve": Entry(role=Role.OPERATE, keys={"key": str, "minutes": int, "reason": str}),
-    "/keep": Entry(
+    "/acknowledge": PressRule(role=Role.OPERATE, keys={"key": str}),
+    "/shelve": PressRule(role=Role.OPERATE, keys={"key": str, "minutes": int, "reason": str}),
+    "/keep": PressRule(
         role=Role.OPERATE, keys={"first": int, "last": int, "ring": str, "name": str, "note": str}
     ),
-    "/let-go": Entry(role=Role.OPERATE, keys={"number": int}),
-    "/commission/open": Entry(role=Role.COMMISSION, keys={"password": str, "over": bool}),
-    "/commission/do": Entry(role=Role.COMMISSION, keys={"do": str, "again": str}),
-    "/commission/answer": Entry(role=Role.COMMISSION, keys={"number": int, "text": str}),
-    "/card/settings": Entry(
+    "/let-go": PressRule(role=Role.OPERATE, keys={"number": int}),
+    "/commission/open": PressRule(role=Role.COMMISSION, keys={"password": str, "over": bool}),
+    "/commission/do": PressRule(role=Role.COMMISSION, keys={"do": str, "again": str}),
+    "/commission/answer": PressRule(role=Role.COMMISSION, keys={"number": int, "text": str}),
+    "/card/settings": PressRule(
         role=Role.COMMISSION,
         keys={"do": str, "step": int, "measured": str, "seconds": int, "reason": str},
     ),
-    "/card/step": Entry(
+    "/card/step": PressRule(
         role=Role.COMMISSION, keys={"step": int, "typed": str, "plc": str, "leave_out": str}
     ),
-    "/card/sign": Entry(
+    "/card/sign": PressRule(
         role=Role.COMMISSION, keys={"step": int, "measured": str, "reason": str, "password": str}
     ),
-    "/settings/diff": Entry(role=Role.COMMISSION, keys=EDITS, most_bytes=MAX_TEXTS_BYTES),
-    "/settings/text": Entry(
+    "/settings/diff": PressRule(role=Role.COMMISSION, keys=EDITS, most_bytes=MAX_TEXTS_BYTES),
+    "/settings/text": PressRule(
         role=Role.COMMISSION, keys={**EDITS, "former": str}, most_bytes=MAX_TEXTS_BYTES
     ),
-    "/settings/try": Entry(
+    "/settings/try": PressRule(
         role=Role.COMMISSION,
         keys={**EDITS, "measured": str, "seconds": int, "reason": str},
         most_bytes=MAX_TEXTS_BYTES,
     ),
-    "/settings/save": Entry(
+    "/settings/save": PressRule(
         role=Role.COMMISSION,
         keys={**EDITS, "measured": str, "reason": str},
         most_bytes=MAX_TEXTS_BYTES,
     ),
-    "/settings/back": Entry(
+    "/settings/back": PressRule(
         role=Role.COMMISSION, keys={"number": int, "base": str, "measured": str, "reason": str}
     ),
-    "/refine/lacks": Entry(role=Role.COMMISSION, keys=WINDOWS),
-    "/refine/start": Entry(role=Role.COMMISSION, keys=WINDOWS),
-    "/refine/try": Entry(
+    "/refine/lacks": PressRule(role=Role.COMMISSION, keys=WINDOWS),
+    "/refine/start": PressRule(role=Role.COMMISSION, keys=WINDOWS),
+    "/refine/try": PressRule(
         role=Role.COMMISSION, keys={"number": int, "measured": str, "seconds": int, "reason": str}
     ),
-    "/refine/stop": Entry(role=Role.COMMISSION, keys={}),
-    "/maintenance/read": Entry(role=Role.COMMISSION, keys={}),
-    "/maintenance/exchange": Entry(
+    "/refine/stop": PressRule(role=Role.COMMISSION, keys={}),
+    "/maintenance/read": PressRule(role=Role.COMMISSION, keys={}),
+    "/maintenance/exchange": PressRule(
         role=Role.COMMISSION, keys={"roll": str, "on": str, "reason": str}
     ),
 }
 
 
-async def body(request: Request, entry: Entry) -> Said | None:
+async def body(request: Request, entry: PressRule) -> Said | None:
     """Return the body: the keys of its entry, of their kinds; None for anything else."""
     try:
         raw = await asyncio.wait_for(request.body(), BODY_PATIENCE_S)

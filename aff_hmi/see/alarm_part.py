@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from aff_hmi.notices import filled
 from aff_hmi.see.alarm import Alarm, Life
 from aff_hmi.see.alarm_book import AlarmBook
-from aff_hmi.see.events import Entry, Kind
+from aff_hmi.see.events import KeptEvent, Kind
 from aff_hmi.words import N_, Say, figures_in
 from aff_runtime.base.printable import printable
 
@@ -164,7 +164,7 @@ class EventLine:
     page: str
 
 
-def event_line(entry: Entry, say: Say, cycle_s: float = math.nan) -> EventLine:
+def event_line(entry: KeptEvent, say: Say, cycle_s: float = math.nan) -> EventLine:
     """Return an event in the reader's language; ``cycle_s`` : NaN where it is not known."""
     return EventLine(
         number=entry.number,

@@ -33,7 +33,7 @@ class Kind(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class KeptEvent:
     """One event.
 
     Attributes
@@ -67,7 +67,7 @@ class Wanted:
     most: int = MOST_ROWS
 
 
-def insert(connection: sqlite3.Connection, entries: Sequence[Entry]) -> None:
+def insert(connection: sqlite3.Connection, entries: Sequence[KeptEvent]) -> None:
     """Keep events; one that is there already is not kept again."""
     connection.executemany(
         "INSERT OR IGNORE INTO events "
@@ -93,7 +93,7 @@ def prune(connection: sqlite3.Connection, now_s: float, *, is_full: bool) -> Non
     )
 
 
-def select(connection: sqlite3.Connection, wanted: Wanted) -> list[Entry]:
+def select(connection: sqlite3.Connection, wanted: Wanted) -> list[KeptEvent]:
     """Return events, the newest first."""
     rows = connection.execute(
         f"SELECT {_COLUMNS} FROM events WHERE (?1 = '' OR kind = ?1) AND (?2 = '' OR roll = ?2) "
@@ -111,7 +111,7 @@ def between(
     kind: Kind,
     names: Sequence[str],
     most: int,
-) -> list[Entry]:
+) -> list[KeptEvent]:
     """Return the newest events of a span that are of a kind or have one of the names.
 
     Parameters
@@ -120,7 +120,7 @@ def between(
 
     Returns
     -------
-    list of Entry
+    list of KeptEvent
         ``most`` at most, the oldest first.
     """
     marks = ", ".join("?" for _ in names)
@@ -138,9 +138,9 @@ def newest(connection: sqlite3.Connection) -> int:
     return int(found)
 
 
-def _entry(row: tuple[int, float, int | None, str, str, str, str, str, str]) -> Entry:
+def _entry(row: tuple[int, float, int | None, str, str, str, str, str, str]) -> KeptEvent:
     number, utc_s, tick, kind, roll, name, text, values, who = row
-    return Entry(
+    return KeptEvent(
         number=number,
         utc_s=utc_s,
         tick=tick,

@@ -12,7 +12,7 @@ import numpy as np
 from aff_hmi.notices import is_probing, why_it_rests
 from aff_hmi.reason import MEANS
 from aff_hmi.see.alarm import Alarm
-from aff_hmi.see.events import Entry, Kind, insert, newest, prune
+from aff_hmi.see.events import KeptEvent, Kind, insert, newest, prune
 from aff_hmi.see.store import Store
 from aff_hmi.watch import News, Observed
 from aff_hmi.wire_sentences import told
@@ -66,7 +66,7 @@ class Journal:
         self._store = store
         self._clock = clock
         self._wall = wall
-        self._new: list[Entry] = []
+        self._new: list[KeptEvent] = []
         self._state: State | None = None
         self._roll_id = math.nan
         self._told: _Told | None = None
@@ -85,7 +85,7 @@ class Journal:
         who = printable(more.pop("who", ""), 60)
         values = {key: printable(value, LONGEST) for key, value in more.items()}
         self._write(
-            Entry(utc_s=self._wall(), kind=kind, name=name, text=text, values=values, who=who)
+            KeptEvent(utc_s=self._wall(), kind=kind, name=name, text=text, values=values, who=who)
         )
 
     def first_out(self, alarm: Alarm, ring: str) -> None:
@@ -103,7 +103,7 @@ class Journal:
             else N_("took the correction out, alone")
         )
         self._write(
-            Entry(
+            KeptEvent(
                 utc_s=utc_s,
                 tick=tick,
                 kind=Kind.ALARM,
@@ -150,15 +150,15 @@ class Journal:
 
     # --- what is written --------------------------------------------------------------------
 
-    def _changes(self, utc_s: float, tick: int, code: int, roll_id: float) -> Iterator[Entry]:
+    def _changes(self, utc_s: float, tick: int, code: int, roll_id: float) -> Iterator[KeptEvent]:
         state = State(code) if code in State._value2member_map_ else None
         if state is not self._state and state is not None:
             before = f"{self._state.name} → " if self._state is not None else ""
             text = MEANS[state.name]
             name = f"{before}{state.name}"
-            yield Entry(utc_s=utc_s, tick=tick, kind=Kind.STATE, name=name, text=text)
+            yield KeptEvent(utc_s=utc_s, tick=tick, kind=Kind.STATE, name=name, text=text)
         if math.isfinite(self._roll_id) and math.isfinite(roll_id) and roll_id != self._roll_id:
-            yield Entry(
+            yield KeptEvent(
                 utc_s=utc_s,
                 tick=tick,
                 kind=Kind.ROLL,
@@ -231,7 +231,7 @@ class Journal:
             if note in self._operators:
                 continue
             self._write(
-                Entry(
+                KeptEvent(
                     utc_s=note.utc_s,
                     kind=Kind.PERSON,
                     name="CONSOLE",
@@ -262,7 +262,7 @@ class Journal:
                 self._since.pop(key)
                 self._rests[key] = why
                 self._write(
-                    Entry(
+                    KeptEvent(
                         utc_s=self._wall() - (now_ns - since[1]) * _S,
                         tick=int(seen.row.number("tick")),
                         kind=Kind.ROLL,
@@ -284,11 +284,11 @@ class Journal:
 
     # --- the store --------------------------------------------------------------------------
 
-    def _write(self, entry: Entry) -> None:
+    def _write(self, entry: KeptEvent) -> None:
         if len(self._new) < MOST_AT_ONCE:  # a flood costs its own tail
             self._new.append(entry)
 
-    def _write_all(self, entries: Iterator[Entry]) -> None:
+    def _write_all(self, entries: Iterator[KeptEvent]) -> None:
         for entry in entries:
             self._write(entry)
 
@@ -311,11 +311,11 @@ class Journal:
             store.put(write)
 
 
-def _of_ring(ring: str, tick: int, utc_s: float, code: int) -> Entry:
+def _of_ring(ring: str, tick: int, utc_s: float, code: int) -> KeptEvent:
     event = BY_CODE.get(code)
     name = event.name if event is not None else f"CODE {code}"
     kind = Kind.ALARM if name in PRIORITIES else Kind.STATE
-    return Entry(
+    return KeptEvent(
         utc_s=utc_s,
         tick=tick,
         kind=Kind.ROLL if name in ROLL_EVENTS else kind,

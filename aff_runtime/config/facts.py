@@ -9,7 +9,7 @@ from aff_runtime.config.findings import dotted
 from aff_runtime.config.leaves import leaves
 from aff_runtime.config.meetings import Meeting, frequency_Hz, meetings_of
 from aff_runtime.config.models import Site
-from aff_runtime.config.registers import Row, block_of, read_rows, write_rows
+from aff_runtime.config.registers import RegisterSpan, block_of, read_rows, write_rows
 from aff_runtime.config.revision import site_hash_of
 from aff_runtime.core.bandwidth import Band
 
@@ -96,7 +96,7 @@ class Facts:
     shapes: tuple[ShapeFact, ...]
     limits: tuple[LimitFact, ...]
     meetings: tuple[tuple[str, Meeting], ...]
-    rows: tuple[Row, ...]
+    rows: tuple[RegisterSpan, ...]
     read_block: tuple[int, int]
     write_block: tuple[int, int]
     defaults: tuple[str, ...]

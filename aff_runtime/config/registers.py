@@ -14,7 +14,7 @@ _WORDS = {"u16": 1, "i16": 1, "u32": 2, "i32": 2}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class RegisterSpan:
     """One value on the wire.
 
     Attributes
@@ -35,7 +35,7 @@ class Row:
         return self.address + self.words - 1
 
 
-def read_rows(site: Site) -> list[Row]:
+def read_rows(site: Site) -> list[RegisterSpan]:
     """Return every value that is read, by wire address; none unless on Modbus."""
     if site.gateway.modbus is None:
         return []
@@ -60,7 +60,7 @@ def read_rows(site: Site) -> list[Row]:
     return sorted(rows, key=lambda row: row.address)
 
 
-def _bit_rows(site: Site) -> list[Row]:
+def _bit_rows(site: Site) -> list[RegisterSpan]:
     """Return the words that hold status bits alone, each once."""
     status = site.gateway.read.status
     taken = {site.gateway.wire_address(status.register_number or 0)}
@@ -76,7 +76,7 @@ def _bit_rows(site: Site) -> list[Row]:
     return rows
 
 
-def write_rows(site: Site) -> list[Row]:
+def write_rows(site: Site) -> list[RegisterSpan]:
     """Return every word that is written, by wire address; none unless on Modbus."""
     if site.gateway.modbus is None:
         return []
@@ -99,13 +99,13 @@ def write_rows(site: Site) -> list[Row]:
     return sorted(rows, key=lambda row: row.address)
 
 
-def _row(site: Site, path: KeyPath, register: int | None, type_name: str | None) -> Row:
+def _row(site: Site, path: KeyPath, register: int | None, type_name: str | None) -> RegisterSpan:
     address = site.gateway.wire_address(register or 0)
     shown = type_name or "u16"
-    return Row(path=path, address=address, words=_WORDS[shown], type=shown)
+    return RegisterSpan(path=path, address=address, words=_WORDS[shown], type=shown)
 
 
-def block_of(rows: list[Row]) -> tuple[int, int]:
+def block_of(rows: list[RegisterSpan]) -> tuple[int, int]:
     """Return the first wire address of a block and its number of words."""
     if not rows:
         return 0, 0

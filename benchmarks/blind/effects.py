@@ -36,7 +36,7 @@ class Hidden:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class DrawableEffect:
     """What is known of one effect.
 
     Attributes

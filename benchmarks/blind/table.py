@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from benchmarks.blind import effects as e
-from benchmarks.blind.effects import CELLS, IDLERS, ZONES, Hidden, Parameters, Rng, Row
+from benchmarks.blind.effects import CELLS, IDLERS, ZONES, DrawableEffect, Hidden, Parameters, Rng
 
 OUTSIDE = "unknown"
 IDLERS_INSIDE = tuple(r for r in IDLERS if r not in CELLS)
@@ -48,36 +48,38 @@ def _warmth(rng: Rng) -> Parameters:
     }
 
 
-TABLE: dict[str, Row] = {
-    "eccentric_roller": Row(
+TABLE: dict[str, DrawableEffect] = {
+    "eccentric_roller": DrawableEffect(
         places=(*IDLERS, "swrap_lead", "pull_roll"),
         draw=lambda r: {"eccentricity_m": _log(r, 8e-5, 3e-4)},
         put=e.eccentric,
     ),
-    "out_of_round_roll": Row(places=("unwind",), draw=_profile, put=e.out_of_round),
-    "unbalanced_roller": Row(
+    "out_of_round_roll": DrawableEffect(places=("unwind",), draw=_profile, put=e.out_of_round),
+    "unbalanced_roller": DrawableEffect(
         places=IDLERS_INSIDE,
         draw=lambda r: {"imbalance_kg_m": _log(r, 5e-4, 1.5e-3)},
         put=e.unbalanced,
     ),
-    "bearing_drag": Row(
+    "bearing_drag": DrawableEffect(
         places=("R4", "R5", "R6", "R7", "R8", "R13", "R14"),
         draw=lambda r: _begins(r, {"added_torque_N_m": _log(r, 0.04, 0.065)}),
         put=e.drag,
     ),
-    "torque_ripple": Row(
+    "torque_ripple": DrawableEffect(
         places=("unwind", "swrap_lead", "swrap_follower", "pull_roll"),
         draw=lambda r: {"amplitude_N_m": _log(r, 0.5, 1.4), "order": int(r.choice([6, 9, 12]))},
         put=e.ripple,
     ),
-    "slip": Row(
+    "slip": DrawableEffect(
         places=("swrap",),
         draw=lambda r: {"creep_per_m_s": _log(r, 1e-3, 3.5e-3), "above_m_s": _log(r, 0.6, 0.95)},
         put=e.slip,
         accept=("swrap_lead", "swrap_follower"),
     ),
-    "thermal_strain": Row(places=("unwind_zone", "pull_roll_zone"), draw=_warmth, put=e.warm),
-    "splice": Row(
+    "thermal_strain": DrawableEffect(
+        places=("unwind_zone", "pull_roll_zone"), draw=_warmth, put=e.warm
+    ),
+    "splice": DrawableEffect(
         places=("web",),
         draw=lambda r: {
             "step_m": _log(r, 4e-4, 6e-4),
@@ -86,7 +88,7 @@ TABLE: dict[str, Row] = {
         },
         put=e.seam,
     ),
-    "rate_limit": Row(
+    "rate_limit": DrawableEffect(
         places=("unwind",),
         draw=lambda r: {
             "limit_m_s2": _log(r, 0.17, 0.25),
@@ -94,18 +96,18 @@ TABLE: dict[str, Row] = {
         },
         put=e.ramped,
     ),
-    "loop_delay": Row(
+    "loop_delay": DrawableEffect(
         places=("unwind", "rewind"),
         draw=lambda r: {"delay_s": 0.01 * int(r.integers(3, 9))},
         put=e.late,
     ),
-    "load_cell_filter": Row(
+    "load_cell_filter": DrawableEffect(
         places=("all",),
         draw=lambda r: {"corner_Hz": _log(r, 2.4, 6.0)},
         put=e.slow_cell,
         accept=CELLS,
     ),
-    "load_cell_calibration": Row(
+    "load_cell_calibration": DrawableEffect(
         places=("R3", "R9"),
         draw=lambda r: {
             "gain": round(1.0 + _either(r, 0.02, 0.06), 5),
@@ -113,12 +115,12 @@ TABLE: dict[str, Row] = {
         },
         put=e.wrong_scale,
     ),
-    "load_cell_resonance": Row(
+    "load_cell_resonance": DrawableEffect(
         places=("R3", "R15"),  # in a loop the line swings up
         draw=lambda r: {"frequency_Hz": _log(r, 2.5, 4.5), "damping_ratio": _log(r, 0.008, 0.02)},
         put=e.ringing,
     ),
-    "mains_hum": Row(
+    "mains_hum": DrawableEffect(
         places=("all",),
         draw=lambda r: {
             "amplitude_N": _log(r, 0.7, 1.2),
@@ -127,26 +129,26 @@ TABLE: dict[str, Row] = {
         put=e.hum,
         accept=CELLS,
     ),
-    "radius_error": Row(
+    "radius_error": DrawableEffect(
         places=("unwind",), draw=lambda r: {"relative": _either(r, 2e-3, 8e-3)}, put=e.wrong_radius
     ),
-    "wound_in_strain": Row(
+    "wound_in_strain": DrawableEffect(
         places=("unwind",),
         draw=lambda r: {"factor": round(1.0 + _either(r, 0.3, 0.6), 5)},
         put=e.wound,
     ),
-    "web_modulus": Row(
+    "web_modulus": DrawableEffect(
         places=("web",),
         draw=lambda r: {"factor": round(1.0 + _either(r, 0.1, 0.3), 5)},
         put=e.stiffer,
     ),
-    "viscoelastic_web": Row(
+    "viscoelastic_web": DrawableEffect(
         places=("web",),
         draw=lambda r: {"branch_fraction": _log(r, 0.2, 0.45), "relaxation_s": _log(r, 0.15, 0.4)},
         put=e.relaxing,
         accept=("web_modulus",),
     ),
-    "roll_bounce": Row(
+    "roll_bounce": DrawableEffect(
         places=("unwind",),
         draw=lambda r: {
             "frequency_Hz": _log(r, 2.2, 4.0),
@@ -157,7 +159,7 @@ TABLE: dict[str, Row] = {
         },
         put=e.bouncing,
     ),
-    "shaft_compliance_backlash": Row(
+    "shaft_compliance_backlash": DrawableEffect(
         places=("unwind", "swrap_follower"),
         draw=lambda r: {
             "stiffness_N_m_rad": _log(r, 70.0, 300.0),

@@ -3,39 +3,41 @@
 from __future__ import annotations
 
 from benchmarks.campaign import beyond, effects
-from benchmarks.campaign.effect_row import Row
+from benchmarks.campaign.effect_row import EffectRow
 
 BEYOND = (
-    Row(
+    EffectRow(
         name="dancer_swing",
         change=effects.shaken,
         outside=beyond.swing,
         coordinate=beyond.as_drawn,
         proportional=True,
     ),
-    Row(
+    EffectRow(
         name="hidden_nip",
         change=effects.shaken,
         outside=beyond.nip,
         coordinate=beyond.as_drawn,
         proportional=True,
     ),
-    Row(
+    EffectRow(
         name="web_wave",
         change=effects.web_wave,
         outside=beyond.wave,
         coordinate=beyond.under_tension,
         proportional=True,
     ),
-    Row(name="stiffening_web", change=effects.stiffening, outside=beyond.stiffer, standing=True),
-    Row(
+    EffectRow(
+        name="stiffening_web", change=effects.stiffening, outside=beyond.stiffer, standing=True
+    ),
+    EffectRow(
         name="gusty_drive",
         change=effects.gusty_drive,
         outside=beyond.gusts,
         standing=True,
         proportional=True,
     ),
-    Row(
+    EffectRow(
         name="drifting_cell",
         change=effects.drifting_cell,
         outside=beyond.drift,

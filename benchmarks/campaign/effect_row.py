@@ -60,7 +60,7 @@ def size_is(parameter: str, absent: float = 0.0) -> Told:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class EffectRow:
     """One effect of the library, or something beyond it.
 
     Attributes
@@ -135,6 +135,6 @@ def further(form: Form, rng: np.random.Generator) -> tuple[tuple[str, float], ..
     )
 
 
-def truth(row: Row, fault: Fault) -> Mapping[str, Any]:
+def truth(row: EffectRow, fault: Fault) -> Mapping[str, Any]:
     """Return per parameter of a verdict (true value, value at which it is absent)."""
     return row.form(fault).told(fault)

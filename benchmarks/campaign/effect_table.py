@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from benchmarks.campaign import beyond, effects
 from benchmarks.campaign.beyond_table import BEYOND
-from benchmarks.campaign.effect_row import Form, Row, size_is
+from benchmarks.campaign.effect_row import EffectRow, Form, size_is
 from benchmarks.campaign.fault import CELLS, DRIVES, IDLERS
 from benchmarks.campaign.sensing import TICK_S
 
@@ -13,7 +13,7 @@ ZONES = ("unwind_zone", "pull_roll_zone", "rewind_zone")
 LATER = "from a moment on"
 
 EFFECTS = (
-    Row(
+    EffectRow(
         name="eccentric_roller",
         change=effects.eccentric,
         drawn_at=ROLLERS,
@@ -24,7 +24,7 @@ EFFECTS = (
         alike="one line",
         rival_at=ROLLERS,
     ),
-    Row(
+    EffectRow(
         name="out_of_round_roll",
         change=effects.out_of_round,
         drawn_at=("unwind", "unwind", "rewind"),
@@ -35,7 +35,7 @@ EFFECTS = (
         order=lambda shape: max(1.0, shape),
         put_last=True,
     ),
-    Row(
+    EffectRow(
         name="unbalanced_roller",
         change=effects.unbalanced,
         drawn_at=("R1", "R3", "swrap", "pull_roll"),
@@ -45,7 +45,7 @@ EFFECTS = (
         alike="one line",
         rival_at=ROLLERS,
     ),
-    Row(
+    EffectRow(
         name="unbalanced_measuring_roller",
         change=effects.unbalanced_cell,
         drawn_at=tuple(CELLS),
@@ -55,7 +55,7 @@ EFFECTS = (
         rival_at=tuple(CELLS),
         said_as="unbalanced_roller",
     ),
-    Row(
+    EffectRow(
         name="torque_ripple",
         change=effects.ripple,
         drawn_at=tuple(DRIVES),
@@ -75,7 +75,7 @@ EFFECTS = (
         rival_at=tuple(DRIVES),
         rival_shapes=(2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 1.0),
     ),
-    Row(
+    EffectRow(
         name="bearing_drag",
         change=effects.drag,
         drawn_at=tuple(IDLERS),
@@ -94,7 +94,7 @@ EFFECTS = (
         rival_at=tuple(IDLERS),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="web_modulus",
         change=effects.modulus,
         drawn_at=("web",),
@@ -103,7 +103,7 @@ EFFECTS = (
         rival_at=("web",),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="viscoelastic_web",
         change=effects.relaxing,
         drawn_at=("web",),
@@ -117,7 +117,7 @@ EFFECTS = (
         ),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="wound_in_strain",
         change=effects.wound_in,
         drawn_at=("unwind",),
@@ -134,7 +134,7 @@ EFFECTS = (
         rival_at=("unwind",),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="thermal_strain",
         change=effects.thermal,
         forms=(
@@ -160,7 +160,7 @@ EFFECTS = (
         rival_at=ZONES,
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="slip",
         change=effects.slip,
         drawn_at=("swrap", "pull_roll"),
@@ -177,7 +177,7 @@ EFFECTS = (
         ),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="splice",
         change=effects.other_web,
         drawn_at=("web",),
@@ -204,7 +204,7 @@ EFFECTS = (
         ),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="roll_bounce",
         change=effects.bouncing,
         drawn_at=("unwind",),
@@ -225,14 +225,14 @@ EFFECTS = (
         line="turn",
         order=lambda shape: shape,
     ),
-    Row(
+    EffectRow(
         name="load_cell_filter",
         change=effects.slow_cell,
         drawn_at=("R2", "R7", "all"),
         forms=(Form(first_size=0.03, largest=0.2, told=size_is("lag_s")),),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="load_cell_resonance",
         change=effects.ringing_cell,
         drawn_at=tuple(CELLS),
@@ -247,7 +247,7 @@ EFFECTS = (
         ),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="load_cell_calibration",
         change=effects.wrong_zero,
         drawn_at=tuple(CELLS),
@@ -273,7 +273,7 @@ EFFECTS = (
         rival_at=tuple(CELLS),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="mains_hum",
         change=effects.hum,
         drawn_at=tuple(CELLS),
@@ -289,7 +289,7 @@ EFFECTS = (
         line="time",
         coordinate=beyond.alias,
     ),
-    Row(
+    EffectRow(
         name="shaft_compliance_backlash",
         change=effects.soft_shaft,
         drawn_at=tuple(DRIVES),
@@ -312,7 +312,7 @@ EFFECTS = (
         ),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="nip_pulse",
         change=effects.pressed,
         drawn_at=("swrap", "pull_roll"),
@@ -328,14 +328,14 @@ EFFECTS = (
         coordinate=beyond.turn_of_nip,
         alike="one line",
     ),
-    Row(
+    EffectRow(
         name="loop_delay",
         change=effects.delay,
         drawn_at=("unwind", "rewind"),
         forms=(Form(first_size=0.03, largest=0.2, step=TICK_S, told=size_is("delay_s")),),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="rate_limit",
         change=effects.ramped_correction,
         forms=(
@@ -357,7 +357,7 @@ EFFECTS = (
         ),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="radius_error",
         change=effects.believed_radius,
         drawn_at=tuple(DRIVES),
@@ -374,7 +374,7 @@ EFFECTS = (
         rival_at=tuple(DRIVES),
         standing=True,
     ),
-    Row(
+    EffectRow(
         name="encoder_eccentricity",
         change=effects.encoder,
         drawn_at=tuple(DRIVES),

@@ -29,7 +29,7 @@ from benchmarks.campaign.score import (
 )
 from sim_plant.effects.catalogue import BY_NAME as CATALOGUE
 
-Row = dict[str, Any]
+CaseRow = dict[str, Any]
 MOVING = (*CELLS, *SPEEDS)
 EXACT = {"single 0.4": 0.95, "single 0.2": 0.85, "pair": 0.90, "triple": 0.80}
 
@@ -100,7 +100,7 @@ def number(name: str, target: str, value: float, count: int, met: bool) -> str:
     return f"| {name} | {target} | {value:.4g} ({count}) | | {'yes' if met else '**missed**'} |"
 
 
-def targets(rows: Sequence[Row]) -> list[str]:
+def targets(rows: Sequence[CaseRow]) -> list[str]:
     """Return the table of the targets."""
     by = {g: [r for r in rows if r["group"] == g] for g in {r["group"] for r in rows}}
     lines = ["| target | asked | measured | 95 % bound | met |", "|---|---|---|---|---|"]
@@ -136,7 +136,7 @@ def targets(rows: Sequence[Row]) -> list[str]:
     return lines + figures(inside, outside)
 
 
-def figures(inside: Sequence[Row], outside: Sequence[Row]) -> list[str]:
+def figures(inside: Sequence[CaseRow], outside: Sequence[CaseRow]) -> list[str]:
     """Return the rows of held-out error, equivalent radius, coverage and time."""
     right = [r for r in inside if outcome(r) == "exact"]
     ratios = [x for r in right for x in held_out(r, MOVING)]
@@ -173,7 +173,7 @@ def figures(inside: Sequence[Row], outside: Sequence[Row]) -> list[str]:
     ]
 
 
-def outcomes(rows: Sequence[Row]) -> list[str]:
+def outcomes(rows: Sequence[CaseRow]) -> list[str]:
     """Return outcomes per group with effects of the library."""
     groups = [*EXACT]
     groups += sorted({r["group"] for r in rows if r["group"].startswith("ablation")})
@@ -187,7 +187,7 @@ def outcomes(rows: Sequence[Row]) -> list[str]:
     return lines
 
 
-def by_effect(rows: Sequence[Row]) -> list[str]:
+def by_effect(rows: Sequence[CaseRow]) -> list[str]:
     """Return what became of every effect of the library, alone and beside others."""
     lines = [
         "| effect | drawn | exact | set | wrong | missed | exact or set, 95 % bound | told apart: "
@@ -221,7 +221,7 @@ def by_effect(rows: Sequence[Row]) -> list[str]:
     return lines
 
 
-def confusion(rows: Sequence[Row]) -> list[str]:
+def confusion(rows: Sequence[CaseRow]) -> list[str]:
     """Return every wrong attribution: what was there, what was said, how often."""
     count: Counter[tuple[str, str]] = Counter()
     for r in rows:
@@ -241,7 +241,7 @@ def confusion(rows: Sequence[Row]) -> list[str]:
     return lines
 
 
-def outside_table(rows: Sequence[Row]) -> list[str]:
+def outside_table(rows: Sequence[CaseRow]) -> list[str]:
     """Return what was said of effects outside the library, kind by kind."""
     lines = [
         "| outside the library | class asked | runs | right | said |",
@@ -265,7 +265,7 @@ def outside_table(rows: Sequence[Row]) -> list[str]:
     return lines
 
 
-def claims(rows: Sequence[Row]) -> list[str]:
+def claims(rows: Sequence[CaseRow]) -> list[str]:
     """Return what was claimed of records without an effect."""
     count: Counter[str] = Counter()
     for r in rows:
@@ -283,7 +283,7 @@ def not_drawn(catalogue: Iterable[str]) -> list[str]:
     return sorted(set(catalogue) - {row.name for row in LIBRARY if row.forms})
 
 
-def page(rows: Sequence[Row], note: str = "", catalogue: Iterable[str] = CATALOGUE) -> str:
+def page(rows: Sequence[CaseRow], note: str = "", catalogue: Iterable[str] = CATALOGUE) -> str:
     """Return the page of these rows as Markdown, ``note`` under its head.
 
     ``catalogue`` names the effects of the library; which of them are not drawn is told.

@@ -19,7 +19,7 @@ from benchmarks.cases.score import (
     share_of,
 )
 
-Entry = tuple[str, Label, dict[str, Any]]
+ScoredPair = tuple[str, Label, dict[str, Any]]
 HEAD = (
     "pair",
     "hidden",
@@ -32,7 +32,7 @@ HEAD = (
 HONEST = "unknown, class and coordinate right"
 
 
-def page(entries: Sequence[Entry]) -> str:
+def page(entries: Sequence[ScoredPair]) -> str:
     """Return the page of the pairs in ``shared/data``: table and totals as Markdown."""
     lines = [
         "# Labelled pairs of another simulator",
@@ -45,7 +45,7 @@ def page(entries: Sequence[Entry]) -> str:
     return "\n".join(lines) + "\n" + tables(entries)
 
 
-def tables(entries: Sequence[Entry]) -> str:
+def tables(entries: Sequence[ScoredPair]) -> str:
     """Return the table and the totals of each part as Markdown."""
     lines = [
         _row(HEAD),
@@ -60,7 +60,7 @@ def tables(entries: Sequence[Entry]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _extra(entries: Sequence[Entry]) -> str:
+def _extra(entries: Sequence[ScoredPair]) -> str:
     """Return what the command needs where one part alone was run."""
     parts = sorted({part for part, _, _ in entries})
     return f' EXTRA="--part {parts[0]}"' if len(parts) == 1 else ""
@@ -117,7 +117,7 @@ def _where(coordinate: dict[str, Any]) -> str:
     )
 
 
-def _totals(part: str, entries: Sequence[Entry]) -> list[str]:
+def _totals(part: str, entries: Sequence[ScoredPair]) -> list[str]:
     scored = [(label, outcome(label, row["verdict"]), row) for _, label, row in entries]
     visible = [(label, said) for label, said, _ in scored if label.visible]
     named = [(label, said) for label, said in visible if label.kind in ("single", "pair")]

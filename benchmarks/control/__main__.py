@@ -11,7 +11,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from benchmarks.control import cases, extras, report, store
-from benchmarks.control.jobs import BOTH, NO_SWRAP, ORACLE, PERFECT, SAVED, Job, Row
+from benchmarks.control.jobs import BOTH, NO_SWRAP, ORACLE, PERFECT, SAVED, BenchRow, Job
 from benchmarks.control.laws import OWN, RIVALS
 from benchmarks.control.lines import ROOT
 from benchmarks.control.parts import do_together, together
@@ -165,7 +165,9 @@ def main() -> int:
             extras.note_run(folder, count, took_s, spent_s)
     extras.run_asked(given, folder)
     everything = chosen_jobs(SECTIONS, seeds, quick=quick)
-    rows: list[Row] = [row for job in everything if (row := store.load(folder, job)) is not None]
+    rows: list[BenchRow] = [
+        row for job in everything if (row := store.load(folder, job)) is not None
+    ]
     rows += extras.rows(folder)
     missing = len(everything) - sum("cpu_s" in r for r in rows)
     page = report.page(rows, missing, quick=quick)

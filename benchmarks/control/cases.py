@@ -183,7 +183,7 @@ def roll_cases() -> list[Case]:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class Schedule:
     """Speed, roll id and permission per sample; when it happens and when the line is back."""
 
     speed_m_s: npt.NDArray[np.float64]
@@ -202,7 +202,7 @@ def transient_cases() -> list[Case]:
     ]
 
 
-def transient(case: Case) -> Plan:
+def transient(case: Case) -> Schedule:
     """Return the plan of a transient: learn 50 s, the event, 45 s afterwards.
 
     A stop takes 10 s each way and stands for 10 s, with the permission to correct all the time;
@@ -220,7 +220,7 @@ def transient(case: Case) -> Plan:
     if case.note == "emergency stop":
         enabled &= (time_s < event_s) | (time_s >= back_s)
     changed = (time_s >= event_s) & (case.note == "roll change")
-    return Plan(
+    return Schedule(
         speed_m_s=np.asarray(speed, dtype=np.float64),
         roll_id=1 + changed.astype(np.int64),
         enabled=enabled,

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.control.jobs import Row
+from benchmarks.control.jobs import BenchRow
 from benchmarks.control.laws import OWN
 from benchmarks.rows import read_rows, write_row
 
@@ -19,7 +19,7 @@ def _place(folder: Path, name: str) -> Path:
     return folder / f"{name}.json"
 
 
-def timing(ticks: int = 3000) -> list[Row]:
+def timing(ticks: int = 3000) -> list[BenchRow]:
     """Return p50 and p99 of one tick, paced at 5 ms, us: the shape law and the plain blocks."""
     from benchmarks.control.timing import LAWS, tick_times_us
 
@@ -62,9 +62,9 @@ def note_run(folder: Path, rows: int, took_s: float, cpu_s: float) -> None:
     write_row(path, found)
 
 
-def rows(folder: Path) -> list[Row]:
+def rows(folder: Path) -> list[BenchRow]:
     """Return the rows of every part that has been run."""
-    found: list[Row] = []
+    found: list[BenchRow] = []
     for name in PARTS:
         found += [{"section": name, **row} for row in read_rows(_place(folder, name))]
     for row in found:

@@ -17,7 +17,7 @@ from benchmarks.control import cases, film, scores
 from benchmarks.control.laws import OWN, follower_law, oracle, rival, shape_law
 from benchmarks.control.lockstep import LawBuilder, Recording, run
 
-Row = dict[str, Any]
+BenchRow = dict[str, Any]
 Array = npt.NDArray[np.float64]
 SAVED = f"{OWN}, saved profile"
 ORACLE = "best fixed weights"
@@ -37,7 +37,7 @@ class Job:
     end_in: float = 2.5
 
 
-def do(job: Job) -> Row:
+def do(job: Job) -> BenchRow:
     """Run a row."""
     started = time.process_time()
     judged = {
@@ -49,7 +49,12 @@ def do(job: Job) -> Row:
         "transient": _transient,
         "film": _film,
     }[job.section](job)
-    row: Row = {"section": job.section, "case": job.case.name, "law": job.law, "seed": job.seed}
+    row: BenchRow = {
+        "section": job.section,
+        "case": job.case.name,
+        "law": job.law,
+        "seed": job.seed,
+    }
     for key, value in judged.items():
         row[key] = [float(x) for x in value] if isinstance(value, np.ndarray) else value
     row["cpu_s"] = time.process_time() - started

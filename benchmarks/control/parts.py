@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from benchmarks.control import cases, store
-from benchmarks.control.jobs import Job, Row, do
+from benchmarks.control.jobs import BenchRow, Job, do
 
 
 def together(jobs: Sequence[Job]) -> list[list[Job]]:
@@ -21,7 +21,7 @@ def together(jobs: Sequence[Job]) -> list[list[Job]]:
     return list(parts.values())
 
 
-def do_together(part: tuple[Sequence[Job], Path]) -> list[Row]:
+def do_together(part: tuple[Sequence[Job], Path]) -> list[BenchRow]:
     """Run jobs that share runs, keep every row as it comes, return them.
 
     A part that is done again goes on after the rows that its lost worker has kept.

@@ -9,11 +9,10 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.control.jobs import BenchRow
 from benchmarks.control.laws import OWN, RIVALS, tuning
 from benchmarks.control.sweep import SUBSET
 from benchmarks.control.verdicts import beaten, targets
-
-Row = dict[str, Any]
 
 
 def _dB(values: Sequence[float], count: int = 4) -> str:
@@ -36,7 +35,7 @@ def _each(values: Sequence[Any], show: Callable[[Any], str]) -> str:
     return "; ".join(show(value) for value in values)
 
 
-def _settled(row: Row) -> str:
+def _settled(row: BenchRow) -> str:
     return f"{_number(row['first_turns'], 1)}, {_number(row['settle_turns'], 1)}"
 
 
@@ -119,14 +118,14 @@ TITLES = {
 }
 
 
-def line(row: Row) -> str:
+def line(row: BenchRow) -> str:
     """Return one row as plain text."""
     cells = " | ".join(f"{head} {show(row)}" for head, show in COLUMNS[row["section"]])
     name = f"{row['section']:9s} {row['case']:34s} {row['law']:24s}"
     return f"{name} seed {row.get('seed', '')}: {cells}"
 
 
-def _table(section: str, rows: Iterable[Row]) -> list[str]:
+def _table(section: str, rows: Iterable[BenchRow]) -> list[str]:
     heads = [head for head, _ in COLUMNS[section]]
     out = ["| case | law | seed | " + " | ".join(heads) + " |", "|" + "---|" * (3 + len(heads))]
     for row in rows:
@@ -135,7 +134,7 @@ def _table(section: str, rows: Iterable[Row]) -> list[str]:
     return out
 
 
-def page(rows: Sequence[Row], missing: int = 0, *, quick: bool = False) -> str:
+def page(rows: Sequence[BenchRow], missing: int = 0, *, quick: bool = False) -> str:
     """Return the whole page as markdown; ``missing`` rows have not been run.
 
     What was found out about the whole set is not said of the short one (``quick``).
@@ -169,7 +168,7 @@ def page(rows: Sequence[Row], missing: int = 0, *, quick: bool = False) -> str:
     return "\n".join(out) + "\n"
 
 
-def _targets(rows: Sequence[Row]) -> list[str]:
+def _targets(rows: Sequence[BenchRow]) -> list[str]:
     seeds = sorted({r["seed"] for r in rows if r["section"] in ALL_SEEDS})
     sets = [{t.what: t for t in targets([r for r in rows if r.get("seed") == s])} for s in seeds]
     heads = " | ".join(f"seed {s}: min / median / max | met" for s in seeds)
@@ -205,7 +204,7 @@ INTRODUCTION = [
 ]
 
 
-def plots(rows: Sequence[Row], folder: Path) -> None:
+def plots(rows: Sequence[BenchRow], folder: Path) -> None:
     """Write the plots as SVG."""
     import matplotlib
 

@@ -8,7 +8,7 @@ import json
 import re
 from pathlib import Path
 
-from benchmarks.control.jobs import Job, Row
+from benchmarks.control.jobs import BenchRow, Job
 from benchmarks.control.laws import ORDERS, RIVALS, TUNED
 from benchmarks.control.laws import SHAPE as SHAPE_SETTING
 from benchmarks.control.lines import EUCLID, FILM, ROOT
@@ -71,15 +71,15 @@ def place(folder: Path, job: Job) -> Path:
     return folder / "rows" / job.section / f"{name}.json"
 
 
-def load(folder: Path, job: Job) -> Row | None:
+def load(folder: Path, job: Job) -> BenchRow | None:
     """Return the row of an earlier run, or None: none, no whole one, or its sources changed."""
     found = read_row(place(folder, job), ("from", "row"))
     if found is None or found["from"] != fingerprint(job.law):
         return None
-    row: Row = found["row"]
+    row: BenchRow = found["row"]
     return row
 
 
-def save(folder: Path, job: Job, row: Row) -> None:
+def save(folder: Path, job: Job, row: BenchRow) -> None:
     """Keep a row."""
     write_row(place(folder, job), {"from": fingerprint(job.law), "row": row})

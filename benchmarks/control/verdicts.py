@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from benchmarks.control.jobs import BOTH, ORACLE, PERFECT, SAVED
+from benchmarks.control.jobs import BOTH, ORACLE, PERFECT, SAVED, BenchRow
 from benchmarks.control.laws import OWN, RIVALS
 
-Row = dict[str, Any]
 RIPPLE = {"constant": "ripple", "mismatch": "ripple", "roll": "ripple", "ramp": "first_ripple"}
 
 
@@ -52,11 +50,11 @@ def _share(what: str, asked: str, wanted: float, values: Sequence[bool]) -> list
     return [Target(what=what, asked=asked, reached=text, share=1.0 if share >= wanted else 0.0)]
 
 
-def targets(rows: Sequence[Row]) -> list[Target]:
+def targets(rows: Sequence[BenchRow]) -> list[Target]:
     """Return every target that the rows at hand can answer; rows of one set of seeds."""
     own = [r for r in rows if r["law"] == OWN]
 
-    def of(section: str, law: str = OWN) -> list[Row]:
+    def of(section: str, law: str = OWN) -> list[BenchRow]:
         return [r for r in rows if r["section"] == section and r["law"] == law]
 
     spoilt = [r for r in of("roll") if "all5" in r["case"]]
@@ -150,8 +148,8 @@ def targets(rows: Sequence[Row]) -> list[Target]:
     ]
 
 
-def _constant(rows: Sequence[Row]) -> list[Target]:
-    def of(law: str) -> list[Row]:
+def _constant(rows: Sequence[BenchRow]) -> list[Target]:
+    def of(law: str) -> list[BenchRow]:
         return [r for r in rows if r["section"] == "constant" and r["law"] == law]
 
     def at_reference(law: str) -> list[bool]:
@@ -222,7 +220,7 @@ def _constant(rows: Sequence[Row]) -> list[Target]:
     return found
 
 
-def _ramp(rows: Sequence[Row]) -> list[Target]:
+def _ramp(rows: Sequence[BenchRow]) -> list[Target]:
     ramp = [r for r in rows if r["section"] == "ramp" and "all5" not in r["case"]]
     own = [r for r in ramp if r["law"] == OWN]
     perfect = {r["case"]: r for r in ramp if r["law"] == PERFECT}
@@ -254,13 +252,13 @@ def _ramp(rows: Sequence[Row]) -> list[Target]:
     ]
 
 
-def _film(rows: Sequence[Row]) -> list[Target]:
+def _film(rows: Sequence[BenchRow]) -> list[Target]:
     """Judge the film line: a row's worst order of its steady part or of both its ramps.
 
     Orders that the line itself does not let go down show it with a perfect roll.
     """
 
-    def of(law: str) -> list[Row]:
+    def of(law: str) -> list[BenchRow]:
         return [r for r in rows if r["section"] == "film" and r["law"] == law]
 
     return [
@@ -286,7 +284,7 @@ def _film(rows: Sequence[Row]) -> list[Target]:
     ]
 
 
-def beaten(rows: Sequence[Row]) -> list[tuple[Row, float]]:
+def beaten(rows: Sequence[BenchRow]) -> list[tuple[BenchRow, float]]:
     """Return every row of a rival with less ripple than the shape law's, and the ratio."""
     judged = [r for r in rows if r["section"] in RIPPLE]
     own = {(r["section"], r["case"], r["seed"]): r for r in judged if r["law"] == OWN}
@@ -300,7 +298,7 @@ def beaten(rows: Sequence[Row]) -> list[tuple[Row, float]]:
     return found
 
 
-def _ahead(rows: Sequence[Row], own_rows: Sequence[Row]) -> list[Target]:
+def _ahead(rows: Sequence[BenchRow], own_rows: Sequence[BenchRow]) -> list[Target]:
     """Compare total ripple row by row; the same case and seed."""
     own = {(r["section"], r["case"]): r for r in own_rows if r["section"] in RIPPLE}
     found: list[Target] = []

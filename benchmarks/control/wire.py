@@ -10,18 +10,18 @@ import numpy as np
 import yaml
 
 from benchmarks.control import cases, scores, store
-from benchmarks.control.jobs import Job, Row
+from benchmarks.control.jobs import Job, BenchRow
 from benchmarks.control.laws import OWN
 from benchmarks.control.lines import ROOT
 from sim_plant.demo.evaluation import window
-from sim_plant.demo.session import Plan, Session, run_session
+from sim_plant.demo.session import DemoPlan, Session, run_session
 
 SITE = ROOT / "config" / "euclid.yaml"
 ROWS = (("flat", 200.0), ("flat", 300.0), ("bulge", 200.0))
 SEED = 1
 
 
-def over_the_wire(folder: Path) -> list[Row]:
+def over_the_wire(folder: Path) -> list[BenchRow]:
     """Run the rows on Modbus TCP at 5 ms with the shipped site file, judged on the true tension.
 
     Both actuators correct, P comes from the probe; the line is the one of the lockstep rows.
@@ -34,7 +34,7 @@ def over_the_wire(folder: Path) -> list[Row]:
         line = out.parent / f"{out.name}.yaml"
         line.write_text(yaml.safe_dump(case.line().model_dump(mode="json", by_alias=True)))
         session = run_session(
-            Plan(
+            DemoPlan(
                 line=line,
                 site=SITE,
                 out=out,
@@ -54,7 +54,7 @@ def _say(text: str) -> None:
     sys.stderr.write(f"{text}\n")
 
 
-def lockstep(folder: Path, name: str) -> Row:
+def lockstep(folder: Path, name: str) -> BenchRow:
     """Return the figures of the same row in lockstep time; NaN where it has not been run."""
     case = next(c for c in cases.constant_cases() if c.name == name)
     row = store.load(folder, Job(section="constant", case=case, law=OWN, seed=SEED)) or {}

@@ -10,7 +10,7 @@ from typing import Any
 
 from aff_runtime.core.identified import Estimate
 
-Row = dict[str, Any]
+IdentifiedLine = dict[str, Any]
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "results" / "identify.md"
 NUMBERS = {
     "speed_gain_rad_s": "speed gain [rad/s]",
@@ -26,40 +26,40 @@ BOUNDED = "friction_N_m_s"
 """Told by its interval alone."""
 
 
-def holds(row: Row, number: str) -> bool:
+def holds(row: IdentifiedLine, number: str) -> bool:
     """Return whether an interval holds the true number."""
     found = row["found"][number]
     return bool(found["low"] <= row["true"][number] <= found["high"])
 
 
-def shown(row: Row, number: str) -> bool:
+def shown(row: IdentifiedLine, number: str) -> bool:
     """Return whether the probe says that it knows a number; else it gives an interval alone."""
     return row["found"] is not None and Estimate(**row["found"][number]).is_sure
 
 
-def near(row: Row, number: str) -> bool:
+def near(row: IdentifiedLine, number: str) -> bool:
     """Return whether a number is shown, and within 10 % of the true one."""
     return shown(row, number) and abs(off(row, number)) <= WITHIN
 
 
-def off(row: Row, number: str) -> float:
+def off(row: IdentifiedLine, number: str) -> float:
     """Return how far an identified number is from the true one, as a share of it."""
     return float(row["found"][number]["value"] / row["true"][number] - 1.0)
 
 
-def loss_dB(row: Row) -> float:
+def loss_dB(row: IdentifiedLine) -> float:
     """Return how much more ripple the identified numbers leave than the true ones."""
     ripple = row["ripple_N"]
     return 20.0 * math.log10(ripple["identified"] / ripple["true"])
 
 
-def median_loss_dB(rows: Sequence[Row]) -> float:
+def median_loss_dB(rows: Sequence[IdentifiedLine]) -> float:
     """Return the median over the lines where a drive was found."""
     found = [loss_dB(row) for row in rows if row["found"] is not None]
     return statistics.median(found) if found else math.nan
 
 
-def line_of(row: Row) -> str:
+def line_of(row: IdentifiedLine) -> str:
     """Return one line as text."""
     name = f"{row['seed']} {row['web']}"
     if row["found"] is None:
@@ -73,7 +73,7 @@ def line_of(row: Row) -> str:
     return f"{name}: {told}, {loss_dB(row):+.1f} dB"
 
 
-def page(rows: Sequence[Row]) -> str:
+def page(rows: Sequence[IdentifiedLine]) -> str:
     """Return the page."""
     found = [row for row in rows if row["found"] is not None]
     pulls = sorted(float(row["pulled_N"]) for row in rows)
@@ -99,7 +99,7 @@ def page(rows: Sequence[Row]) -> str:
     return "\n".join(parts) + "\n"
 
 
-def _summary(rows: Sequence[Row], found: Sequence[Row]) -> list[str]:
+def _summary(rows: Sequence[IdentifiedLine], found: Sequence[IdentifiedLine]) -> list[str]:
     lines = [
         f"{len(found)} of {len(rows)} were identified.",
         "",
@@ -136,7 +136,7 @@ def _summary(rows: Sequence[Row], found: Sequence[Row]) -> list[str]:
     ]
 
 
-def _numbers_table(rows: Sequence[Row]) -> list[str]:
+def _numbers_table(rows: Sequence[IdentifiedLine]) -> list[str]:
     head = ["line", *NUMBERS.values()]
     lines = ["| " + " | ".join(head) + " |", "|---" * len(head) + "|"]
     for row in rows:
@@ -156,7 +156,7 @@ def _numbers_table(rows: Sequence[Row]) -> list[str]:
     return ["## True: found (interval)", "", *lines]
 
 
-def _ripple_table(found: Sequence[Row]) -> list[str]:
+def _ripple_table(found: Sequence[IdentifiedLine]) -> list[str]:
     lines = [
         "## Tension ripple, 25 to 45 s after the law is switched on",
         "",

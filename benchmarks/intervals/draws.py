@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.campaign.cases import Case, draw_fault
-from benchmarks.campaign.effect_row import Form, Row, truth
+from benchmarks.campaign.effect_row import EffectRow, Form, truth
 from benchmarks.campaign.effect_table import BY_NAME, LIBRARY
 from benchmarks.campaign.work import web_at_moments
 
@@ -17,7 +17,7 @@ SIZES = (5.0, 1.5)
 """Times the size that the campaign begins with, round after round."""
 
 
-def forms() -> list[tuple[Row, int, Form]]:
+def forms() -> list[tuple[EffectRow, int, Form]]:
     """Return every form of every effect of the library of whose size something is told."""
     return [
         (row, turn, form)

@@ -13,7 +13,7 @@ import numpy as np
 
 from aff_runtime.base.clock import wall_time_iso
 from benchmarks.kernel.peers import peers
-from benchmarks.runtime.facts import Row, Section, machine
+from benchmarks.runtime.facts import FactRow, Section, machine
 from benchmarks.runtime.page import markdown, text
 from sim_plant.lanes import library
 from sim_plant.lanes.side_by_side import SideBySide
@@ -101,7 +101,7 @@ def measured(title: str, note: str, ways: Sequence[Way], turns: int) -> Section:
             way.work()
             best[k] = min(best[k], time.process_time() - start)
     rows = tuple(
-        Row(
+        FactRow(
             name=way.name,
             value=f"{took / way.steps * 1e9:.0f} ns",
             remark=f"{best[0] / took:.1f} x" if k else "",

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from benchmarks.runtime.facts import Row, Section
+from benchmarks.runtime.facts import FactRow, Section
 from sim_plant.base.arrays import Array, LineArrays, LineState
 from sim_plant.base.jit import compiled
 from sim_plant.line.kernel import Work, measure, rk4, run_drives, run_loops, slope
@@ -135,7 +135,7 @@ def peers() -> Section:
     for name, one in found:
         error = np.sqrt(np.mean((one.tensions_N - truth) ** 2, axis=0))
         rows.append(
-            Row(
+            FactRow(
                 name=name,
                 value=f"{one.took_s / len(truth) * 1e6:.1f} us a tick, {one.slopes:.1f} slopes",
                 remark=f"error {np.max(error / ripple):.1e} of the ripple, "

@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 
 from aff_runtime.base.clock import wall_time_iso
-from benchmarks.runtime.facts import Row, Section, machine
+from benchmarks.runtime.facts import FactRow, Section, machine
 from benchmarks.runtime.instructions import instructions
 from benchmarks.runtime.latency import latency
 from benchmarks.runtime.law_time import law_time
@@ -51,7 +51,7 @@ def main() -> None:
 def kernel() -> Section:
     """Return the speed of the compiled line with the convergence of its step."""
     found = table(bench_kernel()).splitlines()
-    rows = tuple(Row(name=line[:12].strip(), value=line[12:].strip()) for line in found)
+    rows = tuple(FactRow(name=line[:12].strip(), value=line[12:].strip()) for line in found)
     return Section(title="Compiled line", note="", rows=rows)
 
 

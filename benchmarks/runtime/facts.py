@@ -13,7 +13,7 @@ import numpy as np
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class FactRow:
     """One line of a table: what, how much, and beside it a remark."""
 
     name: str
@@ -27,7 +27,7 @@ class Section:
 
     title: str
     note: str
-    rows: tuple[Row, ...]
+    rows: tuple[FactRow, ...]
     head: str = "measured"
 
 
@@ -39,10 +39,10 @@ def quantiles_us(durations_ns: Sequence[int]) -> tuple[float, float, float]:
     return float(found[0]), float(found[1]), float(found[2])
 
 
-def timing_row(name: str, durations_ns: Sequence[int], remark: str = "") -> Row:
+def timing_row(name: str, durations_ns: Sequence[int], remark: str = "") -> FactRow:
     """Return p50, p99 and the maximum as a row."""
     p50, p99, most = quantiles_us(durations_ns)
-    return Row(
+    return FactRow(
         name=name, value=f"p50 {p50:.0f} us, p99 {p99:.0f} us, max {most:.0f} us", remark=remark
     )
 
@@ -51,15 +51,15 @@ def machine() -> Section:
     """Return the facts of the machine without which no number means anything."""
     load = " ".join(f"{value:.1f}" for value in os.getloadavg())
     rows = (
-        Row(name="processor", value=_processor()),
-        Row(name="cores", value=str(len(os.sched_getaffinity(0)))),
-        Row(
+        FactRow(name="processor", value=_processor()),
+        FactRow(name="cores", value=str(len(os.sched_getaffinity(0)))),
+        FactRow(
             name="kernel", value=f"{platform.system()} {platform.release()}", remark=_preemption()
         ),
-        Row(name="Python", value=platform.python_version()),
-        Row(name="numpy", value=version("numpy")),
-        Row(name="numba", value=version("numba")),
-        Row(name="load average", value=load, remark="1, 5, 15 min at the start"),
+        FactRow(name="Python", value=platform.python_version()),
+        FactRow(name="numpy", value=version("numpy")),
+        FactRow(name="numba", value=version("numba")),
+        FactRow(name="load average", value=load, remark="1, 5, 15 min at the start"),
     )
     return Section(title="Machine", note="", rows=rows)
 

@@ -22,7 +22,7 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.python_child import module_command
 from aff_runtime.base.signals import Outcome, State
 from aff_runtime.loop.realtime import RealtimeRequest, ask
-from benchmarks.runtime.facts import Row, Section, machine, timing_row
+from benchmarks.runtime.facts import FactRow, Section, machine, timing_row
 from benchmarks.runtime.paced import own_processor
 from benchmarks.runtime.page import text
 from benchmarks.runtime.whole_tick import COLUMNS, CONNECT_TICKS, Listener, beside_plant
@@ -106,12 +106,12 @@ def section(found: dict[str, Any], minutes: float) -> Section:
         note=f"config/{FILM_SITES['modbus']} for {minutes:g} min, plant and runtime as two "
         "processes; the law has no response and adapts nothing.",
         rows=(
-            Row(
+            FactRow(
                 name="late ticks",
                 value=f"{share:.3%}",
                 remark=f"target at most {TARGET_SHARE:.1%}: {verdict}",
             ),
-            Row(
+            FactRow(
                 name="ticks",
                 value=f"{found['late']} ended late, {found['skipped']} skipped, of {found['due']}",
                 remark=f"{found['good']} with a good reply, {found['active']} active",

@@ -20,7 +20,7 @@ from aff_runtime.base.python_child import module_command
 from aff_runtime.base.signals import State
 from aff_runtime.core.compiled.binary import COMPILED, NUMPY, VARIABLE, chosen
 from benchmarks.runtime.child import environment
-from benchmarks.runtime.facts import Row, Section
+from benchmarks.runtime.facts import FactRow, Section
 from benchmarks.runtime.lockstep import (
     COUNTED_TICKS,
     DOORS,
@@ -169,10 +169,10 @@ def missing() -> str:
 def instructions() -> Section:
     """Count a tick with the law by numpy and by the binary."""
     if lacks := missing():
-        rows = (Row(name="all parts", value="skipped", remark=lacks),)
+        rows = (FactRow(name="all parts", value="skipped", remark=lacks),)
         return Section(title=TITLE, note="", rows=rows)
     ways = (NUMPY, COMPILED) if chosen() is not None else (NUMPY,)
-    rows_of: list[Row] = []
+    rows_of: list[FactRow] = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         keep_script(folder)
@@ -180,7 +180,7 @@ def instructions() -> Section:
         for way in ways:
             found = counted(folder, way)
             rows_of += [
-                Row(name=f"{part}, by {way}", value=f"{1e-3 * number:.1f} thousand")
+                FactRow(name=f"{part}, by {way}", value=f"{1e-3 * number:.1f} thousand")
                 for part, number in (*found.items(), ("all", sum(found.values())))
             ]
     return Section(

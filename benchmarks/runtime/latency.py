@@ -7,7 +7,7 @@ import shutil
 import subprocess
 from dataclasses import dataclass
 
-from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
+from benchmarks.runtime.facts import FactRow, Section, quantiles_us, timing_row
 from benchmarks.runtime.paced import PERIOD_NS, in_child, own_processor
 
 PRIORITY = 80
@@ -31,15 +31,15 @@ def latency(seconds: float) -> Section:
     theirs = _finish(beside)
     rows = [timing_row("ticker of the runtime", ours["wake_ns"], _rights(ours["refused"]))]
     if theirs.reason:
-        rows.append(Row(name="cyclictest", value="skipped", remark=theirs.reason))
+        rows.append(FactRow(name="cyclictest", value="skipped", remark=theirs.reason))
     else:
         value = (
             f"p50 {theirs.p50_us:.0f} us, p99 {theirs.p99_us:.0f} us, max {theirs.max_us:.0f} us"
         )
-        rows.append(Row(name="cyclictest", value=value, remark=f"SCHED_FIFO {PRIORITY}"))
+        rows.append(FactRow(name="cyclictest", value=value, remark=f"SCHED_FIFO {PRIORITY}"))
         p50, p99, most = quantiles_us(ours["wake_ns"])
         ratio = f"p50 {_ratio(p50, theirs.p50_us)}, p99 {_ratio(p99, theirs.p99_us)}"
-        rows.append(Row(name="ratio", value=f"{ratio}, max {_ratio(most, theirs.max_us)}"))
+        rows.append(FactRow(name="ratio", value=f"{ratio}, max {_ratio(most, theirs.max_us)}"))
     return Section(
         title="Wake-up latency",
         note=f"Period 5 ms, {seconds:g} s, same processor, same time.",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 
-from benchmarks.runtime.facts import Row, Section
+from benchmarks.runtime.facts import FactRow, Section
 from benchmarks.runtime.reckoned import TITLE as RECKONED
 from benchmarks.runtime.reckoned import reckoned
 from benchmarks.runtime.targets import TITLE as TARGETS
@@ -78,6 +78,6 @@ def _section(part: str) -> Section:
     return Section(
         title=title,
         note=rest[0],
-        rows=tuple(Row(name=name, value=value, remark=why) for name, value, why in cells[1:]),
+        rows=tuple(FactRow(name=name, value=value, remark=why) for name, value, why in cells[1:]),
         head=cells[0][1],
     )

@@ -33,7 +33,7 @@ from aff_runtime.safety.guard import Guard
 from aff_runtime.telemetry.header import RunMeta
 from aff_runtime.telemetry.ring import RingWriter
 from benchmarks.control.nominal_loop import impulse_response
-from benchmarks.runtime.facts import Row, Section, timing_row
+from benchmarks.runtime.facts import FactRow, Section, timing_row
 from benchmarks.runtime.paced import PERIOD_NS, own_processor
 from benchmarks.runtime.whole_tick import CONNECT_TICKS, Listener, beside_plant
 from sim_plant.demo.wires import SITES
@@ -182,7 +182,7 @@ def one_round(way: str, seconds: float) -> dict[str, Any]:
         return beside_plant("modbus", Path(name), ours, seconds, **{VARIABLE: way})
 
 
-def table(found: Mapping[tuple[str, str], Sequence[int]]) -> tuple[Row, ...]:
+def table(found: Mapping[tuple[str, str], Sequence[int]]) -> tuple[FactRow, ...]:
     """Return a row per part and way, then the sums, ns by way and part."""
     rows = [timing_row(f"{part}, by {way}", ns) for (way, part), ns in found.items()]
     for way in dict.fromkeys(way for way, _ in found):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from benchmarks.runtime.facts import Row, Section
+from benchmarks.runtime.facts import FactRow, Section
 from benchmarks.runtime.instructions import TITLE as COUNTED
 from benchmarks.runtime.targets import HOT, PACED, figure, find
 
@@ -45,10 +45,10 @@ def _paced(sections: Sequence[Section]) -> str:
     return f"the law above takes {ratio:.1f} times as long as back to back"
 
 
-def _row(way: str, instructions: float, per_second: float) -> Row:
+def _row(way: str, instructions: float, per_second: float) -> FactRow:
     tick_ms = 1e3 * instructions / per_second
     carried = carried_ms(instructions, per_second)
-    return Row(
+    return FactRow(
         name=f"R = {per_second * 1e-9:g} G/s, by {way}",
         value=f"{tick_ms:.2f} ms a tick",
         remark=f"carries {carried} ms" if carried else f"carries no {CYCLES_MS[-1]} ms",

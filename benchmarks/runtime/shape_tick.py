@@ -19,7 +19,7 @@ from aff_runtime.base.python_child import module_command
 from aff_runtime.fieldbus.modbus.tcp_wire import TcpWire
 from aff_runtime.loop.realtime import RealtimeRequest, ask
 from aff_runtime.loop.ticker import Ticker
-from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
+from benchmarks.runtime.facts import FactRow, Section, quantiles_us, timing_row
 from benchmarks.runtime.paced import PERIOD_NS, own_processor
 from benchmarks.runtime.parts import respond
 from benchmarks.runtime.whole_tick import COLUMNS, CONNECT_TICKS, Listener, beside_plant
@@ -109,10 +109,10 @@ def shape_tick(seconds: float) -> Section:
     )
 
 
-def ratio_row(name: str, ours_us: float, theirs_us: float, target: float) -> Row:
+def ratio_row(name: str, ours_us: float, theirs_us: float, target: float) -> FactRow:
     """Return a ratio beside what it shall be at most."""
     ratio = ours_us / theirs_us
-    return Row(
+    return FactRow(
         name=name,
         value=f"{ratio:.2f}",
         remark=f"target at most {target:g}: {'held' if ratio <= target else 'missed'}",

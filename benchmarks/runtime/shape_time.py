@@ -15,7 +15,7 @@ from aff_runtime.core.law import Inputs
 from aff_runtime.core.params import ActuatorParams, BlockParams, DriveParams
 from aff_runtime.core.phase import Quality, RollPhase
 from aff_runtime.core.shape.law import ShapeLaw
-from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
+from benchmarks.runtime.facts import FactRow, Section, quantiles_us, timing_row
 from benchmarks.runtime.paced import PERIOD_NS, in_child
 
 CYCLE_S = PERIOD_NS * 1e-9
@@ -105,16 +105,16 @@ def shape_time(seconds: float) -> list[Section]:
     return sections
 
 
-def ratios(found: Mapping[tuple[str, int], list[int]]) -> list[Row]:
+def ratios(found: Mapping[tuple[str, int], list[int]]) -> list[FactRow]:
     """Return numpy over binary for each number of orders, and more orders over fewer."""
     rows = []
     for n in ORDERS if (COMPILED, ORDERS[0]) in found else ():
         one, other = (quantiles_us(found[way, n]) for way in (NUMPY, COMPILED))
         value = f"p50 {one[0] / other[0]:.1f}, p99 {one[1] / other[1]:.1f}"
-        rows.append(Row(name=f"{n} orders", value=value, remark="numpy over binary"))
+        rows.append(FactRow(name=f"{n} orders", value=value, remark="numpy over binary"))
     few, many = ORDERS
     for way in dict.fromkeys(way for way, _ in found):
         more, fewer = (quantiles_us(found[way, n])[0] for n in (many, few))
         remark = f"{many} orders over {few}, by {way}"
-        rows.append(Row(name="p50", value=f"{more / fewer:.2f}", remark=remark))
+        rows.append(FactRow(name="p50", value=f"{more / fewer:.2f}", remark=remark))
     return rows

@@ -7,7 +7,7 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from benchmarks.runtime.facts import Row, Section
+from benchmarks.runtime.facts import FactRow, Section
 
 TITLE = "Targets"
 NUMBER = r"([\d.]+(?:e[+-]?\d+)?)"
@@ -120,13 +120,13 @@ def targets(sections: Sequence[Section]) -> Section:
     return Section(title=TITLE, note=NOTE, rows=rows)
 
 
-def figure(row: Row, word: str) -> float:
+def figure(row: FactRow, word: str) -> float:
     """Return the number behind a word of a row's value, or the one that it begins with."""
     found = re.search(rf"\b{word} {NUMBER}", row.value) if word else re.match(NUMBER, row.value)
     return float(found[1]) if found else float("nan")
 
 
-def find(sections: Sequence[Section], title: str, row: str, remark: str = "") -> Row | None:
+def find(sections: Sequence[Section], title: str, row: str, remark: str = "") -> FactRow | None:
     """Return a row of the section whose title begins so; None where there is none."""
     for section in sections:
         for one in section.rows if section.title.startswith(title) else ():
@@ -135,16 +135,16 @@ def find(sections: Sequence[Section], title: str, row: str, remark: str = "") ->
     return None
 
 
-def _row(target: Target, sections: Sequence[Section], room: Mapping[str, str]) -> Row:
+def _row(target: Target, sections: Sequence[Section], room: Mapping[str, str]) -> FactRow:
     found = find(sections, target.section, target.row, target.remark)
     value = figure(found, target.word) if found is not None else float("nan")
     if math.isnan(value):
-        return Row(name=target.what, value="-", remark=f"{_asked(target)}: not measured")
+        return FactRow(name=target.what, value="-", remark=f"{_asked(target)}: not measured")
     met = value <= target.at_most if target.at_most is not None else value >= _least(target)
     cause = target.cause or room.get(target.row, "")
     why = f"; {cause}" if cause and not met else ""
     verdict = f"{_asked(target)}: {'met' if met else 'missed'}{why}"
-    return Row(name=target.what, value=f"{value:g}{target.unit}", remark=verdict)
+    return FactRow(name=target.what, value=f"{value:g}{target.unit}", remark=verdict)
 
 
 def _least(target: Target) -> float:

@@ -23,7 +23,7 @@ from aff_runtime.loop.messages import Arm, Message, Stop
 from aff_runtime.loop.ports import Advice
 from aff_runtime.loop.realtime import RealtimeRequest, ask
 from benchmarks.runtime.child import environment
-from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
+from benchmarks.runtime.facts import FactRow, Section, quantiles_us, timing_row
 from benchmarks.runtime.paced import PERIOD_NS, own_processor
 from sim_plant.demo.processes import Child
 from sim_plant.demo.wires import SITES, wire_up
@@ -177,8 +177,8 @@ def whole_tick(seconds: float) -> list[Section]:
                     timing_row("whole tick", one["tick"], "from wake-up to record"),
                     timing_row("wake-up", one["wake"]),
                     timing_row("age of the data", one["age"], "PLC's scan to correction"),
-                    Row(name="ticks", value=ticks),
-                    Row(name="p99 to Modbus", value=f"{ratio:.2f}", remark="whole tick"),
+                    FactRow(name="ticks", value=ticks),
+                    FactRow(name="p99 to Modbus", value=f"{ratio:.2f}", remark="whole tick"),
                 ),
             )
         )

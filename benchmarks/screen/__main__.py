@@ -18,7 +18,7 @@ from pathlib import Path
 from statistics import median
 
 from aff_runtime.base.clock import wall_time_iso
-from benchmarks.runtime.facts import Row, Section, machine
+from benchmarks.runtime.facts import FactRow, Section, machine
 from benchmarks.runtime.page import markdown, text
 from benchmarks.screen import pages
 from benchmarks.screen.blocks import KINDS, P99, TARGETS, WITHOUT, Turns, beside, ratios
@@ -88,16 +88,16 @@ def _sources() -> dict[str, object]:
     return {"sources": done.stdout.split()}
 
 
-def rights(rig: Rig) -> Row:
+def rights(rig: Rig) -> FactRow:
     """Return the rights without which a tick waits for other programs."""
-    return Row(name="real-time rights refused", value=rig.ring.rights())
+    return FactRow(name="real-time rights refused", value=rig.ring.rights())
 
 
-def plc(rig: Rig) -> Row:
+def plc(rig: Rig) -> FactRow:
     """Return whether the simulated PLC waits for the screen, as no real one does."""
     value = "goes first" if rig.plc_goes_first else "waits its turn: no right to SCHED_RR"
     remark = "on the processor that it shares here with screen and browsers"
-    return Row(name="simulated PLC", value=value, remark=remark)
+    return FactRow(name="simulated PLC", value=value, remark=remark)
 
 
 def of_ticks(blocks: Mapping[str, Turns], block_s: float) -> Section:
@@ -106,7 +106,7 @@ def of_ticks(blocks: Mapping[str, Turns], block_s: float) -> Section:
     for kind, named in KINDS.items():
         found = list(blocks[kind].values())
         if not found:
-            rows.append(Row(name=named, value="not measured"))
+            rows.append(FactRow(name=named, value="not measured"))
             continue
         p50, p99, p999 = quantiles_us(found)
         ticks = sum(len(block.end_us) for block in found)
@@ -114,7 +114,7 @@ def of_ticks(blocks: Mapping[str, Turns], block_s: float) -> Section:
         idle = [block.idle_words for block in found if block.idle]
         value = f"p50 {p50:.0f} us, p99 {p99:.0f} us, p99.9 {p999:.0f} us"
         remark = f"{ticks} ticks, {missed} missed, {'; '.join(idle) or '0 not ACTIVE'}"
-        rows.append(Row(name=named, value=value, remark=remark))
+        rows.append(FactRow(name=named, value=value, remark=remark))
     for kind, ratio in ratios(blocks):
         rows.append(_of_ratio(kind, ratio, P99, TARGETS[kind], blocks))
     for kind, ratio in ratios(blocks, 0.999):
@@ -132,7 +132,7 @@ def of_ticks(blocks: Mapping[str, Turns], block_s: float) -> Section:
 
 def _of_ratio(
     kind: str, ratio: Ratio, quantile: float, bound: float, blocks: Mapping[str, Turns]
-) -> Row:
+) -> FactRow:
     """Return a ratio against its target; how many turns would decide what these do not."""
     turns = len(blocks[kind].keys() & blocks[WITHOUT].keys())
     needed = turns_needed(ratio, turns, bound)
@@ -141,7 +141,7 @@ def _of_ratio(
         count = f"{NEVER} and more" if needed >= NEVER else f"some {needed}"
         remark += f"; {turns} turns do not decide it, {count} would"
     name = f"{KINDS[kind]}: p{100 * quantile:g} over without"
-    return Row(name=name, value=str(ratio), remark=remark)
+    return FactRow(name=name, value=str(ratio), remark=remark)
 
 
 def of_screen(blocks: Mapping[str, Turns]) -> Section:
@@ -157,18 +157,20 @@ def of_screen(blocks: Mapping[str, Turns]) -> Section:
         if bound is not None and of[kind]:
             said = target(f"{bound:g} %, 150 MB", (max(cores), bound), (memory_MB, 150.0))
             remark = f"{said}; {remark}"
-        rows.append(Row(name=f"P8, P10 {KINDS[kind]}", value=value, remark=remark))
+        rows.append(FactRow(name=f"P8, P10 {KINDS[kind]}", value=value, remark=remark))
     for kind in (WITHOUT, "clients"):
         core = 100.0 * max((block.supervisor_core for block in of[kind]), default=0.0)
         name = f"P11 supervisor, {KINDS[kind]}"
-        rows.append(Row(name=name, value=f"{core:.1f} % of a core", remark="it is asked nothing"))
+        rows.append(
+            FactRow(name=name, value=f"{core:.1f} % of a core", remark="it is asked nothing")
+        )
     looked = of["clients"]
     if looked:
         each = [one.frames_per_s for one in looked]
         size = max(one.frame_bytes for one in looked)
         value = f"{min(each):.1f} to {max(each):.1f} per s, {size:.0f} bytes"
         remark = target("10 ± 10 %", (9.0, min(each)), (max(each), 11.0))
-        rows.append(Row(name="P4 frames to each of 10", value=value, remark=remark))
+        rows.append(FactRow(name="P4 frames to each of 10", value=value, remark=remark))
     return Section(title="What it uses (P4, P8, P10, P11)", note="", rows=tuple(rows))
 
 
@@ -178,15 +180,15 @@ def seen(rig: Rig, kept: Kept, count: int, churn_s: float, skipped: str) -> list
     ``skipped`` says why no Chromium is used; empty where one is.
     """
 
-    def at_a_screen(name: str, measure: Callable[..., list[Row]]) -> list[Row]:
-        def begun() -> list[Row]:
+    def at_a_screen(name: str, measure: Callable[..., list[FactRow]]) -> list[FactRow]:
+        def begun() -> list[FactRow]:
             with rig.screen() as (screen, url):
                 return measure(screen, url)
 
         print(f"part: {name}", flush=True)
         return kept.rows(name, begun)
 
-    def flooded(screen: object, url: str) -> list[Row]:
+    def flooded(screen: object, url: str) -> list[FactRow]:
         visitors = clients("flood", url, 600.0)
         try:
             pause(1.0)
@@ -206,17 +208,17 @@ def seen(rig: Rig, kept: Kept, count: int, churn_s: float, skipped: str) -> list
     found = [Section(title=title, note="", rows=tuple(rows))]
     title = "In a browser (P4 to P9)"
     if skipped:
-        row = Row(name="Chromium", value="skipped", remark=skipped)
+        row = FactRow(name="Chromium", value="skipped", remark=skipped)
         return [*found, Section(title=title, note="", rows=(row,))]
 
-    def in_chromium(measure: Callable[..., list[Row]]) -> Callable[..., list[Row]]:
-        def begun(screen: object, url: str) -> list[Row]:
+    def in_chromium(measure: Callable[..., list[FactRow]]) -> Callable[..., list[FactRow]]:
+        def begun(screen: object, url: str) -> list[FactRow]:
             with pages.browser() as chromium:
                 return measure(chromium, screen, url)
 
         return begun
 
-    parts: dict[str, Callable[..., list[Row]]] = {
+    parts: dict[str, Callable[..., list[FactRow]]] = {
         "loads": lambda chromium, _, url: pages.loads(chromium, url, count),
         "ages": lambda chromium, _, url: pages.ages(chromium, url, 3.0 * count),
         "scope": lambda chromium, screen, url: pages.scope(chromium, url, screen, 1.5 * count),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.runtime.facts import Row
+from benchmarks.runtime.facts import FactRow
 from benchmarks.screen.clients import now_s, opened
 from benchmarks.screen.rig import used
 from benchmarks.screen.targets import target
@@ -56,7 +56,7 @@ async def _looked_at(
         await asyncio.gather(*lookers, return_exceptions=True)
 
 
-def churn(url: str, screen: Child, seconds: float) -> list[Row]:
+def churn(url: str, screen: Child, seconds: float) -> list[FactRow]:
     """Return P10: memory, descriptors and threads while tabs come and go beside nine that stay."""
     process = Path(f"/proc/{screen.process.pid}")
 
@@ -76,7 +76,7 @@ def churn(url: str, screen: Child, seconds: float) -> list[Row]:
         f"{count} tabs in {seconds:g} s beside {LOOKERS} that stay, the first quarter not counted"
     )
     return [
-        Row(
+        FactRow(
             name=NAME,
             value=f"{value}; {held_words}",
             remark=f"{verdict(seconds, float(at_MB.max()), float(slope), before, after)}; {about}",

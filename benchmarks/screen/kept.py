@@ -12,7 +12,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from benchmarks.runtime.facts import Row
+from benchmarks.runtime.facts import FactRow
 from benchmarks.screen.ticks import Block
 
 PLAN = "plan.json"
@@ -59,17 +59,17 @@ class Kept:
             }
         return Block(**values)
 
-    def rows(self, name: str, measure: Callable[[], list[Row]]) -> list[Row]:
+    def rows(self, name: str, measure: Callable[[], list[FactRow]]) -> list[FactRow]:
         """Return the rows of a part, measured now where they were not; why not where it fails."""
         path = self._folder / f"{name}.json"
         if not path.exists():
             found = self._try(name, measure)
             if found is None:
-                return [Row(name=name, value="not measured", remark=self.failed[name][:120])]
+                return [FactRow(name=name, value="not measured", remark=self.failed[name][:120])]
             rest = path.with_suffix(".part")
             rest.write_text(json.dumps([asdict(row) for row in found]))
             rest.rename(path)
-        return [Row(**row) for row in json.loads(path.read_text())]
+        return [FactRow(**row) for row in json.loads(path.read_text())]
 
     def drop(self) -> None:
         """Forget everything: it stands on a page."""

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from benchmarks.runtime.facts import Row
+from benchmarks.runtime.facts import FactRow
 from benchmarks.screen.rig import ACCOUNT, PASSWORD, Rig, pause, used
 from benchmarks.screen.targets import target
 from sim_plant.demo.processes import Child
@@ -82,7 +82,7 @@ def page_of(chromium: Any, url: str, throttle: int = 1) -> Iterator[Any]:
     context.close()
 
 
-def loads(chromium: Any, url: str, count: int) -> list[Row]:
+def loads(chromium: Any, url: str, count: int) -> list[FactRow]:
     """Return P7: how soon a page is there, and what it weighs."""
     rows = []
     slow = f"live, processor {THROTTLE} times slower"
@@ -95,24 +95,24 @@ def loads(chromium: Any, url: str, count: int) -> list[Row]:
         paint = quantiles([one["paint"] for one in found])
         p99_ms = float(np.quantile([one["live"] for one in found], 0.99))
         remark = target(f"p99 {most_ms:g} ms", (p99_ms, most_ms))
-        rows.append(Row(name=f"P7 {name}", value=f"{live} ms", remark=remark))
+        rows.append(FactRow(name=f"P7 {name}", value=f"{live} ms", remark=remark))
         if throttle == 1:
             p99_ms = float(np.quantile([one["paint"] for one in found], 0.99))
             remark = target("p99 300 ms", (p99_ms, 300.0))
-            rows.append(Row(name="P7 first content", value=f"{paint} ms", remark=remark))
+            rows.append(FactRow(name="P7 first content", value=f"{paint} ms", remark=remark))
     rows.append(_weight("P7 a page", found[0], 150.0))
     with page_of(chromium, f"{url}trends") as page:
         rows.append(_weight("P7 a page with charts", page.evaluate(LOADED), 220.0))
     return rows
 
 
-def _weight(name: str, loaded: dict[str, float], most_kB: float) -> Row:
+def _weight(name: str, loaded: dict[str, float], most_kB: float) -> FactRow:
     kB, requests = loaded["bytes"] / 1000.0, loaded["requests"]
     remark = target(f"{most_kB:g} kB, 8 requests", (kB, most_kB), (requests, 8))
-    return Row(name=name, value=f"{kB:.1f} kB in {requests} requests", remark=remark)
+    return FactRow(name=name, value=f"{kB:.1f} kB in {requests} requests", remark=remark)
 
 
-def ages(chromium: Any, url: str, seconds: float) -> list[Row]:
+def ages(chromium: Any, url: str, seconds: float) -> list[FactRow]:
     """Return P4 and P9: how old a shown frame can be at most, and what the page costs."""
     with page_of(chromium, url) as page:
         session = page.context.new_cdp_session(page)
@@ -126,18 +126,18 @@ def ages(chromium: Any, url: str, seconds: float) -> list[Row]:
         session.send("HeapProfiler.collectGarbage")
         after = _heap_bytes(session)
     return [
-        Row(
+        FactRow(
             name="P4 frames",
             value=f"{len(found) / seconds:.1f} per s",
             remark=target("10 ± 10 %", (9.0, len(found) / seconds), (len(found) / seconds, 11.0)),
         ),
-        Row(
+        FactRow(
             name="P4 tick to page, at most",
             value=f"{quantiles(found)} ms",
             remark=target("p99 150 ms", (float(np.quantile(found, 0.99)), 150.0))
             + "; bound by the page's own echoed stamp",
         ),
-        Row(
+        FactRow(
             name="P9 the page",
             value=f"{100.0 * used_s / seconds:.1f} % of a core, {after * 1e-6:.1f} MB of heap",
             remark=target("5 %, 60 MB", (100.0 * used_s / seconds, 5.0), (after * 1e-6, 60.0))
@@ -161,7 +161,9 @@ def _drawing_s(chromium: Any) -> float:
 LINKS = ("hmi", "service", "plc")
 
 
-def breaks(chromium: Any, url: str, rig: Rig, screen: Child, link: str, count: int) -> list[Row]:
+def breaks(
+    chromium: Any, url: str, rig: Rig, screen: Child, link: str, count: int
+) -> list[FactRow]:
     """Return P5: how soon a stopped process is shown as such."""
     stopped: dict[str, Callable[[], int]] = {
         "hmi": lambda: screen.process.pid,
@@ -184,10 +186,10 @@ def breaks(chromium: Any, url: str, rig: Rig, screen: Child, link: str, count: i
     value = f"{quantiles(found)} ms"
     p99_ms = float(np.quantile(found, 0.99))
     remark = target("p99 1000 ms, largest 1500 ms", (p99_ms, 1000.0), (max(found), 1500.0))
-    return [Row(name=f"P5 {link} stopped", value=value, remark=remark)]
+    return [FactRow(name=f"P5 {link} stopped", value=value, remark=remark)]
 
 
-def scope(chromium: Any, url: str, screen: Child, seconds: float) -> list[Row]:
+def scope(chromium: Any, url: str, screen: Child, seconds: float) -> list[FactRow]:
     """Return P8: what a page of the scope costs the screen server, beside the overview's."""
     shares = {}
     for path in ("", "scope"):
@@ -197,7 +199,7 @@ def scope(chromium: Any, url: str, screen: Child, seconds: float) -> list[Row]:
             pause(seconds)
             shares[path] = 100.0 * (used(screen.process.pid)[0] - before_s) / seconds
     return [
-        Row(
+        FactRow(
             name="P8 a page of the scope",
             value=f"{shares['scope']:.1f} % of a core",
             remark=target("3 %", (shares["scope"], 3.0))
@@ -206,7 +208,7 @@ def scope(chromium: Any, url: str, screen: Child, seconds: float) -> list[Row]:
     ]
 
 
-def keys(chromium: Any, url: str, rearm: Callable[[], bool], count: int) -> list[Row]:
+def keys(chromium: Any, url: str, rearm: Callable[[], bool], count: int) -> list[FactRow]:
     """Return P6: from F9 to the word BYPASS on the page.
 
     Parameters
@@ -238,7 +240,7 @@ def keys(chromium: Any, url: str, rearm: Callable[[], bool], count: int) -> list
         raise PlantError("the line cannot be armed")
     value = f"{quantiles(found)} ms"
     remark = target("p99 250 ms", (float(np.quantile(found, 0.99)), 250.0))
-    return [Row(name="P6 F9 to BYPASS on the page", value=value, remark=remark)]
+    return [FactRow(name="P6 F9 to BYPASS on the page", value=value, remark=remark)]
 
 
 def quantiles(found: list[float]) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from aff_runtime.base.events import BY_NAME
-from benchmarks.runtime.facts import Row
+from benchmarks.runtime.facts import FactRow
 from benchmarks.screen.pages import quantiles
 from benchmarks.screen.rig import ACCOUNT, CLOCK, PASSWORD, Rig, pause, used
 from benchmarks.screen.targets import target
@@ -60,7 +60,7 @@ class Presser:
             return self._line.getresponse().read()
 
 
-def presses(rig: Rig, url: str, name: str, target_ms: float, count: int) -> list[Row]:
+def presses(rig: Rig, url: str, name: str, target_ms: float, count: int) -> list[FactRow]:
     """Return P6, or P2 under a flood: from the press to the guard's own note of it."""
     presser = Presser(url)
     found = []
@@ -79,10 +79,10 @@ def presses(rig: Rig, url: str, name: str, target_ms: float, count: int) -> list
         raise PlantError("not armed, or no press was taken")
     value = f"{quantiles(found)} ms"
     remark = target(f"p99 {target_ms:.0f} ms", (float(np.quantile(found, 0.99)), target_ms))
-    return [Row(name=name, value=value, remark=remark)]
+    return [FactRow(name=name, value=value, remark=remark)]
 
 
-def scrapes(url: str, screen: Child) -> list[Row]:
+def scrapes(url: str, screen: Child) -> list[FactRow]:
     """Return P12: what a scrape costs, and how much it says."""
     presser = Presser(url)
     text = presser.get("/metrics")
@@ -96,7 +96,7 @@ def scrapes(url: str, screen: Child) -> list[Row]:
     passed_s = (CLOCK.now_ns() - start_ns) * 1e-9
     series = sum(1 for line in text.splitlines() if line and not line.startswith(b"#"))
     return [
-        Row(
+        FactRow(
             name="P12 a scrape",
             value=f"{each_ms:.1f} ms of processor, {series} series, {len(text) / 1000:.1f} kB",
             remark=target(

@@ -28,7 +28,7 @@ from benchmarks.screen.clients import beside_control
 from benchmarks.screen.ticks import Block, as_words
 from sim_plant.demo.processes import SCREEN, Child, runtime_command
 from sim_plant.demo.session import (
-    Plan,
+    DemoPlan,
     await_state,
     plant_command,
     prepare,
@@ -163,7 +163,7 @@ class Rig:
 
     def __init__(self, out: Path, stack: ExitStack) -> None:
         beside_control()
-        plan = Plan(
+        plan = DemoPlan(
             line=ROOT / "config/lines/euclid_ripple.yaml",
             site=ROOT / "config/euclid.yaml",
             out=out,

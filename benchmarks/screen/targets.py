@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from benchmarks.runtime.facts import Row, Section
+from benchmarks.runtime.facts import FactRow, Section
 
 MET, MISSED, TOO_SHORT = "met", "MISSED", "too short to judge"
 
@@ -30,7 +30,10 @@ def of_targets(sections: Iterable[Section]) -> Section:
         for word in (MET, MISSED, TOO_SHORT)
     )
     unknown = [row for row in rows if row.value == "not measured"]
-    found = [Row(name="met", value=str(len(met))), Row(name="missed", value=str(len(missed)))]
+    found = [
+        FactRow(name="met", value=str(len(met))),
+        FactRow(name="missed", value=str(len(missed))),
+    ]
     for kind, those in (("missed", missed), (TOO_SHORT, short), ("not measured", unknown)):
-        found += [Row(name=f"{kind}: {r.name}", value=r.value, remark=r.remark) for r in those]
+        found += [FactRow(name=f"{kind}: {r.name}", value=r.value, remark=r.remark) for r in those]
     return Section(title="Targets", note="", rows=tuple(found))

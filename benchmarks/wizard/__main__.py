@@ -15,7 +15,7 @@ from aff_runtime.base.files import replace_text
 from benchmarks.rows import read_row, write_row
 from benchmarks.screen.pages import reason_not
 from benchmarks.wizard.page import page
-from benchmarks.wizard.row import KEYS, Row, played
+from benchmarks.wizard.row import KEYS, PlayedPlant, played
 from sim_plant.cli.output import say
 from sim_plant.demo.processes import end_as_by_hand
 from sim_plant.demo.unusual_plants import PLANTS
@@ -38,12 +38,12 @@ def folder_of(out: Path, name: str) -> Path:
     return out / name.replace(",", "").replace(" ", "-")
 
 
-def kept(out: Path, name: str) -> Row | None:
+def kept(out: Path, name: str) -> PlayedPlant | None:
     """Return the row of a plant; None without one."""
     return read_row(folder_of(out, name) / "row.json", KEYS)
 
 
-def is_whole(row: Row | None, to: str) -> bool:
+def is_whole(row: PlayedPlant | None, to: str) -> bool:
     """Return whether a plant need not be played again to come to a stage."""
     return row is not None and "failed" not in row and f"{to}_min" in row
 

@@ -32,11 +32,11 @@ from benchmarks.wizard.playing import (
 from benchmarks.wizard.technician import Technician
 from sim_plant.line.record_file import read_columns
 
-Row = dict[str, Any]
+PlayedPlant = dict[str, Any]
 Say = Callable[[str], None]
 KEYS = ("plant", "measured", "stage")
 """What every row has; ``stage`` is the last one that came to its end."""
-NOTHING_ASKED: Row = {
+NOTHING_ASKED: PlayedPlant = {
     "questions": 0,
     "typed": [],
     "by_enter": [],
@@ -48,7 +48,7 @@ VIEW = {"width": 1280, "height": 800}
 PATIENCE_OF_TWO = 2.0 * PATIENCE_MS
 
 
-def played(name: str, out: Path, say: Say, to: str = "card") -> Row:
+def played(name: str, out: Path, say: Say, to: str = "card") -> PlayedPlant:
     """Play one plant; return its row, with ``failed`` where it did not come to its end.
 
     Parameters
@@ -56,7 +56,12 @@ def played(name: str, out: Path, say: Say, to: str = "card") -> Row:
     out : folder for what it leaves: the card, its PDF, pictures, logs.
     to : stage to end with: ``site``, ``active`` or ``card``.
     """
-    row: Row = {"plant": name, "measured": wall_time_iso(), "stage": "", "load": os.getloadavg()}
+    row: PlayedPlant = {
+        "plant": name,
+        "measured": wall_time_iso(),
+        "stage": "",
+        "load": os.getloadavg(),
+    }
     row |= NOTHING_ASKED
     proof: Proof | None = None
     try:
@@ -94,7 +99,7 @@ def _at_its_screen(line: FreshLine) -> Iterator[Technician]:
 
 
 def _stages(
-    who: Technician, machine: Answers, row: Row, out: Path, say: Say, to: str
+    who: Technician, machine: Answers, row: PlayedPlant, out: Path, say: Say, to: str
 ) -> Proof | None:
     """Play stage after stage; what is known of each is in the row at once."""
     clock = MonotonicClock()
@@ -131,7 +136,7 @@ def _stages(
     return proof
 
 
-def _asked(machine: Answers, line: FreshLine) -> Row:
+def _asked(machine: Answers, line: FreshLine) -> PlayedPlant:
     """Return what setup asked, how it was answered, and whether it found the PLC's words."""
     words = line.words
     wrong: list[str] | None = None
@@ -147,7 +152,7 @@ def _asked(machine: Answers, line: FreshLine) -> Row:
     }
 
 
-def _ripple(line: FreshLine, proof: Proof) -> Row:
+def _ripple(line: FreshLine, proof: Proof) -> PlayedPlant:
     """Return by tension the ripple off and on at the plant, beside what the card says."""
     try:
         site = load_site(line.site)

@@ -10,19 +10,19 @@ from typing import Any, NamedTuple
 import numpy as np
 
 
-class Row(ctypes.Structure):
+class CVector(ctypes.Structure):
     """An array of one axis: numbers, or records."""
 
     _fields_ = (("at", ctypes.c_void_p), ("n", ctypes.c_int64))
 
 
-class Matrix(ctypes.Structure):
+class CMatrix(ctypes.Structure):
     """An array of two axes, row by row."""
 
     _fields_ = (("at", ctypes.c_void_p), ("rows", ctypes.c_int64), ("cols", ctypes.c_int64))
 
 
-def c_array(array: np.ndarray[Any, Any], axes: int) -> Row | Matrix:
+def c_array(array: np.ndarray[Any, Any], axes: int) -> CVector | CMatrix:
     """Return an array as C takes it; axes behind the first ``axes`` belong to the element.
 
     The array must live as long as what is returned is used.
@@ -34,7 +34,7 @@ def c_array(array: np.ndarray[Any, Any], axes: int) -> Row | Matrix:
     """
     if not array.flags.c_contiguous or axes not in (1, 2):
         raise ValueError(f"an array of {axes} axes without gaps wanted, found {array.shape}")
-    return (Row if axes == 1 else Matrix)(array.ctypes.data, *array.shape[:axes])
+    return (CVector if axes == 1 else CMatrix)(array.ctypes.data, *array.shape[:axes])
 
 
 def c_struct(

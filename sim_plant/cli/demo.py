@@ -12,7 +12,7 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.cli.output import say
 
 if TYPE_CHECKING:
-    from sim_plant.demo.session import Plan
+    from sim_plant.demo.session import DemoPlan
 
 ROOT = Path(__file__).resolve().parents[2]
 FPM_M_S = 0.00508
@@ -104,7 +104,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if quiet and all(row.passed for row in rows) else 5
 
 
-def plan_of(arguments: argparse.Namespace) -> Plan:
+def plan_of(arguments: argparse.Namespace) -> DemoPlan:
     """Return what to run of what ``add_line`` asked.
 
     Raises
@@ -112,7 +112,7 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
     PlantError
         When the machine does not run at this speed, or has no site file for the wire.
     """
-    from sim_plant.demo.session import Plan  # noqa: PLC0415 - heavy imports
+    from sim_plant.demo.session import DemoPlan  # noqa: PLC0415 - heavy imports
     from sim_plant.demo.wires import FILM_SITES, SITES  # noqa: PLC0415
 
     machine = MACHINES[arguments.machine]
@@ -130,7 +130,7 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
     if arguments.wire not in sites:
         raise PlantError(f"--wire {arguments.wire}: no site file of the {arguments.machine} line")
     site = arguments.site or ROOT / "config" / sites[arguments.wire]
-    return Plan(
+    return DemoPlan(
         line=arguments.line or machine.line,
         site=site,
         out=arguments.out,

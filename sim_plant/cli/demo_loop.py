@@ -29,10 +29,10 @@ def run(arguments: argparse.Namespace) -> int:
     """Run the demo; 0 when every target is met, 5 when one is missed."""
     from sim_plant.demo.loop.page import write_page  # noqa: PLC0415 - heavy imports
     from sim_plant.demo.loop.proof import proof_of  # noqa: PLC0415
-    from sim_plant.demo.loop.session import Plan, run_story  # noqa: PLC0415
+    from sim_plant.demo.loop.session import StoryPlan, run_story  # noqa: PLC0415
     from sim_plant.demo.processes import end_as_by_hand  # noqa: PLC0415
 
-    plan = Plan(
+    plan = StoryPlan(
         out=arguments.out,
         effect=arguments.effect,
         seed=arguments.seed,

@@ -16,7 +16,7 @@ from sim_plant.cli.output import say
 if TYPE_CHECKING:
     from aff_runtime.base.refinement import RecordLacks
     from sim_plant.line.load import LineFile
-    from sim_plant.refine.report.outcome import Outcome, Plan
+    from sim_plant.refine.report.outcome import Outcome, RefineRequest
     from sim_plant.refine.without_line.verdict import RecordVerdict
 
 Subparsers = argparse._SubParsersAction  # noqa: SLF001 (argparse names it nowhere else)
@@ -146,7 +146,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def tell_lacking(plan: Plan, line: LineFile) -> int:
+def tell_lacking(plan: RefineRequest, line: LineFile) -> int:
     """Say what the records lack, and write it; 2 where one cannot be used."""
     from aff_runtime.base.refinement import LACKING  # noqa: PLC0415
     from sim_plant.refine.lacking import lacking  # noqa: PLC0415 - heavy imports
@@ -185,7 +185,7 @@ def _held(one: RecordLacks) -> str:
     )
 
 
-def plan_of(arguments: argparse.Namespace) -> Plan:
+def plan_of(arguments: argparse.Namespace) -> RefineRequest:
     """Return what the command line asks for.
 
     Raises
@@ -194,7 +194,7 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
         When it contradicts itself or names an effect that does not exist.
     """
     from sim_plant.effects.catalogue import BY_NAME  # noqa: PLC0415 - heavy imports
-    from sim_plant.refine.report.outcome import Plan  # noqa: PLC0415
+    from sim_plant.refine.report.outcome import RefineRequest  # noqa: PLC0415
 
     for name in arguments.without:
         if name not in BY_NAME:
@@ -205,7 +205,7 @@ def plan_of(arguments: argparse.Namespace) -> Plan:
         raise PlantError("--example makes its own records; leave RECORD and --holdout out")
     if not arguments.records and not arguments.example:
         raise PlantError("give at least one RECORD, or --example")
-    return Plan(
+    return RefineRequest(
         line=arguments.line,
         records=tuple(pieces_in(arguments.records) if arguments.pieces else arguments.records),
         holdout=tuple(arguments.holdout),

@@ -9,7 +9,7 @@ from sim_plant.codegen.kinds import Group, Kind, Nothing, Scalar, c_type, per_la
 from sim_plant.codegen.scope import Learned, Scope, c_name
 from sim_plant.codegen.sources import Source, is_compiled, source_of
 from sim_plant.codegen.statements import write_block
-from sim_plant.codegen.target import RECORDS, STRUCTS, Entry, Target
+from sim_plant.codegen.target import RECORDS, STRUCTS, EntryPoint, Target
 from sim_plant.codegen.translation import Function
 from sim_plant.line import kernel
 
@@ -30,7 +30,7 @@ class Program:
         self._names: dict[str, int] = {}
         self._writes: dict[str, bool] = {}
 
-    def entry(self, entry: Entry) -> Function:
+    def entry(self, entry: EntryPoint) -> Function:
         """Translate an entry with all that it calls."""
         kinds = self.target.arguments(entry)
         return self.function(source_of(getattr(kernel, entry.name)), tuple(kinds.values()), False)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sim_plant.codegen.target import Entry, Target
+from sim_plant.codegen.target import EntryPoint, Target
 from sim_plant.codegen.write import translated
 
 _PRELUDE = Path(__file__).parent / "prelude_scalar.h"
@@ -12,5 +12,5 @@ _PRELUDE = Path(__file__).parent / "prelude_scalar.h"
 
 def entries_source(*names: str) -> str:
     """Return the C99 of these entries and of all that they reach; see ``write.scalar_source``."""
-    target = Target(entries=tuple(Entry(name=name) for name in names))
+    target = Target(entries=tuple(EntryPoint(name=name) for name in names))
     return translated(target, _PRELUDE.read_text())

@@ -62,7 +62,7 @@ MATRICES = ("shape_h_m", "shape_dh_m", "shape_rho_m", "delay_m_s", "contacts", "
 
 
 @dataclass(frozen=True, kw_only=True)
-class Entry:
+class EntryPoint:
     """A function that others call: its arrays by number of axes, and which differ by lane."""
 
     name: str
@@ -80,7 +80,7 @@ class Target:
     shared : ``RECORD.field`` or ``Tuple.field`` that is the same in every lane.
     """
 
-    entries: tuple[Entry, ...]
+    entries: tuple[EntryPoint, ...]
     lanes: bool = False
     shared: frozenset[str] = frozenset()
 
@@ -108,7 +108,7 @@ class Target:
         base: Base = "int" if hint == records.IntArray else "float"
         return ArrayOf(base, 2 if name in MATRICES else 1, self.differs(f"{struct}.{name}"))
 
-    def arguments(self, entry: Entry) -> dict[str, Kind]:
+    def arguments(self, entry: EntryPoint) -> dict[str, Kind]:
         """Return what each argument of an entry is."""
         hints = get_type_hints(getattr(kernel, entry.name).py_func)
         hints.pop("return")
@@ -127,18 +127,18 @@ class Target:
 FRAMES = {"line_speed_m_s": 2, "tension_ref_N": 2, "aff_m_s": 2, "noise": 2, "out": 2}
 SCALAR = Target(
     entries=(
-        Entry(name="run_frames", axes=FRAMES),
-        Entry(name="step_frame"),
-        Entry(name="advance_frame"),
-        Entry(name="measure"),
-        Entry(name="log_frame"),
+        EntryPoint(name="run_frames", axes=FRAMES),
+        EntryPoint(name="step_frame"),
+        EntryPoint(name="advance_frame"),
+        EntryPoint(name="measure"),
+        EntryPoint(name="log_frame"),
     )
 )
 
 LANES = Target(
     entries=(
-        Entry(name="advance_frame", per_lane=frozenset({"noise"})),
-        Entry(name="log_frame", per_lane=frozenset({"row"})),
+        EntryPoint(name="advance_frame", per_lane=frozenset({"noise"})),
+        EntryPoint(name="log_frame", per_lane=frozenset({"row"})),
     ),
     lanes=True,
     shared=frozenset(

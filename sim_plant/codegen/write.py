@@ -8,7 +8,7 @@ from typing import get_type_hints
 from sim_plant.base.kernel_sources import kernel_hash
 from sim_plant.codegen.kinds import ArrayOf, Nothing, RecordArray, c_type
 from sim_plant.codegen.program import Program
-from sim_plant.codegen.target import LANES, SCALAR, Entry, Target
+from sim_plant.codegen.target import LANES, SCALAR, EntryPoint, Target
 from sim_plant.codegen.translation import Function
 
 _HERE = Path(__file__).parent
@@ -90,7 +90,7 @@ def _groups(program: Program) -> list[str]:
     return found
 
 
-def _exported(target: Target, entry: Entry, made: Function) -> str:
+def _exported(target: Target, entry: EntryPoint, made: Function) -> str:
     """Return the entry as a function with outside linkage: arrays are given by pointer."""
     given, handed = [], []
     for name, kind in target.arguments(entry).items():

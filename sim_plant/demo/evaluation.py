@@ -17,7 +17,7 @@ TARGET_RIPPLE = 0.10
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class OrderReduction:
     """One order of one roll in one tension."""
 
     tension: str
@@ -53,7 +53,7 @@ def window(record: dict[str, Array], start_s: float, end_s: float) -> dict[str, 
 
 def evaluate(
     before: dict[str, Array], after: dict[str, Array], noise_N: float, *, fast: bool = False
-) -> list[Row]:
+) -> list[OrderReduction]:
     """Return the table: unwind 1x-4x in the unwind tension, follower 1x in the pull-roll tension.
 
     On a fast line every order of the unwind below 60 Hz, to 20 dB.
@@ -75,7 +75,7 @@ def evaluate(
         floor = 3.0 * noise_N * float(np.sqrt(2.0 / after["time_s"].size))
         for number, order in enumerate(orders):
             rows.append(
-                Row(
+                OrderReduction(
                     tension=tension,
                     roll=roll,
                     order=order,
@@ -103,7 +103,7 @@ def ripple_ratio(before: dict[str, Array], after: dict[str, Array]) -> float:
 
 def more_orders(
     before: dict[str, Array], after: dict[str, Array], highest: int, noise_N: float, *, judged: int
-) -> list[Row]:
+) -> list[OrderReduction]:
     """Return the unwind's orders above those that are ``judged``, for eyes; ``target_dB`` 0."""
     tension, roll, other = "unwind_tension_N", "unwind", "swrap_follower"
     orders = tuple(range(judged + 1, highest + 1))
@@ -112,7 +112,7 @@ def more_orders(
     amplitudes = [_orders(part, tension, roll, orders, other) for part in (before, after)]
     turning_Hz = turn_Hz(after, roll)
     return [
-        Row(
+        OrderReduction(
             tension=tension,
             roll=roll,
             order=order,
@@ -139,7 +139,7 @@ def _orders(
     )
 
 
-def table_text(rows: list[Row]) -> str:
+def table_text(rows: list[OrderReduction]) -> str:
     """Return the before/after table for a terminal."""
     lines = [
         f"{'tension':20s} {'roll':15s} {'order':>5s} {'Hz':>6s} {'before N':>9s} "

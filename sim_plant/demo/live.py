@@ -12,7 +12,7 @@ from pathlib import Path
 from aff_runtime.base.errors import PlantError
 from sim_plant.demo.processes import RUNTIME, SCREEN, Bench, Child
 from sim_plant.demo.session import (
-    Plan,
+    DemoPlan,
     Progress,
     arm,
     await_state,
@@ -32,7 +32,7 @@ ACCOUNT = "demo"
 
 
 def run_live(
-    plan: Plan,
+    plan: DemoPlan,
     progress: Progress,
     *,
     listen: str,

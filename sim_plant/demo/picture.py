@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sim_plant.base.svg import svg
-from sim_plant.demo.evaluation import Row, window
+from sim_plant.demo.evaluation import OrderReduction, window
 from sim_plant.demo.plots import AFTER, BEFORE
 from sim_plant.demo.session import Session
 
@@ -20,7 +20,7 @@ TENSION = "unwind_tension_N"
 ROLL = "unwind"
 
 
-def write_picture(session: Session, rows: Sequence[Row], path: Path) -> None:
+def write_picture(session: Session, rows: Sequence[OrderReduction], path: Path) -> None:
     """Write the picture of a demo as an SVG file.
 
     Parameters
@@ -54,7 +54,7 @@ def _tension(axes: Axes, session: Session) -> None:
     axes.legend(loc="upper right")
 
 
-def _orders(axes: Axes, rows: Sequence[Row]) -> None:
+def _orders(axes: Axes, rows: Sequence[OrderReduction]) -> None:
     """Draw the amplitude of every order of the unwind roll, before and after."""
     orders = np.array([row.order for row in rows], dtype=float)
     axes.bar(orders - 0.2, [row.before_N for row in rows], 0.4, color=BEFORE, label="PI alone")

@@ -10,7 +10,7 @@ import numpy as np
 from jinja2 import Environment, PackageLoader
 
 from sim_plant.base.arrays import Array
-from sim_plant.demo.evaluation import Row, more_orders, window
+from sim_plant.demo.evaluation import OrderReduction, more_orders, window
 from sim_plant.demo.picture import write_picture
 from sim_plant.demo.plots import block_plot, spectrum_plot, tension_plot, timing_plot
 from sim_plant.demo.roll_plot import learned_orders, roll_plot
@@ -29,7 +29,7 @@ def runtime_columns(folder: Path) -> dict[str, Array]:
     return {name: np.concatenate([part[name] for part in parts]) for name in names}
 
 
-def write_report(session: Session, rows: list[Row], noise_N: float) -> Path:
+def write_report(session: Session, rows: list[OrderReduction], noise_N: float) -> Path:
     """Write ``report.html``, ``report.json`` and ``picture.svg``; return the page's path.
 
     ``noise_N`` is the load cell's noise per sample, for the floor of orders that are shown only.

@@ -35,7 +35,7 @@ OF_A_PAUSE = ("PLC_STALE", "OVERRUN")  # alarms that a busy machine raises
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class DemoPlan:
     """What to run and for how long, s."""
 
     line: Path
@@ -55,7 +55,7 @@ class Plan:
 class Session:
     """What came out of it."""
 
-    plan: Plan
+    plan: DemoPlan
     record: dict[str, Array]  # the plant's own record, true values included
     before_s: tuple[float, float]
     after_s: tuple[float, float]
@@ -65,7 +65,7 @@ class Session:
     exit_codes: dict[str, int]
 
 
-def prepare(plan: Plan) -> Bench:
+def prepare(plan: DemoPlan) -> Bench:
     """Make a fresh output folder and a copy of the site file with a wire of our own.
 
     Raises
@@ -127,7 +127,7 @@ def service_command(bench: Bench) -> list[str]:
     ]
 
 
-def run_session(plan: Plan, progress: Progress) -> Session:
+def run_session(plan: DemoPlan, progress: Progress) -> Session:
     """Run the whole script; both processes are ended whatever happens."""
     bench = prepare(plan)
     progress("starting the plant (compiles its kernel the first time)")
@@ -154,7 +154,7 @@ def run_session(plan: Plan, progress: Progress) -> Session:
 
 
 def _script(
-    plan: Plan, bench: Bench, service: Child, progress: Progress
+    plan: DemoPlan, bench: Bench, service: Child, progress: Progress
 ) -> tuple[tuple[float, ...], str]:
     """Return plant times (before start, before end, armed, after start, after end) and probe."""
     await_state(bench, service, {"FAULT", "OFF", "READY"}, 30.0)
@@ -212,7 +212,7 @@ def _tried(
 
 
 def _correct(
-    plan: Plan, bench: Bench, service: Child, progress: Progress
+    plan: DemoPlan, bench: Bench, service: Child, progress: Progress
 ) -> tuple[float, float, float]:
     """Arm, learn and measure; return plant times (armed, after start, after end).
 

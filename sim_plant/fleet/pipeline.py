@@ -14,7 +14,7 @@ from sim_plant.fleet.findings import Finding, findings_of, with_trends, write_pa
 from sim_plant.fleet.looks import Fleet, fleet_in
 from sim_plant.fleet.page import write_page
 from sim_plant.fleet.refine_look import LookResult, Order, refine_look
-from sim_plant.fleet.rows import Row, keep, of_the_table, rows_in, told
+from sim_plant.fleet.rows import KeptLook, keep, of_the_table, rows_in, told
 
 LIMIT_S = 3600.0
 """For one look: it takes one to six minutes of a core."""
@@ -120,7 +120,7 @@ def _say_what_there_is(
         say(f"{shut.line}: {shut.error}")
 
 
-def _written(out: Path, fleet: Fleet, rows: Sequence[Row]) -> list[Finding]:
+def _written(out: Path, fleet: Fleet, rows: Sequence[KeptLook]) -> list[Finding]:
     """Write table and page; return what stands there."""
     findings = with_trends([f for row in rows for f in findings_of(row.result)])
     findings += [

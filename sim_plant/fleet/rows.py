@@ -13,7 +13,7 @@ from sim_plant.fleet.refine_look import LookResult
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class KeptLook:
     """A look's result, the name of its file, and when that was written."""
 
     key: str
@@ -26,14 +26,14 @@ def row_file(out: Path, key: str) -> Path:
     return out / "rows" / f"{key}.json"
 
 
-def rows_in(out: Path, say: Callable[[str], None]) -> dict[str, Row]:
+def rows_in(out: Path, say: Callable[[str], None]) -> dict[str, KeptLook]:
     """Return every row that is kept, by its key."""
     found = {}
     for path in sorted((out / "rows").glob("*.json")):
         result = kept_result(path, say)
         if result is not None:
             written_ns = path.stat().st_mtime_ns
-            found[path.stem] = Row(key=path.stem, result=result, written_ns=written_ns)
+            found[path.stem] = KeptLook(key=path.stem, result=result, written_ns=written_ns)
     return found
 
 
@@ -48,20 +48,22 @@ def kept_result(path: Path, say: Callable[[str], None]) -> LookResult | None:
         return None
 
 
-def keep(out: Path, mark: Mark, look: Look, result: LookResult) -> Row:
+def keep(out: Path, mark: Mark, look: Look, result: LookResult) -> KeptLook:
     """Write the row of a look, whole, by its mark of before the work; return it."""
     named, path = result.of(look, mark.declared), row_file(out, mark.key)
     replace_text(path, named.to_json())
-    return Row(key=mark.key, result=named, written_ns=path.stat().st_mtime_ns)
+    return KeptLook(key=mark.key, result=named, written_ns=path.stat().st_mtime_ns)
 
 
-def told(rows: Iterable[Row]) -> list[Told]:
+def told(rows: Iterable[KeptLook]) -> list[Told]:
     """Return which records were looked at together."""
     results = [row.result for row in rows if row.result.fitted]
     return [Told(r.line, r.fitted, r.held, r.verdict is None) for r in results]
 
 
-def of_the_table(fleet: Fleet, keys: Mapping[Look, str], rows: Mapping[str, Row]) -> list[Row]:
+def of_the_table(
+    fleet: Fleet, keys: Mapping[Look, str], rows: Mapping[str, KeptLook]
+) -> list[KeptLook]:
     """Return the rows of all lines that are there, by line and record.
 
     Of a look whose records are there it is the row of these records and this line file. Where one
@@ -69,7 +71,7 @@ def of_the_table(fleet: Fleet, keys: Mapping[Look, str], rows: Mapping[str, Row]
     """
     now = [rows[key] for key in keys.values() if key in rows]
     there = {look.pair for look in keys}
-    gone: dict[tuple[str, str, str], Row] = {}
+    gone: dict[tuple[str, str, str], KeptLook] = {}
     for row in sorted(rows.values(), key=lambda row: (row.written_ns, row.key)):
         found = row.result
         pair = (found.line, found.fitted, found.held)
@@ -78,5 +80,5 @@ def of_the_table(fleet: Fleet, keys: Mapping[Look, str], rows: Mapping[str, Row]
     return sorted((*now, *gone.values()), key=_place)
 
 
-def _place(row: Row) -> tuple[str, str, str]:
+def _place(row: KeptLook) -> tuple[str, str, str]:
     return row.result.line, row.result.fitted, row.result.held

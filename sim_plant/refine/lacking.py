@@ -25,11 +25,11 @@ from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.announce import holdout_caveats, shared_angle
 from sim_plant.refine.report.folder import given_twice
-from sim_plant.refine.report.outcome import Plan
+from sim_plant.refine.report.outcome import RefineRequest
 from sim_plant.refine.report.site_edit import SiteFile
 
 
-def lacking(plan: Plan, line: Declaration) -> Lacking:
+def lacking(plan: RefineRequest, line: Declaration) -> Lacking:
     """Return what the records of a plan lack; one that cannot be used is named with its reason.
 
     Raises

@@ -34,7 +34,7 @@ from sim_plant.refine.report.announce import (
 )
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.folder import check_apart, check_folder, publish
-from sim_plant.refine.report.outcome import Outcome, Plan, RecordOfOnset
+from sim_plant.refine.report.outcome import Outcome, RecordOfOnset, RefineRequest
 from sim_plant.refine.report.page import write_report
 from sim_plant.refine.report.site_edit import FILE as SITE
 from sim_plant.refine.report.site_edit import Proposal, SiteFile, proposed
@@ -46,7 +46,7 @@ from sim_plant.refine.search.forward_selection import forward_selection
 from sim_plant.refine.search.selection import Selection
 
 
-def refine(plan: Plan, line: LineFile, progress: Progress) -> Outcome:
+def refine(plan: RefineRequest, line: LineFile, progress: Progress) -> Outcome:
     """Run refine and write the plan's folder; nothing is written before all inputs are accepted.
 
     ``line`` is the file that the plan names.
@@ -127,7 +127,9 @@ def proposal_of(outcome: Outcome, site: SiteFile, progress: Progress) -> Proposa
     return proposal
 
 
-def read_all(plan: Plan, line: Declaration) -> tuple[list[RecordWithTwin], list[RecordWithTwin]]:
+def read_all(
+    plan: RefineRequest, line: Declaration
+) -> tuple[list[RecordWithTwin], list[RecordWithTwin]]:
     """Return the records to fit and those held out, each with its twin.
 
     Raises

@@ -11,7 +11,7 @@ Verdict = Literal["agree", "disagree", "new"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class ClaimRow:
     """One number beside the source's claim.
 
     Attributes
@@ -51,7 +51,7 @@ class Disagreement:
 class Result:
     """Numbers, method comparisons and figures (inline SVG) of one experiment."""
 
-    rows: tuple[Row, ...]
+    rows: tuple[ClaimRow, ...]
     figures: tuple[str, ...]
     disagreements: tuple[Disagreement, ...] = ()
     notes: tuple[str, ...] = ()
@@ -68,14 +68,18 @@ class Experiment:
     run: Callable[[], Result]
 
 
-def row_of_claim(quantity: str, claim: str, ours: float, unit: str, holds: bool, why: str) -> Row:
+def row_of_claim(
+    quantity: str, claim: str, ours: float, unit: str, holds: bool, why: str
+) -> ClaimRow:
     """Return a row that agrees when ``holds``."""
     verdict: Verdict = "agree" if holds else "disagree"
-    return Row(
+    return ClaimRow(
         quantity=quantity, claim=claim, ours=float(ours), unit=unit, verdict=verdict, why=why
     )
 
 
-def beyond(quantity: str, ours: float, unit: str, why: str, claim: str = "none") -> Row:
+def beyond(quantity: str, ours: float, unit: str, why: str, claim: str = "none") -> ClaimRow:
     """Return a row for a number the source does not speak about."""
-    return Row(quantity=quantity, claim=claim, ours=float(ours), unit=unit, verdict="new", why=why)
+    return ClaimRow(
+        quantity=quantity, claim=claim, ours=float(ours), unit=unit, verdict="new", why=why
+    )

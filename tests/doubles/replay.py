@@ -8,7 +8,7 @@ from pathlib import Path
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.signals import Outcome
 
-Row = Sequence[int] | Outcome
+ScriptedReply = Sequence[int] | Outcome
 
 
 class ReplayTransport:
@@ -19,7 +19,7 @@ class ReplayTransport:
     rows : per tick the read block, or the outcome of a tick that had none.
     """
 
-    def __init__(self, rows: Iterable[Row]) -> None:
+    def __init__(self, rows: Iterable[ScriptedReply]) -> None:
         self._rows = tuple(row if isinstance(row, Outcome) else tuple(row) for row in rows)
         self._next = 0
 
@@ -38,7 +38,7 @@ class ReplayTransport:
         self._next = len(self._rows)
 
 
-def read_rows(path: Path) -> tuple[Row, ...]:
+def read_rows(path: Path) -> tuple[ScriptedReply, ...]:
     """Read a recording: one tick per line, words separated by commas, or an outcome's name.
 
     Empty lines and what follows a ``#`` are skipped; words are 0..65535.
@@ -52,7 +52,7 @@ def read_rows(path: Path) -> tuple[Row, ...]:
         lines = path.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path}: cannot be read ({error})") from error
-    rows: list[Row] = []
+    rows: list[ScriptedReply] = []
     for number, line in enumerate(lines, start=1):
         text = line.partition("#")[0].strip()
         if text:
@@ -60,7 +60,7 @@ def read_rows(path: Path) -> tuple[Row, ...]:
     return tuple(rows)
 
 
-def _row(text: str, where: str) -> Row:
+def _row(text: str, where: str) -> ScriptedReply:
     if text in Outcome.__members__:
         return Outcome[text]
     try:

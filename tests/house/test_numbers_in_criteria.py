@@ -49,7 +49,7 @@ ELSEWHERE = {
     "records/sanity.py": {"guard": "SAME_LEVEL_SHARE"},
     "records/text_table.py": {"page": "_CELL_SHOWN"},
     "report/along_web.py": {"page": "FEWEST_IN_A_ROW"},
-    "report/outcome.py": {"limit": "Plan.workers"},
+    "report/outcome.py": {"limit": "RefineRequest.workers"},
     "report/page.py": {"page": "SHOWN_SHIFTS"},
     "report/plots.py": {
         "page": "POINTS SHOWN_S MOST_CHANNELS LEAST_EXPLAINED AROUND_MOMENT_S LEAD_SHARE "

@@ -22,7 +22,7 @@ from sim_plant.cli.output import say
 from sim_plant.demo.plots import block_plot
 from sim_plant.demo.roll_plot import LearnedOrder, roll_plot
 from sim_plant.refine.report.folder import FILES, FRESH, check_folder, publish
-from sim_plant.refine.report.outcome import Plan
+from sim_plant.refine.report.outcome import RefineRequest
 from sim_plant.refine.report.plots import overlay, spectrum, wavenumber_map
 from sim_plant.refine.spectra.spectral_lines import SpectralLines
 from sim_plant.servers.control import ControlSocket
@@ -81,7 +81,7 @@ def test_a_socket_that_was_left_behind_is_replaced(short, kind):
 
 
 def plan(out):
-    return Plan(out=out, line=out.parent / "line.yaml", records=(), holdout=())
+    return RefineRequest(out=out, line=out.parent / "line.yaml", records=(), holdout=())
 
 
 @pytest.mark.parametrize("name", FILES)

@@ -130,7 +130,7 @@ class Signed:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class CardEntry:
     """One entry of the chain, and what it holds."""
 
     number: int
@@ -139,7 +139,7 @@ class Entry:
     content: Begun | Measured | Signed
 
 
-def entries_of(chain: Chain) -> tuple[Entry, ...]:
+def entries_of(chain: Chain) -> tuple[CardEntry, ...]:
     """Return what a chain that holds says.
 
     Raises
@@ -148,7 +148,7 @@ def entries_of(chain: Chain) -> tuple[Entry, ...]:
         An entry is none of this release; the message says which, and where.
     """
     entries = tuple(
-        Entry(number=link.number, utc=link.utc, sha256=link.sha256, content=_content(link))
+        CardEntry(number=link.number, utc=link.utc, sha256=link.sha256, content=_content(link))
         for link in chain.links
     )
     begun = [entry for entry in entries if isinstance(entry.content, Begun)]

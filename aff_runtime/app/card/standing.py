@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 
-from aff_runtime.app.card.entries import UNKNOWN, Begun, Entry, Inputs, Measured, Signed
+from aff_runtime.app.card.entries import UNKNOWN, Begun, CardEntry, Inputs, Measured, Signed
 from aff_runtime.app.card.figures import Sample, Verdict
 from aff_runtime.app.card.steps import STEPS, Basis, Step
 
@@ -53,9 +53,9 @@ class StepStanding:
     stand: Stand
     why: tuple[str, ...] = ()
     not_compared: tuple[str, ...] = ()
-    last: Entry | None = None
+    last: CardEntry | None = None
     earlier: int = 0
-    signature_entry: Entry | None = None
+    signature_entry: CardEntry | None = None
 
     @property
     def measured(self) -> Measured | None:
@@ -99,7 +99,7 @@ class Card:
         return tuple(one for one in self.steps if not one.is_finished)
 
 
-def card_of(entries: Sequence[Entry], now: Inputs | None = None) -> Card:
+def card_of(entries: Sequence[CardEntry], now: Inputs | None = None) -> Card:
     """Return how a card stands.
 
     Parameters
@@ -193,7 +193,7 @@ def _site_not_compared(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
             yield f"{Basis.SITE}, {part} not compared"
 
 
-def former_samples(step: Step, entries: Sequence[Entry], now: Inputs) -> tuple[Sample, ...]:
+def former_samples(step: Step, entries: Sequence[CardEntry], now: Inputs) -> tuple[Sample, ...]:
     """Return samples of a step that still count: nothing that it rests on has changed since.
 
     A learned response is what step 7 itself makes, so a new one takes none of them away.
@@ -208,13 +208,13 @@ def former_samples(step: Step, entries: Sequence[Entry], now: Inputs) -> tuple[S
     return tuple(samples)
 
 
-def newest_plc(entries: Sequence[Entry]) -> str:
+def newest_plc(entries: Sequence[CardEntry]) -> str:
     """Return the version of the PLC's program that was typed last, empty without one."""
     contents = (entry.content for entry in reversed(entries))
     return next((one.inputs.plc for one in contents if isinstance(one, Measured)), "")
 
 
-def _standing(step: Step, entries: Sequence[Entry], now: Inputs | None) -> StepStanding:
+def _standing(step: Step, entries: Sequence[CardEntry], now: Inputs | None) -> StepStanding:
     measurements = [
         entry
         for entry in entries

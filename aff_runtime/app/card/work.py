@@ -14,7 +14,7 @@ from aff_runtime.app.card.entries import (
     MEASURED,
     SIGNED,
     Begun,
-    Entry,
+    CardEntry,
     Inputs,
     Measured,
     Signed,
@@ -58,7 +58,7 @@ class CardFile:
     """
 
     book: CardBook
-    entries: tuple[Entry, ...]
+    entries: tuple[CardEntry, ...]
     newest: str
 
     @classmethod

@@ -10,7 +10,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from aff_runtime.app.commission.messages import Why
-from aff_runtime.app.hand.audit import Audit, Entry
+from aff_runtime.app.hand.audit import Audit, AuditEntry
 from aff_runtime.app.hand.audit_writer import AuditWriter
 from aff_runtime.app.hand.bucket import Bucket
 from aff_runtime.app.supervisor.hand.quotas import Shares
@@ -25,7 +25,7 @@ BEGIN = "commissioning: "
 _OF_A_PRESS = frozenset(Why)
 
 
-def unended(path: Path, jobs: Collection[str]) -> list[Entry]:
+def unended(path: Path, jobs: Collection[str]) -> list[AuditEntry]:
     """Return what was asked for and has no end on record: its commissioner was killed meanwhile.
 
     A press that was refused while a job ran is no end of it: such a line has a word of ``Why``,
@@ -36,7 +36,7 @@ def unended(path: Path, jobs: Collection[str]) -> list[Entry]:
     path : of an audit that holds; the file before it is read too, as one may begin during a job.
     jobs : those that are looked for.
     """
-    asked: dict[tuple[str, str], Entry] = {}
+    asked: dict[tuple[str, str], AuditEntry] = {}
     for row in (*_rows(path.with_name(f"{path.name}.1")), *_rows(path)):
         what, result, why, account, role = (
             text_or(row.get(name)) for name in ("what", "result", "why", "account", "role")
@@ -44,7 +44,7 @@ def unended(path: Path, jobs: Collection[str]) -> list[Entry]:
         if what.removeprefix(BEGIN).partition(" ")[0] not in jobs:
             continue
         if result == "asked":
-            asked[what, account] = Entry(what=what, result=result, account=account, role=role)
+            asked[what, account] = AuditEntry(what=what, result=result, account=account, role=role)
         elif result != "refused" or why not in _OF_A_PRESS:
             asked.pop((what, account), None)
     return list(asked.values())
@@ -71,7 +71,7 @@ class AuditLines:
         self._clock = clock
         self._refusals: dict[int, Shares] = {}
 
-    def write(self, entry: Entry, result: str, why: str = "") -> bool:
+    def write(self, entry: AuditEntry, result: str, why: str = "") -> bool:
         """Write a line; False when it cannot be: then it is in the log, and counted."""
         number = self._writer.write(replace(entry, result=result, why=why))
         by = f" by {entry.account}" if entry.account else ""
@@ -79,7 +79,7 @@ class AuditLines:
         LOG.info("%s %s%s%s; %s", entry.what, result, by, said, self._writer.kept_as(number))
         return number > 0
 
-    def refuse(self, entry: Entry, uid: int, why: str) -> None:
+    def refuse(self, entry: AuditEntry, uid: int, why: str) -> None:
         """Write a refusal, or count it where its user or account had too many."""
         if uid not in self._refusals:
             in_all = Bucket(self._clock, per_s=0.1, burst=300.0)
@@ -102,4 +102,4 @@ class AuditLines:
     def _say_more(self, *, at_end: bool) -> None:
         for uid, shares in self._refusals.items():
             for why in shares.told(uid, at_end=at_end):
-                self.write(Entry(what="more", result=""), "noted", why)
+                self.write(AuditEntry(what="more", result=""), "noted", why)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from aff_runtime.app.card.entries import Entry, Measured
+from aff_runtime.app.card.entries import CardEntry, Measured
 from aff_runtime.app.card.evidence import CheckedSite, Evidence
 from aff_runtime.app.card.figures import Figure
 from aff_runtime.app.card.measure import proof
@@ -79,7 +79,7 @@ def _step(one: StepStanding, checked: CheckedSite | None) -> StepView:
     )
 
 
-def _entry(entry: Entry, measurement: Measured) -> EntryView:
+def _entry(entry: CardEntry, measurement: Measured) -> EntryView:
     return EntryView(
         number=entry.number,
         utc=entry.utc,

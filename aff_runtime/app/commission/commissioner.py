@@ -23,7 +23,7 @@ from aff_runtime.app.commission.sources import Paths, by_whom
 from aff_runtime.app.commission.views import LastJob
 from aff_runtime.app.commission.worker import CUT, KEEPS, KILLED, STOPPED, Worker
 from aff_runtime.app.hand.accounts import Accounts
-from aff_runtime.app.hand.audit import Audit, Entry
+from aff_runtime.app.hand.audit import Audit, AuditEntry
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.link.peer import Peer
 from aff_runtime.base.ports import Clock
@@ -97,7 +97,9 @@ class Commissioner:
             return
         account = worker.asked.account
         if held is None or held.account != account:
-            said = Entry(what=f"commissioning: {worker.asked.called}", result="", account=account)
+            said = AuditEntry(
+                what=f"commissioning: {worker.asked.called}", result="", account=account
+            )
             self._audit.write(said, "noted", "stopped: it waits for somebody who is not in")
             worker.stop()
 
@@ -113,7 +115,7 @@ class Commissioner:
         opened = await self._people.open(
             asked.account, asked.password, Place(asked.place), over=asked.over
         )
-        said = Entry(
+        said = AuditEntry(
             what="commissioning opened",
             result="done",
             account=asked.account,
@@ -182,7 +184,7 @@ class Commissioner:
             return await asyncio.shield(slot.running)
         return Done()
 
-    async def _run(self, slot: Slot, worker: Worker, entry: Entry) -> Answer:
+    async def _run(self, slot: Slot, worker: Worker, entry: AuditEntry) -> Answer:
         try:
             answer = await worker.run()
         except OSError as error:
@@ -214,8 +216,8 @@ class Commissioner:
         )
 
 
-def _entry(asked: Request, held: Holder, peer: Peer) -> Entry:
-    return Entry(
+def _entry(asked: Request, held: Holder, peer: Peer) -> AuditEntry:
+    return AuditEntry(
         what=f"{BEGIN}{asked.called}",
         result="asked",
         account=held.account,

@@ -29,7 +29,7 @@ _FLAGS = os.O_RDWR | os.O_APPEND | os.O_CREAT | os.O_CLOEXEC | os.O_NOFOLLOW
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Entry:
+class AuditEntry:
     """What one line says.
 
     Attributes
@@ -109,7 +109,7 @@ class Audit:
             self.close()
             raise
 
-    def add(self, entry: Entry) -> int:
+    def add(self, entry: AuditEntry) -> int:
         """Put one line on record; return its number.
 
         Raises
@@ -155,7 +155,7 @@ class Audit:
         if rest:
             os.ftruncate(self._file, self._size)
             self.add(
-                Entry(what="start", result="noted", why=f"{len(rest)} bytes were half a line")
+                AuditEntry(what="start", result="noted", why=f"{len(rest)} bytes were half a line")
             )
 
     def _of_older(self) -> Chain:

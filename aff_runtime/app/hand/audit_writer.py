@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 
-from aff_runtime.app.hand.audit import Audit, Entry
+from aff_runtime.app.hand.audit import Audit, AuditEntry
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.base.ports import Clock
 
@@ -39,7 +39,7 @@ class AuditWriter:
         """Whether every line since the audit was opened is in it, or in a number that it tells."""
         return not self._lost
 
-    def write(self, entry: Entry) -> int:
+    def write(self, entry: AuditEntry) -> int:
         """Write one line; its number, 0 when it cannot be.
 
         What could not be written is in the log alone; how many stands in the audit, first of all,
@@ -73,13 +73,13 @@ class AuditWriter:
         if not self._lost:
             return True
         said = f"{self._lost} lines could not be written"
-        number = self._add(Entry(what="lost", result="noted", why=said))
+        number = self._add(AuditEntry(what="lost", result="noted", why=said))
         if number:
             self._lost = 0
             LOG.info("the audit is kept again: %s, says its line %d", said, number)
         return number > 0
 
-    def _add(self, entry: Entry) -> int:
+    def _add(self, entry: AuditEntry) -> int:
         try:
             number = self._audit.add(entry)
         except RefusedError as error:

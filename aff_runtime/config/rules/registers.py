@@ -11,7 +11,7 @@ from aff_runtime.config.registers import (
     LAST_ADDRESS,
     MAX_READ_WORDS,
     MAX_WRITE_WORDS,
-    Row,
+    RegisterSpan,
     block_of,
     read_rows,
     write_rows,
@@ -45,8 +45,8 @@ def issues(site: Site) -> Iterator[Issue]:
         yield _too_long(write, words, MAX_WRITE_WORDS[function], "write")
 
 
-def _overlaps(rows: list[Row]) -> Iterator[Issue]:
-    taken: dict[int, Row] = {}
+def _overlaps(rows: list[RegisterSpan]) -> Iterator[Issue]:
+    taken: dict[int, RegisterSpan] = {}
     for row in rows:
         for address in range(row.address, row.last + 1):
             other = taken.setdefault(address, row)
@@ -59,7 +59,7 @@ def _overlaps(rows: list[Row]) -> Iterator[Issue]:
                 break
 
 
-def _holes(write: list[Row]) -> Iterator[Issue]:
+def _holes(write: list[RegisterSpan]) -> Iterator[Issue]:
     for before, after in pairwise(write):
         gap = after.address - before.last - 1
         if gap > 0:
@@ -70,13 +70,13 @@ def _holes(write: list[Row]) -> Iterator[Issue]:
             yield Issue(path=after.path, text=text)
 
 
-def _base(site: Site, rows: list[Row]) -> Iterator[Issue]:
+def _base(site: Site, rows: list[RegisterSpan]) -> Iterator[Issue]:
     if site.gateway.address_base == 0 and all(row.address >= 40001 for row in rows):
         text = "every register is above 40000. Where the manual calls the first 40001, write 1."
         yield Issue(path=("gateway", "address_base"), text=text, warning=True)
 
 
-def _too_long(rows: list[Row], words: int, limit: int, verb: str) -> Issue:
+def _too_long(rows: list[RegisterSpan], words: int, limit: int, verb: str) -> Issue:
     text = (
         f"the {verb} block spans {words} words, {limit} fit one request. Bring the registers "
         "together."

@@ -65,7 +65,7 @@ RESTING = ("FAULT", "BYPASS", "READY", "OFF")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class StoryPlan:
     """What to run; ``kills_recorder`` in the middle of what the trace reads."""
 
     out: Path
@@ -88,7 +88,7 @@ class Story:
     arms : how often the operator armed. ``pauses`` : what the machine lost.
     """
 
-    plan: Plan
+    plan: StoryPlan
     files: Files
     hidden: tuple[Hidden, ...]
     before: tuple[float, float] = (0.0, 0.0)
@@ -112,7 +112,7 @@ class Story:
         return self.decision is not None and self.decision.kept
 
 
-def run_story(plan: Plan, progress: Progress) -> Story:
+def run_story(plan: StoryPlan, progress: Progress) -> Story:
     """Run the whole script; both processes are ended whatever happens."""
     folder = fresh_folder(plan.out)
     hidden = drawn(plan.effect, plan.seed)

@@ -18,7 +18,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.refinement import SUMMARY
 from sim_plant.refine.model.record_match import sidecar_of
 from sim_plant.refine.records.recording import Recording
-from sim_plant.refine.report.outcome import Plan
+from sim_plant.refine.report.outcome import RefineRequest
 
 FRESH = ".refine-"
 """How the name of a folder begins that is filled before its files are put in place."""
@@ -32,7 +32,7 @@ FILES = (
 )
 
 
-def check_folder(plan: Plan) -> None:
+def check_folder(plan: RefineRequest) -> None:
     """Refuse a folder that cannot be written, before minutes of work; makes nothing.
 
     Raises
@@ -109,7 +109,7 @@ def _alone(folder: Path) -> Iterator[None]:
         os.close(held)
 
 
-def publish(plan: Plan, write: Callable[[Plan], None]) -> None:
+def publish(plan: RefineRequest, write: Callable[[RefineRequest], None]) -> None:
     """Let ``write`` fill a folder next to the results, then put them in place together.
 
     A file of an earlier refine that this one does not write is removed: an old AFF block beside

@@ -20,7 +20,7 @@ from sim_plant.refine.search.selection import Selection
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class RefineRequest:
     """What refine is to do.
 
     Attributes
@@ -77,7 +77,7 @@ class Outcome:
     proposal : the site file with the AFF blocks, where one was given and there are blocks.
     """
 
-    plan: Plan
+    plan: RefineRequest
     line: LineFile
     declared: Declaration
     records: tuple[Recording, ...]

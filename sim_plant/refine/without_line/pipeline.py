@@ -48,7 +48,7 @@ from sim_plant.refine.without_line.verdict import (
 from sim_plant.refine.without_line.wording import effect_text, spectral_line_text
 
 if TYPE_CHECKING:
-    from sim_plant.refine.report.outcome import Plan
+    from sim_plant.refine.report.outcome import RefineRequest
 
 NO_TRAVEL = (
     "no column is an absolute speed or angle: a frequency cannot be tied to a roller, no roller "
@@ -91,7 +91,7 @@ class _Output:
 
 
 def refine_records(
-    plan: Plan, declaration: RecordDeclaration, progress: Progress
+    plan: RefineRequest, declaration: RecordDeclaration, progress: Progress
 ) -> RecordVerdict:
     """Run filter, general effects and spectral lines; write verdict and report, return it.
 
@@ -245,7 +245,7 @@ def _at_stamps(o: _Output, record: OutputRecord, judged_on: Stamped) -> dict[str
 
 
 def _write(
-    plan: Plan,
+    plan: RefineRequest,
     declaration: RecordDeclaration,
     verdict: RecordVerdict,
     records: Sequence[tuple[str, str]],

@@ -15,7 +15,7 @@ from sim_plant.refine.report.verdict import VERSION, Answer, effects_word
 from sim_plant.refine.without_line.free_spectral_lines import SpectralLine
 from sim_plant.refine.without_line.general.catalogue import SHIFT
 from sim_plant.refine.without_line.general.findings import Delay, Finding
-from sim_plant.refine.without_line.general.judging import Row
+from sim_plant.refine.without_line.general.judging import JudgedTrial
 from sim_plant.refine.without_line.spectral_line_presence import ONE_SPEED
 from sim_plant.refine.without_line.wording import effect_text, spectral_line_text
 
@@ -56,7 +56,7 @@ class OutputModel:
     plain_rms: float
     chosen_rms: float
     with_spectral_lines: bool
-    tried: tuple[Row, ...]
+    tried: tuple[JudgedTrial, ...]
     delays: Mapping[str, Delay]
     at_stamps: Mapping[str, float] = field(default_factory=dict)
 

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Experiment, Result, Row, beyond
+from sim_plant.reproduce.entry import ClaimRow, Experiment, Result, beyond
 from sim_plant.reproduce.euclid import INCH_M, TENSION_N, effect, open_euclid
 from sim_plant.reproduce.feed_forward import (
     Loop,
@@ -32,7 +32,7 @@ def run_all() -> Result:
     wrong = effect(
         "out_of_round_roll", "unwind", shape="orders", cos1_m=SIZE_M, sin2_m=SIZE_M, gravity=0.0
     )
-    rows: list[Row] = []
+    rows: list[ClaimRow] = []
     curves: dict[str, list[float]] = {f"{n}, H{o}": [] for n in ("basic", "ours") for o in ORDERS}
     for speed in SPEEDS_M_S:
         turn_Hz = speed / (2.0 * np.pi * RADIUS_M)

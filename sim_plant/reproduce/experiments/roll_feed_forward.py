@@ -11,7 +11,14 @@ from sim_plant.base.arrays import Array
 from sim_plant.line.frequency import response as frequency_response
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, bars, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, Row, beyond, row_of_claim
+from sim_plant.reproduce.entry import (
+    ClaimRow,
+    Disagreement,
+    Experiment,
+    Result,
+    beyond,
+    row_of_claim,
+)
 from sim_plant.reproduce.euclid import (
     FPM_M_S,
     INCH_M,
@@ -167,7 +174,7 @@ def _response_gap(web: str, turn_Hz: float) -> float:
 
 def _rows(
     case: Case, gains: dict[str, list[float]], before: Array, errors: list[float]
-) -> list[Row]:
+) -> list[ClaimRow]:
     printed, angle, ours = gains["printed (5.14)"], gains["on roll angle"], gains["ours"]
     wrong = gains["printed, radius +1 %"]
     phases = " ".join(f"{e:+.0f}" for e in errors)

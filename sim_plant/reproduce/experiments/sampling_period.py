@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Experiment, Result, Row, beyond
+from sim_plant.reproduce.entry import ClaimRow, Experiment, Result, beyond
 from sim_plant.reproduce.euclid import FPM_M_S, INCH_M, TENSION_N, effect, open_euclid
 from sim_plant.reproduce.feed_forward import (
     Loop,
@@ -70,7 +70,7 @@ def run_all() -> Result:
         log="x",
         title="200 FPM, 6.375 in, flat spot 8 mm",
     )
-    rows: list[Row] = [
+    rows: list[ClaimRow] = [
         beyond(
             f"{1e3 * p:g} ms: weakest of H1-H4 (ours)",
             float(np.min(row)),

@@ -9,7 +9,7 @@ from sim_plant.effects.shape_rows import add_shape
 from sim_plant.geometry.shapes import orders
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, Row, row_of_claim
+from sim_plant.reproduce.entry import ClaimRow, Disagreement, Experiment, Result, row_of_claim
 from sim_plant.reproduce.euclid import (
     FPM_M_S,
     INCH_M,
@@ -116,7 +116,7 @@ def one_speed() -> Result:
 
 def three_speeds() -> Result:
     """First peak at 100, 200 and 300 FPM."""
-    rows: list[Row] = []
+    rows: list[ClaimRow] = []
     curves = {}
     for speed, printed in ((100.0, 0.485), (200.0, 0.97), (300.0, 1.455)):
         frequency, amplitude = recorded_spectrum(6.375, speed)
@@ -152,7 +152,7 @@ def three_speeds() -> Result:
 
 def three_radii() -> Result:
     """Peaks at three roll radii: the roll's move, the S-wrap's stay."""
-    rows: list[Row] = []
+    rows: list[ClaimRow] = []
     curves, still, fourth = {}, [], []
     swrap = turning_Hz(200.0 * FPM_M_S, SWRAP_RADIUS_M)
     for radius, printed in ((6.75, 0.94), (5.75, 1.11), (4.75, 1.34)):

@@ -9,7 +9,14 @@ import numpy as np
 from sim_plant.base.arrays import Array
 from sim_plant.line.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Disagreement, Experiment, Result, Row, beyond, row_of_claim
+from sim_plant.reproduce.entry import (
+    ClaimRow,
+    Disagreement,
+    Experiment,
+    Result,
+    beyond,
+    row_of_claim,
+)
 from sim_plant.reproduce.euclid import (
     FPM_M_S,
     INCH_M,
@@ -119,7 +126,7 @@ def on_speed(kind: str) -> Result:
     turned, _ = attenuation(kind, -1.0, SPEED)
     number = "(5.8)" if kind == "torque" else "(5.10)"
     rise = rest_of_spectrum(kind, -1.0, SPEED)
-    rows: list[Row] = [
+    rows: list[ClaimRow] = [
         row_of_claim(
             f"{number} as printed: speed ripple, H1 attenuation",
             "practically eliminated",

@@ -11,7 +11,7 @@ from sim_plant.geometry.convex_hull import Points, shape_of_points
 from sim_plant.geometry.extrema import radius_cubic
 from sim_plant.geometry.roll_profiles import insert_outline
 from sim_plant.reproduce.drawing import Panel, draw
-from sim_plant.reproduce.entry import Experiment, Result, Row, beyond, row_of_claim
+from sim_plant.reproduce.entry import ClaimRow, Experiment, Result, beyond, row_of_claim
 from sim_plant.reproduce.euclid import INCH_M
 
 R_IN, FLAT_IN, THICK_IN = 5.5, 3.0, 0.5
@@ -93,7 +93,7 @@ def _outlines(outline: Points) -> Panel:
 
 def _rows(
     misses: Mapping[tuple[str, str], float], read: tuple[float, float], bend: float
-) -> tuple[Row, ...]:
+) -> tuple[ClaimRow, ...]:
     """Return what the source says beside what is found; ``read`` is the maximum of the radius."""
     edge = float(printed_y_in(np.array([1.5 + 1e-9]))[0])
     feature = read[1] - R_IN

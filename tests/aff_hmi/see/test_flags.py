@@ -6,14 +6,14 @@ from collections.abc import Iterator
 
 import pytest
 
-from aff_hmi.see.events import SCHEMA, Entry, Kind, insert
+from aff_hmi.see.events import SCHEMA, KeptEvent, Kind, insert
 from aff_hmi.see.flags import FLAGGED, MOST_FLAGS, Flag, flags
 from aff_hmi.see.store import Store
 from aff_hmi.words import say_in
 
 
-def entry(utc_s: float, name: str, kind: Kind = Kind.SERVICE, text: str = "t") -> Entry:
-    return Entry(utc_s=utc_s, kind=kind, name=name, text=text)
+def entry(utc_s: float, name: str, kind: Kind = Kind.SERVICE, text: str = "t") -> KeptEvent:
+    return KeptEvent(utc_s=utc_s, kind=kind, name=name, text=text)
 
 
 @pytest.fixture
@@ -52,7 +52,7 @@ def test_of_very_many_the_newest_are_shown(store: Store) -> None:
 
 def test_flags_speak_the_language_of_the_reader(store: Store) -> None:
     text = "another roll: number {number}"
-    roll = Entry(utc_s=1.0, kind=Kind.ROLL, name="ROLL", text=text, values={"number": "7"})
+    roll = KeptEvent(utc_s=1.0, kind=Kind.ROLL, name="ROLL", text=text, values={"number": "7"})
     store.put(lambda c: insert(c, [roll]))
     assert found(store, 0.0, 2.0)[0].text == "another roll: number 7"
     german = found(store, 0.0, 2.0, "de")[0].text

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from aff_hmi.see.events import SCHEMA, Entry, Wanted, select
+from aff_hmi.see.events import SCHEMA, KeptEvent, Wanted, select
 from aff_hmi.see.journal import Journal
 from aff_hmi.see.store import Store
 from aff_hmi.watch import News, Observed
@@ -41,7 +41,7 @@ class Told:
         self.journal.listen(News(ring="r", columns=COLUMNS, records=rows))
         self.look()
 
-    def said(self, **wanted: str) -> list[Entry]:
+    def said(self, **wanted: str) -> list[KeptEvent]:
         """Return what is kept, the oldest first."""
         return self.store.now(lambda c: select(c, Wanted(**wanted)))[::-1]  # type: ignore[arg-type]
 

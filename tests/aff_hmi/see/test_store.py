@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 
 from aff_hmi.see import events
-from aff_hmi.see.events import SCHEMA, Entry, Kind, Wanted, insert, newest, prune, select
+from aff_hmi.see.events import SCHEMA, KeptEvent, Kind, Wanted, insert, newest, prune, select
 from aff_hmi.see.store import FILE, MOST_ASKED, PAGE_BYTES, Store
 from aff_runtime.base.errors import ConfigError
 
 
-def entry(name: str = "A", **more: object) -> Entry:
-    return Entry(**{"utc_s": 1.0, "kind": Kind.STATE, "name": name, "text": "t"} | more)  # type: ignore[arg-type]
+def entry(name: str = "A", **more: object) -> KeptEvent:
+    return KeptEvent(**{"utc_s": 1.0, "kind": Kind.STATE, "name": name, "text": "t"} | more)  # type: ignore[arg-type]
 
 
 def test_what_was_kept_is_there_after_a_restart(tmp_path: Path) -> None:

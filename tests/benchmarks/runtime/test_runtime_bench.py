@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.core.response import MAX_PHASE_ERROR_RAD, Response
-from benchmarks.runtime.facts import Row, Section, quantiles_us, timing_row
+from benchmarks.runtime.facts import FactRow, Section, quantiles_us, timing_row
 from benchmarks.runtime.instructions import costs_of_calls
 from benchmarks.runtime.latency import parse
 from benchmarks.runtime.paced import law_of, law_step
@@ -60,7 +60,7 @@ def test_the_timed_law_has_that_many_blocks_and_all_of_them_may_adapt(blocks: in
 
 
 def test_page_and_table_carry_every_row() -> None:
-    section = Section(title="T", note="n", rows=(Row(name="a", value="1 us", remark="r"),))
+    section = Section(title="T", note="n", rows=(FactRow(name="a", value="1 us", remark="r"),))
     assert "a                        1 us  (r)" in text([section])
     page = markdown([section], date="2026-01-02T03:04:05Z")
     assert "| a | 1 us | r |" in page
@@ -147,15 +147,17 @@ calls=1 7
 
 
 BENCH = [
-    Section(title="Tick of the law", note="", rows=(Row(name="16 blocks", value="p50 41 us"),)),
+    Section(
+        title="Tick of the law", note="", rows=(FactRow(name="16 blocks", value="p50 41 us"),)
+    ),
     Section(
         title="Whole tick of the shape law over a bare FC23",
         note="",
         rows=(
-            Row(name="whole tick", value="p50 170 us, p99 350 us, max 4 us"),
-            Row(name="bare FC23", value="p50 100 us, p99 200 us, max 3 us"),
-            Row(name="ratio p50", value="1.70"),
-            Row(name="ratio p99", value="1.75"),
+            FactRow(name="whole tick", value="p50 170 us, p99 350 us, max 4 us"),
+            FactRow(name="bare FC23", value="p50 100 us, p99 200 us, max 3 us"),
+            FactRow(name="ratio p50", value="1.70"),
+            FactRow(name="ratio p99", value="1.75"),
         ),
     ),
 ]

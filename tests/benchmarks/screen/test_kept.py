@@ -7,16 +7,16 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.runtime.facts import Row
+from benchmarks.runtime.facts import FactRow
 from benchmarks.screen.kept import Kept
 from benchmarks.screen.ticks import Block
 
 PLAN: dict[str, object] = {"rounds": 2}
 BLOCK = Block(end_us=np.array([1.0, 2.5]), missed=1, screen_core=0.02, idle=3, idle_as="FADING 3")
-ROW = Row(name="P6", value="14 ms", remark="target 60 ms")
+ROW = FactRow(name="P6", value="14 ms", remark="target 60 ms")
 
 
-def fails() -> list[Row]:
+def fails() -> list[FactRow]:
     raise RuntimeError("the\nline ended")
 
 

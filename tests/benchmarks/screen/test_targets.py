@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from benchmarks.runtime.facts import Row, Section
+from benchmarks.runtime.facts import FactRow, Section
 from benchmarks.screen.churn import verdict
 from benchmarks.screen.targets import of_targets, target
 from tests.each_case import each_case
@@ -20,11 +20,13 @@ def test_the_bound_itself_is_met_and_what_is_not_known_is_missed(found: float, s
 
 def test_every_miss_stands_in_the_list_of_targets() -> None:
     rows = (
-        Row(name="P6", value="14 ms", remark=target("60 ms", (14.0, 60.0)) + "; of 20"),
-        Row(name="P7", value="1.3 s", remark=target("1 s", (1.3, 1.0)) + "; cold"),
-        Row(name="P9", value="not measured", remark="RuntimeError: no browser"),
-        Row(name="P10", value="94 MB", remark=target("150 MB", (94.0, 150.0), is_judged=False)),
-        Row(name="processor", value="any"),
+        FactRow(name="P6", value="14 ms", remark=target("60 ms", (14.0, 60.0)) + "; of 20"),
+        FactRow(name="P7", value="1.3 s", remark=target("1 s", (1.3, 1.0)) + "; cold"),
+        FactRow(name="P9", value="not measured", remark="RuntimeError: no browser"),
+        FactRow(
+            name="P10", value="94 MB", remark=target("150 MB", (94.0, 150.0), is_judged=False)
+        ),
+        FactRow(name="processor", value="any"),
     )
     found = of_targets([Section(title="", note="", rows=rows)])
     assert [(row.name, row.value) for row in found.rows] == [

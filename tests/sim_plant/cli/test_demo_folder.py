@@ -9,7 +9,7 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.demo.processes import Child
-from sim_plant.demo.session import Plan, prepare
+from sim_plant.demo.session import DemoPlan, prepare
 from tests.processes import is_running
 
 ROOT = Path(__file__).parents[3]
@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[3]
 def test_a_folder_with_other_files_is_left_alone(tmp_path: Path) -> None:
     kept = tmp_path / "thesis.txt"
     kept.write_text("mine")
-    plan = Plan(
+    plan = DemoPlan(
         line=ROOT / "config/lines/euclid_ripple.yaml",
         site=ROOT / "config/euclid.yaml",
         out=tmp_path,
@@ -31,7 +31,7 @@ def test_a_folder_with_other_files_is_left_alone(tmp_path: Path) -> None:
 
 def test_a_folder_of_a_start_that_failed_is_taken_again(tmp_path: Path) -> None:
     (tmp_path / "plant.log").write_text("the plant did not become ready")
-    plan = Plan(
+    plan = DemoPlan(
         line=ROOT / "config/lines/euclid_ripple.yaml",
         site=ROOT / "config/euclid.yaml",
         out=tmp_path,

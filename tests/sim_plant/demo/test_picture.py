@@ -7,9 +7,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from sim_plant.demo.evaluation import Row
+from sim_plant.demo.evaluation import OrderReduction
 from sim_plant.demo.picture import write_picture
-from sim_plant.demo.session import Plan, Session
+from sim_plant.demo.session import DemoPlan, Session
 
 ARMED_S = 100.0
 
@@ -17,7 +17,7 @@ ARMED_S = 100.0
 def session(tension_N):
     time_s = np.arange(0.0, 200.0, 0.005)
     record = {"time_s": time_s, "true_unwind_tension_N": tension_N(time_s)}
-    plan = Plan(line=Path("a"), site=Path("b"), out=Path("c"), line_speed_m_s=1.0)
+    plan = DemoPlan(line=Path("a"), site=Path("b"), out=Path("c"), line_speed_m_s=1.0)
     return Session(
         plan=plan,
         record=record,
@@ -31,7 +31,7 @@ def session(tension_N):
 
 
 def row(roll, order, before_N, after_N):
-    return Row(
+    return OrderReduction(
         tension="unwind_tension_N",
         roll=roll,
         order=order,

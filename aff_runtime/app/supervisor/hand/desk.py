@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Protocol
 
 from aff_runtime import __version__
-from aff_runtime.app.hand.audit import Audit, Entry
+from aff_runtime.app.hand.audit import Audit, AuditEntry
 from aff_runtime.app.hand.audit_writer import AuditWriter
 from aff_runtime.app.hand.may import Action, Circumstances, Code, Person, Place, Reason, Role, may
 from aff_runtime.app.hand.messages import (
@@ -162,7 +162,7 @@ class HandDesk:
         return is_heard
 
     def _refuse_unreadable(self, visitor: ScreenVisitor, why: str, limits: Limits) -> None:
-        entry = Entry(what="no command", result="refused", why=why, peer=str(visitor.peer))
+        entry = AuditEntry(what="no command", result="refused", why=why, peer=str(visitor.peer))
         self._keep(limits.lines.of(""), entry)
 
     # --- commands ---------------------------------------------------------------------------
@@ -267,7 +267,7 @@ class HandDesk:
 
     # --- the record -------------------------------------------------------------------------
 
-    def _keep(self, quota: Quota, entry: Entry) -> int:
+    def _keep(self, quota: Quota, entry: AuditEntry) -> int:
         """Write what changes nothing; of a flood the count is written."""
         return self._write(entry) if quota.take() else 0
 
@@ -275,9 +275,9 @@ class HandDesk:
         """Write how many lines of whom were left out."""
         for uid, limits in self._limits.items():
             for why in limits.told(uid, at_end=at_end):
-                self._write(Entry(what="more", result="noted", why=why))
+                self._write(AuditEntry(what="more", result="noted", why=why))
 
-    def _write(self, entry: Entry) -> int:
+    def _write(self, entry: AuditEntry) -> int:
         """Write one line, here and into the service's log; its number, 0 when it cannot be."""
         number = self._audit.write(entry)
         who = f' by "{entry.account}" of a screen as it says' if entry.account else ""

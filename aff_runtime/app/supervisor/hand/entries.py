@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from aff_runtime.app.hand.audit import Entry
+from aff_runtime.app.hand.audit import AuditEntry
 from aff_runtime.app.hand.messages import Command, Notice
 from aff_runtime.app.supervisor.hand.visits import ScreenVisitor
 from aff_runtime.base.signals import State
@@ -37,11 +37,11 @@ class ServiceState:
 
 def entry_of(
     message: Command | Notice, visitor: ScreenVisitor, now: ServiceState | None = None
-) -> Entry:
+) -> AuditEntry:
     """Return the audit entry of a message, before its result is known (a notice has none)."""
     peer = str(visitor.peer)
     if isinstance(message, Notice):
-        return Entry(
+        return AuditEntry(
             what=message.what,
             result="noted",
             why=_why(message),
@@ -50,7 +50,7 @@ def entry_of(
             peer=peer,
         )
     state = now.state.name if now is not None and now.state is not None else ""
-    return Entry(
+    return AuditEntry(
         what=message.action,
         result="asked",
         account=message.account,

@@ -40,7 +40,7 @@ from aff_runtime.app.supervisor.settings.history import SiteHistory, history_fol
 from aff_runtime.app.supervisor.settings.listening import hear
 from aff_runtime.app.supervisor.settings.record import SettingsRecord
 from aff_runtime.app.supervisor.settings.ripple_rise import RippleRise
-from aff_runtime.app.supervisor.settings.settings_try import Plan, SettingsTry
+from aff_runtime.app.supervisor.settings.settings_try import SettingsTry, TryRequest
 from aff_runtime.app.supervisor.settings.text_checks import TextChecks
 from aff_runtime.app.supervisor.settings.waits import what_waits
 from aff_runtime.app.supervisor.validation import Validation
@@ -214,7 +214,7 @@ class SettingsDesk:
             )
         if self._processes.control is None or self._edits.is_busy:
             raise RefusedError("the service is not ready for other settings; try again")
-        plan = Plan(
+        plan = TryRequest(
             parameters=parameters,
             seconds=request.seconds,
             who=asked.who,

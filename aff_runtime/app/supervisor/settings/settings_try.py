@@ -24,7 +24,7 @@ KEEP_GRACE_S = 10.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Plan:
+class TryRequest:
     """What is to be tried.
 
     Attributes
@@ -57,7 +57,7 @@ class SettingsTry:
 
     def __init__(
         self,
-        plan: Plan,
+        plan: TryRequest,
         processes: Processes,
         edits: EditSession,
         clock: Clock,

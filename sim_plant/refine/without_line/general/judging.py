@@ -22,7 +22,7 @@ Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Row:
+class JudgedTrial:
     """One row of the table: what was tried, what it gave.
 
     Attributes
@@ -58,7 +58,7 @@ class Judged:
     fell_back : the model chosen was worse here than plain least squares, which took its place.
     """
 
-    rows: tuple[Row, ...]
+    rows: tuple[JudgedTrial, ...]
     explained: Array
     declared_rms: float
     plain_rms: float
@@ -195,7 +195,7 @@ def judge(search: Search, record: OutputRecord) -> Judged:
 
 def _rows(
     search: Search, record: OutputRecord, needed: tuple[bool, bool], chosen_rms: float
-) -> list[Row]:
+) -> list[JudgedTrial]:
     """Return the table; ``needed``: has the record judged an own shift, an own zero and drift."""
     rows = []
     for trial in search.tried:
@@ -203,7 +203,7 @@ def _rows(
             trial, record, shift=bool(trial.model.shifts), own=trial.model.own
         )
         rows.append(
-            Row(
+            JudgedTrial(
                 effect=trial.effect,
                 what=trial.what,
                 left_out_rms=trial.rms,
@@ -214,7 +214,7 @@ def _rows(
     names = [w for w, used in zip(("shift", "zero and drift"), needed, strict=True) if used]
     what = "what was chosen" + (f", with this record's own {' and '.join(names)}" if names else "")
     rows.append(
-        Row(
+        JudgedTrial(
             effect="chosen",
             what=what,
             left_out_rms=search.best.rms,

@@ -17,7 +17,7 @@ from aff_runtime.app.commission.listening import Listener
 from aff_runtime.app.commission.messages import Request, Why
 from aff_runtime.app.commission.worker import KEEPS, KILLED
 from aff_runtime.app.hand.accounts import Accounts
-from aff_runtime.app.hand.audit import START, Audit, Entry, verify
+from aff_runtime.app.hand.audit import START, Audit, AuditEntry, verify
 from aff_runtime.app.hand.may import Place
 from tests.aff_runtime.app.commission import made_jobs
 from tests.aff_runtime.app.commission.made_jobs import say
@@ -75,7 +75,7 @@ def left_behind(folder, *said, max_bytes=1 << 20):
     """Return what has no end in an audit of these lines: (account, what, result, why)."""
     audit = Audit(folder, max_bytes=max_bytes)
     for account, what, result, why in said:
-        audit.add(Entry(what=what, result=result, why=why, account=account))
+        audit.add(AuditEntry(what=what, result=result, why=why, account=account))
     audit.close()
     return [(one.account, one.what) for one in unended(audit.path, KEEPS)]
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.app.hand.audit import KEPT_FILES, LONGEST_LINE, NAME, Audit, Entry, verify
+from aff_runtime.app.hand.audit import KEPT_FILES, LONGEST_LINE, NAME, Audit, AuditEntry, verify
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.cli.main import main
 
@@ -23,7 +23,7 @@ def audit(folder: Path, **more: int) -> Audit:
 def filled(folder: Path, lines: int, **more: int) -> Path:
     found = audit(folder, **more)
     for n in range(lines):
-        found.add(Entry(what="arm", result="done", account=f"a{n}"))
+        found.add(AuditEntry(what="arm", result="done", account=f"a{n}"))
     found.close()
     return found.path
 
@@ -71,7 +71,7 @@ def test_another_start_goes_on_and_only_one_writes(tmp_path: Path) -> None:
     first = audit(tmp_path)
     with pytest.raises(RefusedError, match="another service"):
         audit(tmp_path)
-    assert first.add(Entry(what="arm", result="asked")) == 3
+    assert first.add(AuditEntry(what="arm", result="asked")) == 3
     first.close()
     assert verify(path).last == 3
 
@@ -110,7 +110,7 @@ def test_a_file_that_was_just_begun_goes_on_from_the_older_one(tmp_path: Path) -
     path = filled(tmp_path, 3)
     path.rename(path.with_name(f"{NAME}.1"))
     found = audit(tmp_path)
-    assert found.add(Entry(what="arm", result="done")) == 4
+    assert found.add(AuditEntry(what="arm", result="done")) == 4
     found.close()
     assert verify(path).last == 4
 
@@ -119,7 +119,7 @@ def test_a_full_disk_leaves_whole_lines_and_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = audit(tmp_path)
-    found.add(Entry(what="arm", result="done"))
+    found.add(AuditEntry(what="arm", result="done"))
     before, write = found.path.read_bytes(), os.write
 
     def half(descriptor: int, data: bytes) -> int:
@@ -130,16 +130,16 @@ def test_a_full_disk_leaves_whole_lines_and_is_told(
     with monkeypatch.context() as full:
         full.setattr(os, "write", half)
         with pytest.raises(RefusedError, match="No space"):
-            found.add(Entry(what="arm", result="done"))
+            found.add(AuditEntry(what="arm", result="done"))
     assert found.path.read_bytes() == before
-    assert found.add(Entry(what="arm", result="done")) == 2
+    assert found.add(AuditEntry(what="arm", result="done")) == 2
     found.close()
     assert verify(found.path).last == 2
 
 
 def test_foreign_words_are_one_line_and_not_too_long(tmp_path: Path) -> None:
     found = audit(tmp_path)
-    found.add(Entry(what="arm", result="refused", why="a\nb\u202e" + "x" * 9999))
+    found.add(AuditEntry(what="arm", result="refused", why="a\nb\u202e" + "x" * 9999))
     found.close()
     (line,) = found.path.read_bytes().splitlines()
     assert json.loads(line)["why"].startswith(r"a\nb\u202e")
@@ -152,11 +152,11 @@ def test_a_file_that_is_moved_away_meanwhile_leaves_no_line_unseen(
 ) -> None:
     found = audit(tmp_path)
     for _ in range(2):
-        found.add(Entry(what="arm", result="done"))
+        found.add(AuditEntry(what="arm", result="done"))
     found.path.rename(found.path.with_name(f"{NAME}.1"))
     if leaves == "an empty file":
         found.path.touch(0o600)
-    assert found.add(Entry(what="arm", result="done")) == 3
+    assert found.add(AuditEntry(what="arm", result="done")) == 3
     found.close()
     chain = verify(found.path)
     assert (chain.first, chain.last, chain.wrong) == (1, 3, "")
@@ -166,21 +166,23 @@ def test_a_file_that_is_moved_away_meanwhile_leaves_no_line_unseen(
 
 def test_another_file_in_its_place_is_not_written_to(tmp_path: Path) -> None:
     found = audit(tmp_path)
-    found.add(Entry(what="arm", result="done"))
+    found.add(AuditEntry(what="arm", result="done"))
     found.path.unlink()
     found.path.write_text("of somebody else\n")
     with pytest.raises(RefusedError, match="another file"):
-        found.add(Entry(what="arm", result="done"))
+        found.add(AuditEntry(what="arm", result="done"))
     assert found.path.read_text() == "of somebody else\n"
     found.path.unlink()
-    assert found.add(Entry(what="arm", result="done")) == 2
+    assert found.add(AuditEntry(what="arm", result="done")) == 2
     found.close()
 
 
 def test_the_widest_words_there_are_fit_a_line(tmp_path: Path) -> None:
     found = audit(tmp_path)
     wide = "\U0001f511"  # twelve bytes in JSON
-    found.add(Entry(what="arm", result="refused", why=wide * 300, peer=wide * 128, id="a" * 64))
+    found.add(
+        AuditEntry(what="arm", result="refused", why=wide * 300, peer=wide * 128, id="a" * 64)
+    )
     found.close()
     assert 4096 < found.path.stat().st_size <= LONGEST_LINE
 

@@ -10,14 +10,14 @@ from sim_plant.cli.main import main
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.folder import FILES, check_apart, check_folder, publish
-from sim_plant.refine.report.outcome import Plan
+from sim_plant.refine.report.outcome import RefineRequest
 
 LINE = "config/lines/euclid.yaml"
 
 
 def plan(out, **more):
     given = {"line": out.parent / "line.yaml", "records": (), "holdout": ()}
-    return Plan(out=out, **(given | more))
+    return RefineRequest(out=out, **(given | more))
 
 
 def put(**texts):

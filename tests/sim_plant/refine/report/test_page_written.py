@@ -17,7 +17,7 @@ from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.aff_block import write_block
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.near_steps import near_steps
-from sim_plant.refine.report.outcome import Outcome, Plan, RecordOfOnset
+from sim_plant.refine.report.outcome import Outcome, RecordOfOnset, RefineRequest
 from sim_plant.refine.report.page import facts_of, next_of, write_report
 from sim_plant.refine.report.parts_shown import overlays
 from sim_plant.refine.report.verdict import Moment
@@ -69,7 +69,9 @@ def outcome(folder, accepted=(), adjustments=None, after=(1.0, 1.0, 9.0)):
     )
     judged = evaluation(after)
     return Outcome(
-        plan=Plan(line=LINE_FILE, records=(Path("a.csv"),), holdout=(Path("b.csv"),), out=folder),
+        plan=RefineRequest(
+            line=LINE_FILE, records=(Path("a.csv"),), holdout=(Path("b.csv"),), out=folder
+        ),
         line=load_line(LINE_FILE),
         declared=LINE,
         records=(record("a.csv", 0.5, 1.0), record("b.csv", 0.7, 1.4)),

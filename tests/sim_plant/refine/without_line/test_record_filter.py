@@ -8,7 +8,7 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
 from sim_plant.line.load import read_source
-from sim_plant.refine.report.outcome import Plan
+from sim_plant.refine.report.outcome import RefineRequest
 from sim_plant.refine.without_line.pipeline import refine_records
 from sim_plant.refine.without_line.record_filter import read_stamped, record_declaration_in
 
@@ -57,7 +57,7 @@ def refined(plan):
 def plan(tmp_path):
     (tmp_path / "belt.yaml").write_text(DECLARATION)
     records = [write_belt(tmp_path / f"{k}.csv", k, v) for k, v in enumerate((1.2, 2.0, 1.4))]
-    return Plan(
+    return RefineRequest(
         line=tmp_path / "belt.yaml",
         records=tuple(records[:2]),
         holdout=(records[2],),
@@ -85,7 +85,7 @@ def test_a_travel_line_is_found_with_its_radius_and_judged_held_out(plan):
 
 def test_no_line_no_claim(plan, tmp_path):
     quiet = [write_belt(tmp_path / f"q{k}.csv", 10 + k, 1.3, amplitude=0.0) for k in (0, 1)]
-    still = Plan(line=plan.line, records=tuple(quiet), holdout=(), out=tmp_path / "quiet")
+    still = RefineRequest(line=plan.line, records=tuple(quiet), holdout=(), out=tmp_path / "quiet")
     assert refined(still).answer == "nothing"
     page = (still.out / "report.html").read_text()
     assert "Nothing found: what the declared filter leaves" in page
@@ -102,7 +102,7 @@ def test_the_example_needs_a_line(plan, tmp_path, capsys):
 @pytest.mark.campaign
 def test_of_two_held_out_records_the_first_is_judged_and_that_is_said(plan, tmp_path):
     held = tuple(write_belt(tmp_path / f"h{k}.csv", 20 + k, 1.3, amplitude=0.0) for k in (0, 1))
-    two = Plan(line=plan.line, records=plan.records, holdout=held, out=tmp_path / "two")
+    two = RefineRequest(line=plan.line, records=plan.records, holdout=held, out=tmp_path / "two")
     result = refined(two)
     assert result.holdout == str(held[0])
     said = "more than one held-out record: the errors are those of h0.csv"
@@ -128,7 +128,7 @@ def test_another_sample_time_is_refused(plan, tmp_path):
 @pytest.mark.campaign  # quick: the travel line, below
 @pytest.mark.skipif(not SHARED.exists(), reason="measured records are not here (shared/data)")
 def test_the_winding_record_names_its_clock_and_no_roller(tmp_path):
-    plan = Plan(
+    plan = RefineRequest(
         line=ROOT / "config/records/winding.yaml",
         holdout=(),
         out=tmp_path,
@@ -145,7 +145,7 @@ def test_the_winding_record_names_its_clock_and_no_roller(tmp_path):
 @pytest.mark.campaign
 def test_the_belt_has_the_same_travel_lines_fast_and_slow(tmp_path):
     folder = SHARED / "treadmill_belt"
-    plan = Plan(
+    plan = RefineRequest(
         line=ROOT / "config/records/treadmill_belt.yaml",
         out=tmp_path,
         records=(folder / "RandomSlowSpeed1.txt.gz", folder / "RandomFastSpeed1.txt.gz"),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim_plant.line.load import read_source
-from sim_plant.refine.report.outcome import Plan
+from sim_plant.refine.report.outcome import RefineRequest
 from sim_plant.refine.without_line.pipeline import refine_records
 from sim_plant.refine.without_line.record_filter import record_declaration_in
 from sim_plant.refine.without_line.spectral_line_presence import harmonic_series
@@ -46,7 +46,7 @@ def write_motor(path, seed, turns_s, orders=(), tones=()):
 
 def refined(folder, records, holdout=(), travel="travel_speed: motor_m_s"):
     (folder / "motor.yaml").write_text(DECLARATION.format(travel=travel))
-    plan = Plan(
+    plan = RefineRequest(
         line=folder / "motor.yaml",
         records=tuple(records),
         holdout=tuple(holdout),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sim_plant.line.load import read_source
-from sim_plant.refine.report.outcome import Plan
+from sim_plant.refine.report.outcome import RefineRequest
 from sim_plant.refine.without_line.pipeline import refine_records
 from sim_plant.refine.without_line.record_filter import read_stamped, record_declaration_in
 
@@ -64,7 +64,7 @@ def test_even_stamps_stay_as_they_are(declaration, tmp_path):
 
 @pytest.mark.campaign  # quick: the grid, above; the shift, general/
 def test_a_shift_is_found_through_uneven_stamps_and_judged_on_them(declaration, tmp_path):
-    plan = Plan(
+    plan = RefineRequest(
         line=tmp_path / "y.yaml",
         records=(write(tmp_path / "a.csv", 1), write(tmp_path / "b.csv", 2, late_s=0.0234)),
         holdout=(write(tmp_path / "c.csv", 3, late_s=-0.0071),),

@@ -10,7 +10,7 @@ import numpy as np
 from sim_plant.refine.without_line.free_spectral_lines import SpectralLine
 from sim_plant.refine.without_line.general.catalogue import BY_NAME
 from sim_plant.refine.without_line.general.findings import Delay, Finding
-from sim_plant.refine.without_line.general.judging import Row
+from sim_plant.refine.without_line.general.judging import JudgedTrial
 from sim_plant.refine.without_line.spectral_line_presence import SpectralLinePresence
 from sim_plant.refine.without_line.verdict import (
     OutputModel,
@@ -73,7 +73,9 @@ MODEL = OutputModel(
     plain_rms=1.75,
     chosen_rms=1.5,
     with_spectral_lines=True,
-    tried=(Row(effect="chosen", what="a", left_out_rms=1.25, held_out_rms=1.5, taken=True),),
+    tried=(
+        JudgedTrial(effect="chosen", what="a", left_out_rms=1.25, held_out_rms=1.5, taken=True),
+    ),
     delays={"belt_m_s": Delay(value_s=0.03, low_s=0.02, high_s=0.04)},
     at_stamps={"declared": 2.5, "plain": 2.25, "chosen": 2.0},
 )
