@@ -10,7 +10,7 @@ import numpy as np
 import yaml
 
 from benchmarks.control import cases, scores, store
-from benchmarks.control.jobs import Job, BenchRow
+from benchmarks.control.jobs import BenchRow, Job
 from benchmarks.control.laws import OWN
 from benchmarks.control.lines import ROOT
 from sim_plant.demo.evaluation import window
