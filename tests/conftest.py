@@ -19,6 +19,7 @@ from tests.failed_tries import (  # noqa: F401  (hooks of this suite)
     pytest_runtest_setup,
     pytest_terminal_summary,
 )
+from tests.temporary_folder import tmp_path  # noqa: F401  (in the place of pytest's own)
 
 # before numpy is there: two workers with two threads each would wait for each other on two cores
 for _name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "NUMEXPR_NUM_THREADS"):
