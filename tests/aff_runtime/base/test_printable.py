@@ -4,6 +4,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from aff_runtime.base.printable import printable
+from tests.drawn_text import drawn_text
 from tests.each_case import each_case
 
 
@@ -24,7 +25,7 @@ def test_characters_that_act_are_escaped_and_others_are_kept(text: str, shown: s
     assert printable(text) == shown
 
 
-@given(st.text(), st.none() | st.integers(0, 30))
+@given(drawn_text(), st.none() | st.integers(0, 30))
 def test_it_is_printable_no_longer_than_asked_and_the_same_when_done_twice(
     text: str, longest: int | None
 ) -> None:

@@ -12,6 +12,7 @@ from aff_runtime.config.leaves import leaves
 from aff_runtime.config.loader import load_site
 from tests import quick_yaml
 from tests.aff_runtime.config.shipped import EUCLID
+from tests.drawn_text import drawn_text
 
 
 def _keys(node, path=()):
@@ -135,7 +136,7 @@ _VALUES = st.one_of(
     st.booleans(),
     st.integers(),
     st.floats(),
-    st.text(max_size=8),
+    drawn_text(max_size=8),
     st.sampled_from(["unwind", "unwind_radius_m", "3 lbf", "1 m/s", "u16", "i32", [], {}, [1, 2]]),
     st.lists(st.integers(-2, 70), max_size=4),
 )

@@ -7,10 +7,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from aff_runtime.app.card.chain import LONGEST_LINE, MAX_BYTES, START, canonical, encode, follow
+from tests.drawn_text import drawn_text
 from tests.each_case import each_case
 
 UTC = "2026-01-02T03:04:05.000+00:00"
-TEXTS = st.text(max_size=12)
+TEXTS = drawn_text(max_size=12)
 VALUES = st.recursive(
     st.none() | st.booleans() | st.integers(-(2**40), 2**40) | st.floats(-1e9, 1e9) | TEXTS,
     lambda inner: st.lists(inner, max_size=3) | st.dictionaries(TEXTS, inner, max_size=3),

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from aff_runtime.app.setup.display import shown_value
 from aff_runtime.base.units import UnitError
+from tests.drawn_text import drawn_text
 from tests.each_case import each_case
 
 
@@ -50,7 +51,7 @@ def test_nonsense_is_told_with_what_to_type(text: str, unit: str, said: str) -> 
 
 
 TYPED = st.one_of(
-    st.text(max_size=130),
+    drawn_text(max_size=130),
     st.text(alphabet="0123456789eE.,+- ", max_size=20).map(lambda text: f"{text} N"),
     st.from_regex(
         r"[-+]?[0-9]{0,4}\.?[0-9]{0,4}([eE][-+]?[0-9]{1,4})? ?(N|lbf|bananas|%)?", fullmatch=True
