@@ -76,13 +76,11 @@ class PlcMap:
             block[address - self.read_start] = words[name] & 0xFFFF
         if self.status_bits:
             self._put_status_bits(block, words["status"])
-        rows = [(item, values_si) for item in self.channels]
-        rows += [(item, applied_si) for item in self.applied]
-        for item, values in rows:
-            at = item.address - self.read_start
-            block[at : at + item.length] = item.to_words(
-                values[item.name], low_first=self.low_first
-            )
+        for items, values in ((self.channels, values_si), (self.applied, applied_si)):
+            for item in items:
+                said = item.to_words(values[item.name], low_first=self.low_first)
+                at = item.address - self.read_start
+                block[at : at + len(said)] = said
         return block
 
     def _put_status_bits(self, block: list[int], status: int) -> None:

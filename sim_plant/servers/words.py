@@ -24,6 +24,7 @@ _RANGE: dict[WordType, tuple[int, int]] = {
     "u32": (0, 0xFFFF_FFFF),
     "i32": (-0x8000_0000, 0x7FFF_FFFF),
 }
+_ONE_WORD = frozenset({"u16", "i16"})
 _LARGEST_F32 = struct.unpack(">f", b"\x7f\x7f\xff\xff")[0]
 
 
@@ -49,7 +50,7 @@ class RegisterItem:
     @property
     def length(self) -> int:
         """Return the number of 16-bit words."""
-        return 1 if self.type in {"u16", "i16"} else 2
+        return 1 if self.type in _ONE_WORD else 2
 
     @property
     def range_si(self) -> tuple[float, float]:
@@ -64,9 +65,14 @@ class RegisterItem:
         NaN becomes the quiet NaN of f32 and, as many devices do it, the end of the range that
         nobody measures: the smallest signed or the largest unsigned count.
         """
-        packed = _NUMBER[self.type].pack(self._counts(value_si))
-        words = _WORDS[len(packed) // 2].unpack(packed)
-        return words[::-1] if low_first else words
+        if self.type == "f32":
+            high, low = _WORDS[2].unpack(_NUMBER["f32"].pack(self._f32(value_si)))
+        else:
+            counts = self._counts(value_si)
+            if self.type in _ONE_WORD:
+                return (counts & 0xFFFF,)
+            high, low = counts >> 16 & 0xFFFF, counts & 0xFFFF
+        return (low, high) if low_first else (high, low)
 
     def from_words(self, words: Sequence[int], *, low_first: bool = False) -> float:
         """Return the SI value held by ``words`` (``length`` of them)."""
@@ -83,17 +89,17 @@ class RegisterItem:
         blank = self.to_words(math.nan, low_first=low_first)
         return math.nan if tuple(words) == blank else value
 
-    def _counts(self, value_si: float) -> float:
-        if self.type == "f32":
-            counts = value_si / self.scale
-            return counts if math.isnan(counts) else _clip(counts, -_LARGEST_F32, _LARGEST_F32)
+    def _f32(self, value_si: float) -> float:
+        value = value_si / self.scale
+        return value if math.isnan(value) else min(max(value, -_LARGEST_F32), _LARGEST_F32)
+
+    def _counts(self, value_si: float) -> int:
         low, high = _RANGE[self.type]
         if math.isnan(value_si):
             return low if low < 0 else high
+        counts = value_si / self.scale
         if self.wraps and math.isfinite(value_si):
-            return (round(value_si / self.scale) - low) % (high - low + 1) + low
-        return round(_clip(value_si / self.scale, low, high))
-
-
-def _clip(value: float, low: float, high: float) -> float:
-    return min(max(value, low), high)
+            return (round(counts) - low) % (high - low + 1) + low
+        if counts <= low:
+            return low
+        return high if counts >= high else round(counts)
