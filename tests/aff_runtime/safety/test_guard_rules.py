@@ -155,11 +155,11 @@ class OutputRules(RuleBasedStateMachine):
 
 
 class OutputRulesForLong(OutputRules):
-    """The same rules, looked at for ten times as long."""
+    """The same rules, looked at for twenty times as long."""
 
 
 HOW = settings(
-    max_examples=60,
+    max_examples=30,
     stateful_step_count=30,
     phases=[Phase.explicit, Phase.reuse, Phase.generate, Phase.shrink],
     deadline=None,

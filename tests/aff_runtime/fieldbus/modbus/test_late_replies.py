@@ -36,7 +36,7 @@ def late_twice(bench: Bench, pause_ms: int) -> None:
     assert bench.runtime.is_working
 
 
-@pytest.mark.sweep(every=5)  # beside the pauses below
+@pytest.mark.sweep(every=11)  # beside the pauses below
 @pytest.mark.parametrize("drops_while_busy", [False, True])
 @pytest.mark.parametrize("late_ticks", [1, 2, 3, 4])
 @pytest.mark.parametrize(
