@@ -104,14 +104,18 @@ class Line:
         self.plant, self.ripple, self.noise = plant, ripple, seed_noise
         self.omega, self.swrap_omega = omega, swrap_omega
         self.theta, self.swrap_theta, self.tick = 0.3, 1.1, 0
-        self.u = 0.0
+        self.u = self.ripple_N = 0.0
 
     def disturbance(self) -> float:
-        angle = {"unwind": self.theta, "swrap": self.swrap_theta}
-        return sum((c * cmath.exp(1j * n * angle[r])).real for (r, n), c in self.ripple.items())
+        ripple_N = 0.0
+        for (roll, n), c in self.ripple.items():
+            angle = self.theta if roll == "unwind" else self.swrap_theta
+            ripple_N += (c * cmath.exp(1j * n * angle)).real
+        return ripple_N
 
     def read(self) -> tuple[float, ...]:
-        y = 90.0 + self.plant.step(self.u) + self.disturbance()
+        self.ripple_N = self.disturbance()
+        y = 90.0 + self.plant.step(self.u) + self.ripple_N
         y += self.noise() if self.noise else 0.0
         counts = round(self.theta / COUNT_RAD)
         wrapped = ((counts + 2**31) % 2**32 - 2**31) * COUNT_RAD
@@ -131,7 +135,7 @@ class Line:
             (step,) = law.step(snapshot(self.tick, *values, **kw), CYCLE_S, permission)
             assert math.isfinite(step.value)
             assert abs(step.value) <= step.peak_bound + 1e-12
-            trace.append(self.plant.y + self.disturbance())
+            trace.append(self.plant.y + self.ripple_N)
             self.advance(step.value)
         return trace
 

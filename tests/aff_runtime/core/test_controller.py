@@ -59,23 +59,6 @@ def column(law, name):
     return law.telemetry()[law.telemetry_names().index(name)]
 
 
-def test_two_orders_fall_by_forty_decibels():
-    line, law = Line(plant(), RIPPLE), controller()
-    before = rms(line.run(law, 3.0, DARK))
-    line.run(law, 25.0)
-    assert rms(line.run(law, 3.0)) < 0.01 * before
-
-
-def test_weight_is_the_one_that_cancels():
-    line, law = learned()
-    line.run(law, 10.0)
-    for (roll, n), ripple in RIPPLE.items():
-        expected = abs(ripple / plant().at(n * 5.0 / math.tau))
-        assert column(law, f"unwind.{roll}_{n}x.amplitude_m_s") == pytest.approx(
-            expected, rel=0.02
-        )
-
-
 def test_speed_change_needs_no_new_learning_when_ripple_scales_with_speed():
     # plant without dynamics: required correction in m/s grows with speed
     flat = LagDelay(-300.0)
@@ -87,13 +70,6 @@ def test_speed_change_needs_no_new_learning_when_ripple_scales_with_speed():
     assert rms(line.run(law, 2.0, FROZEN)) < 0.05 * 2 * math.hypot(
         *(abs(c) for c in RIPPLE.values())
     )
-
-
-def test_nothing_moves_without_permission():
-    line, law = Line(plant(), RIPPLE), controller()
-    line.run(law, 5.0, DARK)
-    assert column(law, "unwind.unwind_1x.amplitude_m_s") == 0.0
-    assert rms(line.run(law, 1.0, DARK)) > 1.0
 
 
 def test_duplicate_samples_do_not_adapt():
@@ -288,8 +264,8 @@ def test_slow_mean_stands_in_for_a_missing_reference():
 
 
 def test_retuning_goes_on_without_a_bump():
-    line, law = Line(plant(), RIPPLE), controller()
-    line.run(law, 25.0)
+    line, law = learned()
+    line.run(law, 5.0)
     faster = replace(ACTUATOR.blocks[0], settle_s=5.0, orders=(1, 2, 3))
     successor = controller(with_blocks(faster))
     successor.adopt(law)

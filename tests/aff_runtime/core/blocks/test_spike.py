@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from copy import deepcopy
+from functools import cache
 
 import pytest
 
@@ -27,11 +29,11 @@ SPIKE_N = 60.0
 class Limited:
     """A law under a limit of slew; the guard's answer follows its formula (``safety.limits``)."""
 
-    def __init__(self, limit=LIMIT, slew_limit=math.inf):
+    def __init__(self):
         plant = LagDelay(-400.0, delay=12, lag=0.96)
         self.law = Controller(site(), {"unwind": measured(plant.at, GRID_HZ)})
         self.line = Line(plant, RIPPLE)
-        self.limit, self.slew_limit = limit, slew_limit
+        self.limit, self.slew_limit = LIMIT, math.inf
         self.ratio, self.last = 1.0, None
 
     def run(self, seconds, spike_N=0.0):
@@ -56,10 +58,21 @@ class Limited:
         return law.weights()
 
 
+@cache
+def _learned():
+    rig = Limited()
+    rig.run(25.0)
+    assert rig.ratio == 1.0  # below its limits
+    return rig
+
+
+def learned():
+    """Return a law that has run for 25 s; a copy for each test."""
+    return deepcopy(_learned())
+
+
 def test_a_spike_under_a_tight_slew_limit_leaves_the_weights_as_without_one():
-    free, tight = Limited(), Limited()
-    for rig in (free, tight):
-        rig.run(25.0)
+    free, tight = learned(), learned()
     tight.slew_limit = 2.5 * tight.last.slew_bound
     for rig in (free, tight):
         rig.run(CYCLE_S, SPIKE_N)
@@ -72,8 +85,7 @@ def test_a_spike_under_a_tight_slew_limit_leaves_the_weights_as_without_one():
 
 def test_the_steps_of_learning_count_as_before():
     """Beside weights that turn at the limit, steps are small: the guard's ratio is the law's."""
-    rig = Limited()
-    rig.run(25.0)
+    rig = learned()
     rig.slew_limit = 0.8 * rig.last.slew_bound
     rig.run(CYCLE_S)
     before, ratio = rig.weights, rig.ratio
@@ -86,8 +98,7 @@ def test_the_steps_of_learning_count_as_before():
 @pytest.mark.parametrize(("limit", "share"), [(LIMIT, 0.5), (0.5, 0.0)])
 def test_a_limit_in_force_winds_up_no_weight(limit, share):
     """By slew, and by peak: after a minute under the limit what goes out still fits it."""
-    rig = Limited(limit)
-    rig.run(25.0)
+    rig = learned()
     whole = rig.last
     rig.limit = limit if share else 0.5 * whole.peak_bound
     rig.slew_limit = share * whole.slew_bound if share else math.inf

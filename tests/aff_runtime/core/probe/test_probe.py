@@ -326,7 +326,7 @@ def test_ripple_of_a_roll_that_nobody_declared_does_not_spoil_the_tones_around_i
 @pytest.mark.sweep(every=2)
 def test_standard_errors_are_as_honest_beside_ripple_that_nobody_declared(wander_rad):
     beside, without = (
-        [m for s in range(6) for m in misses(*strange(N, wander_rad=wander_rad, seed=s)).values()]
+        [m for s in range(4) for m in misses(*strange(N, wander_rad=wander_rad, seed=s)).values()]
         for N in (1.0, 0.0)
     )
     rms, usual = (math.sqrt(sum(m * m for m in found) / len(found)) for found in (beside, without))
