@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import re
+from functools import lru_cache
 
 import cantools
 from cantools.database.can import Database, Message, Signal
@@ -29,8 +30,11 @@ logging.getLogger("cantools").addHandler(logging.NullHandler())
 COUNTER_NAME = "Counter"
 
 
+@lru_cache(maxsize=4)
 def load_dbc(text: str, where: str) -> Database:
-    """Return the database of a DBC file's text.
+    """Return the database of a DBC file's text; who is given it reads it only.
+
+    To parse takes 0.1 s, and a check asks for the same file several times.
 
     Raises
     ------
