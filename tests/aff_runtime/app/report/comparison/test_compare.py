@@ -4,12 +4,15 @@ import json
 import math
 import re
 import shutil
+from functools import cache
 
 import numpy as np
 import pytest
 
+from aff_runtime.app.report.comparison import comparing
 from aff_runtime.app.report.comparison.comparing import compare
 from aff_runtime.app.report.comparison.page import as_json, page
+from aff_runtime.app.report.comparison.window import load_window
 from aff_runtime.base.runs.table import read_table
 from aff_runtime.base.runs.window import run_window
 from aff_runtime.cli.main import main
@@ -38,9 +41,18 @@ def made(request, tmp_path_factory):
     """A run of 75 s, off and then on, an eccentric follower; the true tension beside it."""
     folder = tmp_path_factory.mktemp("run")
     if request.param == "simulated":
-        return simulated(folder)
-    columns, truth = switched(75.0, [(35.0, 75.0)])
-    return recorded(folder / "runs", columns), truth
+        path, truth = simulated(folder)
+    else:
+        columns, truth = switched(75.0, [(35.0, 75.0)])
+        path = recorded(folder / "runs", columns)
+    read_once = cache(load_window)
+    with pytest.MonkeyPatch.context() as patch:  # nobody writes there: each window is read once
+        patch.setattr(
+            comparing,
+            "load_window",
+            lambda window: (read_once if window.folder == path else load_window)(window),
+        )
+        yield path, truth
 
 
 def simulated(folder):
