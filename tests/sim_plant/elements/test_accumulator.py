@@ -64,7 +64,7 @@ def test_frequency_response_is_that_of_the_transfer_function(frequency_Hz: float
     k = 1.0 + (STRAIN - EPS_UP) / (1.0 + EPS_UP)
     carriage = -10.0 * 9300.0 / (200.0 * s + 500.0)
     expected = -k / (10.0 * HEIGHT * s / (1.0 + STRAIN) + V / (1.0 + EPS_UP) - 10.0 * carriage)
-    size, step = 1e-3, 1e-3
+    size, step = 1e-3, 5e-3  # within 1e-5 of what it is at 1 ms
 
     def speeds(t: float) -> tuple[float, float]:
         return V + size * np.cos(2.0 * np.pi * frequency_Hz * t), V_OUT

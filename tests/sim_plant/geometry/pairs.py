@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -25,7 +26,9 @@ class Pair:
     b: Body
     turns_b: int
 
+    @cache  # noqa: B019  (pairs stay as long as the tests that share them)
     def over_one_turn(self) -> Tangent:
+        """Return the span at each point of a turn; who asks only reads."""
         return common_tangent(self.a, self.b, TAU, self.turns_b * TAU, 1.0, float(self.turns_b))
 
 
