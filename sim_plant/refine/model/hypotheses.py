@@ -11,6 +11,7 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 
+from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Demand, Effect, Value
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.effects.onset import HOLD_S
@@ -200,11 +201,13 @@ def hypothesis(
     choice: Choice = (),
     fitted: Sequence[str] | None = None,
     line: Declaration | None = None,
+    arrays: LineArrays | None = None,
 ) -> Hypothesis:
     """Return one hypothesis; ``choice`` fixes options and replaces values to start from.
 
     ``fitted`` are the parameters to fit in place of those that the effect names. With ``line`` the
-    bounds are narrowed to what is possible at this place of this line.
+    bounds are narrowed to what is possible at this place of this line; ``arrays`` are its own,
+    where they are at hand.
     """
     picked = dict(choice)
     wanted = list(fitted or effect.fitted)
@@ -217,7 +220,7 @@ def hypothesis(
     rows = [effect.accepts[n] for n in names]
     start = [float(picked.get(n, r.typical)) for n, r in zip(names, rows, strict=True)]
     strength_rows = [r for r in rows if r.role == "strength"]
-    at_place = bounds_at(line, effect, location) if line is not None else {}
+    at_place = bounds_at(line, effect, location, arrays) if line is not None else {}
     low, high = [], []
     for n, r in zip(names, rows, strict=True):
         place_low, place_high = at_place.get(n, (r.low, r.high))
@@ -241,7 +244,7 @@ def onset_hypotheses(
     line: Declaration, record_index: int, without: Collection[str] = ()
 ) -> list[Hypothesis]:
     """Return every effect that may begin at a moment of one record, each way and at each place."""
-    library = []
+    library, arrays = [], _arrays_of(line)
     for effect in CATALOGUE:
         onset = effect.onset
         if onset is None or effect.name in without:
@@ -249,13 +252,12 @@ def onset_hypotheses(
         # the other values of the grid are tried where the moment is (`events`, `placed_events`)
         first_of_grid = tuple((name, values[0]) for name, values in onset.grid)
         for form in onset.forms:
-            choice = (*onset.fixed, *((n, v) for n, v in first_of_grid if n in form))
+            grid = ((n, v) for n, v in first_of_grid if n in form)
+            choice = (*onset.fixed, *grid, (onset.moment, 0.0))
             names = (*form, onset.moment)
             library += [
                 replace(
-                    hypothesis(
-                        effect, location, (*choice, *size, (onset.moment, 0.0)), names, line
-                    ),
+                    hypothesis(effect, location, (*choice, *size), names, line, arrays),
                     record_index=record_index,
                 )
                 for location, size in _begun_at(line, effect)
@@ -293,14 +295,20 @@ def _numbers_that_onsets_stand_for() -> list[str]:
     ]
 
 
-def bounds_at(line: Declaration, effect: Effect, location: str) -> dict[str, tuple[float, float]]:
+def _arrays_of(line: Declaration) -> LineArrays:
+    return build_arrays(line, timing_of(line, line.sample_time_s))
+
+
+def bounds_at(
+    line: Declaration, effect: Effect, location: str, arrays: LineArrays | None = None
+) -> dict[str, tuple[float, float]]:
     """Return the bounds that this place of this line sets, the tightest of all it names."""
     if effect.shifted_by:
         number = next(n for n in declared_numbers(line) if n.name == location)
         return {effect.shifted_by: (number.low, number.high)}
     if effect.bounds is None:
         return {}
-    arrays = build_arrays(line, timing_of(line, line.sample_time_s))
+    arrays = _arrays_of(line) if arrays is None else arrays
     bounds: dict[str, tuple[float, float]] = {}
     for place in places_of(line, effect, location, effect.name):
         for name, (low, high) in effect.bounds(arrays, place).items():
@@ -318,27 +326,29 @@ def all_hypotheses(
 
     With ``demand``, what the records ask of the line, those too that start where that is.
     """
+    arrays = _arrays_of(line)
     known = [
-        hypothesis(effect, location, choice, line=line)
+        hypothesis(effect, location, choice, line=line, arrays=arrays)
         for effect in CATALOGUE
         if effect.name not in without and effect.fitted
         for location in candidate_locations(line, effect)
         for choice in variants(effect)
-        if _possible(line, effect, location, choice)
+        if _possible(line, arrays, effect, location, choice)
     ]
-    return known if demand is None else [*known, *_for_demand(line, without, demand)]
+    return known if demand is None else [*known, *_for_demand(line, arrays, without, demand)]
 
 
-def _for_demand(line: Declaration, without: Collection[str], demand: Demand) -> list[Hypothesis]:
+def _for_demand(
+    line: Declaration, arrays: LineArrays, without: Collection[str], demand: Demand
+) -> list[Hypothesis]:
     """Return the hypotheses that start at what the records ask of the line.
 
     `_possible` is not asked: what ``starts`` of an effect gives is of these arrays, and of a form
     that every place can have.
     """
-    arrays = build_arrays(line, timing_of(line, line.sample_time_s))
     return [
         replace(
-            hypothesis(effect, location, tuple(start.choice.items()), line=line),
+            hypothesis(effect, location, tuple(start.choice.items()), line=line, arrays=arrays),
             acts_below=start.acts_below,
         )
         for effect in CATALOGUE
@@ -350,15 +360,15 @@ def _for_demand(line: Declaration, without: Collection[str], demand: Demand) -> 
     ]
 
 
-def _possible(line: Declaration, effect: Effect, location: str, choice: Choice) -> bool:
+def _possible(
+    line: Declaration, arrays: LineArrays, effect: Effect, location: str, choice: Choice
+) -> bool:
     """Return whether every place that a location names can have an effect in this form."""
     if effect.refuses is None:
         return True
-    arrays, values = build_arrays(line, timing_of(line, line.sample_time_s)), dict(choice)
+    values = {**effect.parameters, **dict(choice)}
     places = places_of(line, effect, location, effect.name)
-    return not any(
-        effect.refuses(arrays, place, {**effect.parameters, **values}) for place in places
-    )
+    return not any(effect.refuses(arrays, place, values) for place in places)
 
 
 def with_number(h: Hypothesis, start: StartValues, name: str, value: float) -> StartValues:
