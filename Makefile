@@ -84,7 +84,7 @@ test: export PYTHONDONTWRITEBYTECODE =
 test: setup
 	@$(MAKE) --no-print-directory -j 2 check compiled
 	$(BIN)/python -m pytest -q -n 4 --dist loadfile --no-loadscope-reorder --durations 20 \
-		-m "not campaign and not browser"
+		-m "not long and not browser"
 
 # the plant's kernel and the tests, once: else every process of the suite compiles them
 compiled: setup
@@ -104,7 +104,7 @@ compiled-campaign: setup
 test-long: export PYTHONDONTWRITEBYTECODE =
 test-long: setup compiled-campaign
 	$(BIN)/python -m pytest -q -n 3 --dist loadfile --no-loadscope-reorder \
-		--hypothesis-profile long -m "campaign or hypothesis"
+		--hypothesis-profile long -m "long or hypothesis"
 
 # the screen in a real Chromium: pages, breaks of the chain, hostile names; pictures in out/test-hmi
 test-hmi: setup chromium

@@ -83,7 +83,7 @@ def _keep_a_few(items: list[pytest.Item]) -> None:
         if sweep is not None:
             name = item.nodeid.partition("[")[0]
             if seen[name] % int(sweep.kwargs["every"]):
-                item.add_marker(pytest.mark.campaign)
+                item.add_marker(pytest.mark.long)
             seen[name] += 1
 
 

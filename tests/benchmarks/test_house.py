@@ -87,7 +87,7 @@ def test_the_page_has_both_revisions_and_says_what_is_missed(tree):
     assert "| a law | `a2` | 2 | 1 | missed |" in shown
 
 
-@pytest.mark.campaign  # two seconds a package; quick: the arrows of a made tree
+@pytest.mark.long  # two seconds a package; quick: the arrows of a made tree
 @pytest.mark.parametrize("package", ["aff_runtime", "sim_plant"])
 @pytest.mark.sweep(every=2)
 def test_imports_are_those_that_grimp_finds(package):
@@ -98,7 +98,7 @@ def test_imports_are_those_that_grimp_finds(package):
         assert module.imports == graph.find_modules_directly_imported_by(name), name
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_any_revision_can_be_printed(capsys):
     assert main(["--root", str(ROOT), "--rev", "HEAD"]) == 0
     shown = capsys.readouterr().out

@@ -96,7 +96,7 @@ class Both:
         return self
 
 
-@pytest.mark.campaign  # parses for 6 s; quick: each statement runs here
+@pytest.mark.long  # parses for 6 s; quick: each statement runs here
 def test_the_file_is_one_block_of_the_statements_that_run_here() -> None:
     text = BLOCK.read_text()
     whole = parsed(text)

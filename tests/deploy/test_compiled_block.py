@@ -57,7 +57,7 @@ def test_a_cell_reacts_with_the_compiled_block_as_the_plc(cell: Cell) -> None:
     assert judge(cell) == ""
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 @pytest.mark.timeout(600)
 def test_every_cell_reacts_with_the_compiled_block_as_the_plc() -> None:
     wrong = {str(cell): judge(cell) for cell in cells()}

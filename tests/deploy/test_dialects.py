@@ -99,7 +99,7 @@ def scl_machine(tmp_path: Path) -> Callable[[Path], StMachine]:
     return lambda _path: StMachine(plain)
 
 
-@pytest.fixture(params=[pytest.param("SCL", marks=pytest.mark.campaign), "Logix"])
+@pytest.fixture(params=[pytest.param("SCL", marks=pytest.mark.long), "Logix"])
 def variant(
     request: pytest.FixtureRequest, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -33,7 +33,7 @@ QUIET_S = 0.4
 WATCHED_S = 1.5  # after a kill: long enough for a restarted control process to do wrong
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 @pytest.mark.parametrize("name", TROUBLES)
 def test_fault_takes_the_correction_to_zero_and_only_an_edge_brings_it_back(
     line: LiveLine, name: str
@@ -105,7 +105,7 @@ def _kill_and_judge(line: LiveLine, kill_it: Callable[[], None]) -> None:
     _zero_from(line, killed_s, killed_s + ZERO_WITHIN_S + WATCHED_S)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_killed_control_process_is_restarted_idle(line: LiveLine):
     old = int(line.status()["control_pid"])
     _kill_and_judge(line, lambda: kill(old))
@@ -115,7 +115,7 @@ def test_a_killed_control_process_is_restarted_idle(line: LiveLine):
     line.ensure_active()
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_killed_supervisor_takes_the_correction_with_it(line: LiveLine):
     control = int(line.status()["control_pid"])
     _kill_and_judge(line, lambda: kill(line.service.process.pid))

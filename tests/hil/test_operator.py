@@ -15,7 +15,7 @@ from tests.hil.live_line import LiveLine, Rows
 from tests.lockstep.fault_table import ZERO_WITHIN_S, assert_never_above_limit, peak
 from tests.processes import until
 
-pytestmark = [pytest.mark.campaign, pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(90)]
+pytestmark = [pytest.mark.long, pytest.mark.hil, pytest.mark.wire, pytest.mark.timeout(90)]
 
 ATTEMPTS = 4
 TURN_S = 1.26  # of the unwind roll at 200 FPM: the correction repeats

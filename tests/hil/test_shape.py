@@ -33,7 +33,7 @@ def _learn(line: LiveLine) -> dict[str, dict]:
     raise AssertionError(f"not learned: {line.status()}")
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_shape_is_kept_at_bypass_and_starts_the_next_service(tmp_path):
     line = LiveLine(tmp_path, site_file="euclid.yaml")
     try:

@@ -24,7 +24,7 @@ from tests.aff_hmi.pressed import PASSWORD, Browser, Pressed, quick
 from tests.hil.live_line import LiveLine
 from tests.processes import until
 
-pytestmark = [pytest.mark.campaign, pytest.mark.timeout(600)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(600)]
 REASON = "it hunts at 1x"
 PATIENCE_S = 60.0  # of a job in a process of its own on a busy machine
 

@@ -70,14 +70,14 @@ def test_shortly_after_arming_every_order_is_at_a_third(shortly):
     assert follower_N < follower_before_N / 3.0
 
 
-@pytest.mark.campaign  # quick: at a third, above
+@pytest.mark.long  # quick: at a third, above
 def test_unwind_orders_fall_by_30_dB_or_to_the_noise(outcome):
     (before_N, _), (after_N, _) = outcome
     for order, b, a in zip(UNWIND_ORDERS, before_N, after_N, strict=True):
         assert reduction_dB(b, a) >= 30.0 or a < NOISE_FLOOR_N, f"{order}x: {b:.3f} -> {a:.4f} N"
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_the_followers_first_order_falls_by_20_dB_in_pull_roll_tension(outcome):
     (_, before_N), (_, after_N) = outcome
     assert reduction_dB(before_N, after_N) >= 20.0

@@ -49,7 +49,7 @@ def result(site_file) -> ProbeResult:
     return probe.result({"unwind": about})[0]
 
 
-@pytest.mark.campaign  # on phasors: core/identify/test_drive_fit.py
+@pytest.mark.long  # on phasors: core/identify/test_drive_fit.py
 def test_the_drive_is_found_inside_its_intervals(result):
     line = load_declaration(LINE)
     found = result.response.drive
@@ -69,7 +69,7 @@ def test_the_drive_is_found_inside_its_intervals(result):
         assert estimate.low <= number <= estimate.high, (name, number, str(estimate))
 
 
-@pytest.mark.campaign  # the same rooms: app/check/test_identified_drive.py
+@pytest.mark.long  # the same rooms: app/check/test_identified_drive.py
 def test_the_site_then_runs_the_shape_law_on_it(result, site_file):
     kept = Response.from_json(result.response.to_json())
     site = load_site(site_file)

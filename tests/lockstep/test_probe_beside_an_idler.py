@@ -81,7 +81,7 @@ def probed(tmp_path_factory) -> Probed:
     return Probed(bench, files, {r.actuator: r for r in probe.result(about)})
 
 
-@pytest.mark.campaign  # quick: core/probe/test_probe.py, beside ripple that nobody declared
+@pytest.mark.long  # quick: core/probe/test_probe.py, beside ripple that nobody declared
 def test_the_response_is_sure_at_the_frequency_of_an_idler_that_nobody_declared(probed):
     found = probed.results["unwind"].response
     true = response(
@@ -97,13 +97,13 @@ def test_the_response_is_sure_at_the_frequency_of_an_idler_that_nobody_declared(
     assert abs(cmath.phase(found.at(IDLER_HZ) / (true * on_the_way))) < bound
 
 
-@pytest.mark.campaign  # quick: core/probe/test_probe.py
+@pytest.mark.long  # quick: core/probe/test_probe.py
 def test_the_probe_says_that_there_is_ripple_of_a_roll_that_the_file_does_not_have(probed):
     (remark,) = probed.results["unwind"].remarks
     assert "belongs to no roll of the site file" in remark
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_block_that_is_added_live_takes_the_idlers_ripple_down_by_25_dB(probed, tmp_path):
     bench = probed.bench
     responses = {name: found.response for name, found in probed.results.items()}

@@ -78,7 +78,7 @@ def test_a_first_probe_begins_at_a_sixteenth_of_its_bound_and_dies_at_zero(tmp_p
     assert zero_after_s(bench.applied, killed_s) < ZERO_WITHIN_S
 
 
-@pytest.mark.campaign  # quick: core/probe/test_choosing.py, on a plant of one lag
+@pytest.mark.long  # quick: core/probe/test_choosing.py, on a plant of one lag
 def test_a_chosen_amplitude_is_heard_on_the_line_and_keeps_within_its_bounds(
     tmp_path: Path,
 ) -> None:

@@ -66,7 +66,7 @@ def test_the_cycle_leaves_the_edge_and_sees_every_scan_from_then_on():
     assert fresh_share(left, 1.0) == 1.0
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_the_ripple_at_the_edge_is_that_of_a_grid_beside_it(responses):
     left_N = []
     for make in (Bench, LeavingBench, EdgeBench):

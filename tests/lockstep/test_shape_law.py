@@ -112,7 +112,7 @@ def learned_for_long(responses):
     return learned_in(responses, ARMED_S, JUDGED_S)
 
 
-@pytest.mark.campaign  # quick: the total falls to a tenth, below
+@pytest.mark.long  # quick: the total falls to a tenth, below
 def test_orders_up_to_the_resonance_fall_by_30_dB_or_to_the_noise(learned_for_long):
     (before_N, _, _), (after_N, _, _), _ = learned_for_long
     for order, b, a in zip(ORDERS, before_N, after_N, strict=True):
@@ -177,7 +177,7 @@ def test_the_next_start_is_at_20_dB_within_two_turns(responses, learned):
     assert ripple(made.rows)[2] <= 0.1 * before_N
 
 
-@pytest.mark.campaign  # quick: on a line of its own, app/control/test_saved_shape.py
+@pytest.mark.long  # quick: on a line of its own, app/control/test_saved_shape.py
 def test_an_encoder_whose_origin_moved_is_found_out_before_anything_goes_out(responses, learned):
     (_, _, before_N), _, kept = learned
     made = started(responses, {"unwind": turned(kept["unwind"], 0.6)})
@@ -185,7 +185,7 @@ def test_an_encoder_whose_origin_moved_is_found_out_before_anything_goes_out(res
     assert ripple(made.rows)[2] <= 0.12 * before_N
 
 
-@pytest.mark.campaign  # quick: on a line of its own, app/control/test_saved_shape.py
+@pytest.mark.long  # quick: on a line of its own, app/control/test_saved_shape.py
 def test_the_shape_of_another_roll_is_not_used(responses, learned):
     *_, kept = learned
     other = {**json.loads(kept["unwind"]), "roll_id": 7}
@@ -198,7 +198,7 @@ def test_the_shape_of_another_roll_is_not_used(responses, learned):
     assert weights["swrap_follower", 1] != 0j
 
 
-@pytest.mark.campaign  # quick: on a line of its own, app/control/test_saved_shape.py
+@pytest.mark.long  # quick: on a line of its own, app/control/test_saved_shape.py
 def test_a_shape_that_is_not_the_rolls_is_refused_by_the_ripple(responses, learned):
     *_, kept = learned
     file = ShapeFile.from_json(kept["unwind"])
@@ -220,7 +220,7 @@ def test_the_follower_stands_on_its_blocks_as_long_as_it_has_no_drive():
     assert [a.law for a in params.actuators] == ["shape", "blocks"]
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_repeated_readings_lengthen_a_trial_and_do_not_end_it(responses, learned):
     *_, kept = learned
     made = shop(responses, at_full_radius(kept), fresh_every=2)
@@ -249,7 +249,7 @@ def test_a_roll_exchanged_while_the_output_closes_is_said_and_not_saved_under_th
     assert not data["imbalance"]
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_who_arms_before_the_trial_is_over_is_told_what_it_costs(responses, learned):
     *_, kept = learned
     made = shop(responses, at_full_radius(kept))
@@ -264,7 +264,7 @@ def test_who_arms_before_the_trial_is_over_is_told_what_it_costs(responses, lear
     assert len(made.said) == 2  # an edit of the file repeats neither
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_roll_that_is_forgotten_before_its_trial_is_not_tried(responses, learned):
     *_, kept = learned
     made = shop(responses, at_full_radius(kept))

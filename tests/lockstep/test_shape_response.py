@@ -16,7 +16,7 @@ from tests.lockstep.known_response import SPEED_M_S
 from tests.lockstep.test_shape_law import learned, ripple, started
 
 __all__ = ["learned"]
-pytestmark = [pytest.mark.campaign, pytest.mark.timeout(300)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(300)]
 LATE_S = 0.1  # by so much the old response was later than the line is
 
 

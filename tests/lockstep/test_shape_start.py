@@ -45,7 +45,7 @@ def test_the_block_is_a_valid_part_of_the_site_file(tmp_path):
     assert 0.5e-3 < block.start[0].deviation_m < 1.5e-3
 
 
-@pytest.mark.campaign  # quick: a kept shape, test_shape_law.py; the block, above
+@pytest.mark.long  # quick: a kept shape, test_shape_law.py; the block, above
 def test_a_refinements_shape_quiets_the_web_two_turns_after_arming(responses, tmp_path):
     made = shop(responses, site_file=pasted(tmp_path))
     made.bench.run(6.0)
@@ -60,7 +60,7 @@ def test_a_refinements_shape_quiets_the_web_two_turns_after_arming(responses, tm
     assert ripple(made.rows)[2] <= 0.15 * before_N
 
 
-@pytest.mark.campaign  # quick: a saved shape, test_shape_law.py
+@pytest.mark.long  # quick: a saved shape, test_shape_law.py
 def test_a_refinement_that_was_wrong_about_the_roll_is_not_used(responses, tmp_path):
     made = shop(responses, site_file=pasted(tmp_path, shape="ellipse", size_m=0.002))
     made.bench.run(9.0)

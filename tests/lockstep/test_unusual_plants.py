@@ -29,7 +29,7 @@ from tests.lockstep.known_response import SPEED_M_S
 from tests.lockstep.plants import PLANTS, FrameWire, Stand, UnusualPlant, gateway_on
 from tests.lockstep.silent import watched
 
-pytestmark = [pytest.mark.campaign, pytest.mark.timeout(900)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(900)]
 ORDERS = (1, 2, 3, 4)
 """The largest of the shape that setup proposes to learn; nobody says anything of the drive."""
 SILENT_S, ARMED_S, JUDGED_S = 15.0, 40.0, 20.0

@@ -38,7 +38,7 @@ def quick() -> list[object]:
         cheap = [cell for cell in of if cell.wire != "canopen"] or of
         chosen.append(cheap[turn % len(cheap)])
     return [
-        pytest.param(cell, marks=() if cell in chosen else pytest.mark.campaign, id=str(cell))
+        pytest.param(cell, marks=() if cell in chosen else pytest.mark.long, id=str(cell))
         for cell in every
     ]
 

@@ -12,7 +12,7 @@ import pytest
 
 from releasing.commands import ROOT
 
-pytestmark = [pytest.mark.campaign, pytest.mark.timeout(900)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(900)]
 MINE = {
     "etc/aff-runtime/site.yaml": "# the technician's own\n",
     "etc/systemd/system/aff-runtime.service.d/plc.conf": "[Service]\nIPAddressAllow=10.0.0.9\n",

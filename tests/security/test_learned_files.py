@@ -288,7 +288,7 @@ def exchange_while_armed(service: ServiceRun, text: str) -> tuple[dict[str, Any]
     raise AssertionError("never undisturbed")
 
 
-@pytest.mark.campaign  # quick: exchanged while armed, above
+@pytest.mark.long  # quick: exchanged while armed, above
 @pytest.mark.wire
 def test_a_turned_response_does_not_reach_the_line_before_an_operators_bypass(
     service: ServiceRun,

@@ -60,7 +60,7 @@ def test_twenty_jobs_and_a_killed_worker_give_twenty_answers_in_order(tmp_path):
     assert said == ["7: its worker process was ended by signal 9 (Killed); it is done again"]
 
 
-@pytest.mark.campaign  # quick: above, by workers that import less
+@pytest.mark.long  # quick: above, by workers that import less
 def test_twenty_simulations_and_a_killed_worker_give_twenty_answers_in_order(tmp_path):
     said = []
     with SimulationPool([Twin(tmp_path, "killed")], 2, said.append) as bench:
@@ -71,14 +71,14 @@ def test_twenty_simulations_and_a_killed_worker_give_twenty_answers_in_order(tmp
     ]
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_job_may_lose_two_workers(tmp_path):
     with SimulationPool([Twin(tmp_path, "killed", hits=2)], 2) as bench:
         assert answers(bench) == list(range(20))
     assert len(list(tmp_path.iterdir())) == 2
 
 
-@pytest.mark.campaign  # quick: base/test_worker_pool.py
+@pytest.mark.long  # quick: base/test_worker_pool.py
 def test_a_job_that_loses_a_third_worker_is_named(tmp_path):
     with (
         SimulationPool([Twin(tmp_path, "killed", hits=99)], 2) as bench,
@@ -144,7 +144,7 @@ def writes_megabytes(pid):
 
 
 @pytest.mark.skipif(not Path("/proc/self/syscall").exists(), reason="this kernel hides its calls")
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_worker_killed_while_it_hands_over_its_answer_does_not_stop_the_others(tmp_path):
     (tmp_path / "marks").mkdir()
     script = tmp_path / "keeper.py"
@@ -205,7 +205,7 @@ def simulating(parent):
     ]
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_refine_whose_workers_are_killed_has_the_verdict_of_one_left_alone(record, tmp_path):
     parent = begun(["-m", "sim_plant.cli.main", *refine(record, tmp_path / "killed", 2)])
     said = []
@@ -241,7 +241,7 @@ def hits(tmp_path, monkeypatch):
     return say
 
 
-@pytest.mark.campaign  # quick: the same pool in the first test
+@pytest.mark.long  # quick: the same pool in the first test
 def test_a_campaign_whose_worker_is_killed_has_a_row_of_every_case(tmp_path, hits, capsys):
     hits(1)
     assert campaign.run(100, range(4), 2, tmp_path, 1e9) == []
@@ -252,7 +252,7 @@ def test_a_campaign_whose_worker_is_killed_has_a_row_of_every_case(tmp_path, hit
     )
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_case_that_loses_three_workers_has_no_row_and_all_others_have(tmp_path, hits, capsys):
     hits(99)
     assert campaign.run(100, range(4), 2, tmp_path, 1e9) == [1]
@@ -286,7 +286,7 @@ def test_a_torn_row_is_not_done(tmp_path, hits, capsys, data):
     assert said.endswith("); it counts as not done, run it again\n")
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_case_whose_row_is_torn_is_done_again(tmp_path, hits):
     hits(0)
     (tmp_path / "rows").mkdir()
@@ -346,7 +346,7 @@ def test_a_torn_list_of_the_control_bench_is_left_out(tmp_path, capsys):
     assert [row["rows"] for row in json.loads((tmp_path / "runs.json").read_text())] == [3]
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_control_bench_whose_worker_is_killed_has_every_row(tmp_path, hits, capsys):
     jobs = [
         replace(JOB, law=law, case=constant_cases()[at]) for at, law in enumerate(("FxLMS", OWN))

@@ -188,7 +188,7 @@ def test_a_plc_that_behaves_is_never_accused(line: Line) -> None:
     assert not line.accused, line.accused_ms[:3]
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 @settings(deadline=None, max_examples=150, suppress_health_check=list(HealthCheck))
 @given(lines())
 def test_of_many_that_behave_none_is_accused(line: Line) -> None:

@@ -27,7 +27,7 @@ from tests.aff_hmi.commission.serving import Serving
 from tests.aff_hmi.pressed import PASSWORD, Browser, Pressed, quick
 from tests.doubles.recorded_run import LINE_FILE, RecordedRun, files
 
-pytestmark = [pytest.mark.campaign, pytest.mark.timeout(900)]
+pytestmark = [pytest.mark.long, pytest.mark.timeout(900)]
 PATIENCE_S = 500.0
 KEPT = "roll_bounce"
 WITHOUT = " ".join(sorted(set(BY_NAME) - {KEPT}))

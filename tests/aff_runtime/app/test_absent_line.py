@@ -24,7 +24,7 @@ from tests.processes import until
 pytestmark = pytest.mark.processes
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 @pytest.mark.wire
 def test_a_serial_line_that_is_not_there_is_in_log_and_status(tmp_path: Path) -> None:
     site, log = serial_site(tmp_path, "/dev/ttyNONE"), tmp_path / "log"

@@ -153,7 +153,7 @@ sys.stdin.read()
 
 
 # at once in app/supervisor/hand/test_desk.py: who leaves before the answer disturbs nobody
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_screen_killed_in_the_middle_of_its_probe_leaves_one_that_ends_by_itself(
     tmp_path: Path,
 ) -> None:

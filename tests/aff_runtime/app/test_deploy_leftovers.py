@@ -77,7 +77,7 @@ def left(root: Path) -> set[str]:
 
 
 # Its quick test: every file that the installer says it puts is below one that the runbook names.
-@pytest.mark.campaign
+@pytest.mark.long
 def test_taken_away_by_the_runbook_site_files_and_records_are_left_and_then_nothing(
     tmp_path: Path,
 ) -> None:

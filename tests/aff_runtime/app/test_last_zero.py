@@ -61,7 +61,7 @@ def test_a_terminal_that_closes_ends_the_service_with_a_fade(
 
 
 # quick, in virtual time: loop/test_last_zero.py; what is said: supervisor/test_end_of_service.py
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_service_that_stops_while_the_plc_is_silent_claims_no_zero(tmp_path: Path) -> None:
     service = ServiceRun(tmp_path, "--state-dir", "/nowhere")
     try:

@@ -140,7 +140,7 @@ def test_a_good_edit_is_applied_and_logged_with_both_values(service: ServiceRun)
     assert not service.said("CONTROL_DIED")
 
 
-@pytest.mark.campaign  # in virtual time: supervisor/settings/test_desk.py, core/test_controller.py
+@pytest.mark.long  # in virtual time: supervisor/settings/test_desk.py, core/test_controller.py
 def test_an_added_order_gets_its_columns_recorded(service: ServiceRun) -> None:
     service.edit("orders: [1, 2, 3, 4]", "orders: [1, 2, 3, 4, 5]")
     column = "unwind.unwind_5x.amplitude_m_s"
@@ -181,7 +181,7 @@ def test_a_killed_control_process_comes_back_idle(service: ServiceRun) -> None:
     assert service.said("killed by SIGKILL")
 
 
-@pytest.mark.campaign  # in virtual time: matrix/test_may.py, lockstep/test_operator.py
+@pytest.mark.long  # in virtual time: matrix/test_may.py, lockstep/test_operator.py
 def test_a_shadow_run_leaves_fault_by_itself_and_transmits_zero(tmp_path: Path) -> None:
     run = ServiceRun(tmp_path, "--shadow")
     try:
@@ -274,7 +274,7 @@ def test_probe_arm_and_bypass_from_end_to_end(again: ServiceRun) -> None:
     until("FAULT", lambda: again.status().get("state") == "FAULT")
 
 
-@pytest.mark.campaign  # quick: security/test_evidence.py, to its run
+@pytest.mark.long  # quick: security/test_evidence.py, to its run
 def test_stop_ends_everything_and_leaves_a_readable_run(again: ServiceRun) -> None:
     control = again.status()["control_pid"]
     until("it is recorded", lambda: again.status()["recorder"].get("rows", 0) > 10)
@@ -306,7 +306,7 @@ def test_a_signal_that_ends_the_service_is_named_and_so_is_the_zero(
     assert "bypassed, or a probe has ended" not in said
 
 
-@pytest.mark.campaign  # in the middle of a probe: test_commissioning_kills.py
+@pytest.mark.long  # in the middle of a probe: test_commissioning_kills.py
 def test_a_killed_supervisor_takes_the_control_process_along_with_zero(again: ServiceRun) -> None:
     control = again.status()["control_pid"]
     kill(again.process.pid)

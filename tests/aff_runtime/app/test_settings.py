@@ -27,7 +27,7 @@ from aff_runtime.cli.main import main
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
 
-pytestmark = [pytest.mark.campaign, pytest.mark.wire]
+pytestmark = [pytest.mark.long, pytest.mark.wire]
 OLD, NEW = "settle_s: 6,", "settle_s: 12,"
 LINE = "actuators.unwind.blocks[0].settle_s: 6 s -> 12 s (applies at once)"
 

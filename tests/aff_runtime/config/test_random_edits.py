@@ -95,7 +95,7 @@ def test_every_byte_outside_the_edited_values_stays(name: str, end: str) -> None
 
 
 # the test above has as many edits, some at once; here each is of the text that the last has left
-@pytest.mark.campaign
+@pytest.mark.long
 @pytest.mark.parametrize("end", ENDS, ids=("lf", "crlf"))
 @pytest.mark.parametrize("name", FILES)
 def test_every_byte_stays_where_a_thousand_values_are_edited_one_by_one(

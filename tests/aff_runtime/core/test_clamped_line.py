@@ -86,7 +86,7 @@ def _only_follower(site: SiteParams) -> SiteParams:
     return replace(site, actuators=tuple(actuators))
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_clamped_block_reduces_the_ripple_it_can_and_never_adds_to_it() -> None:
     rig = Rig()
     rig.run(Controller(rig.site, {}), 2.0, sends=False)

@@ -168,4 +168,4 @@ HOW = settings(
 OutputRules.TestCase.settings = HOW
 OutputRulesForLong.TestCase.settings = settings(HOW, max_examples=600)
 TestOutputRules = OutputRules.TestCase
-TestOutputRulesForLong = pytest.mark.campaign(OutputRulesForLong.TestCase)
+TestOutputRulesForLong = pytest.mark.long(OutputRulesForLong.TestCase)

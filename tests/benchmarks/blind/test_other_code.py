@@ -108,7 +108,7 @@ def test_a_flat_is_as_deep_as_drawn_and_its_corner_keeps_the_web_off():
     assert slope[share] == pytest.approx(0.16 * np.sin(half - psi), abs=1e-4)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_healthy_line_is_the_same_to_a_tenth_of_the_noise(healthy):
     quiet, other, floor = healthy
     for name in CHANNELS:
@@ -273,13 +273,13 @@ def test_every_effect_drawn_at_one_place_is_held_against_the_other_code():
     assert {hidden.effect for hidden, _ in CASES} == {*TABLE} - {"slip"}
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 @pytest.mark.parametrize(("hidden", "parameters"), CASES, ids=[h.effect for h, _ in CASES])
 def test_an_effect_does_the_same_in_both_codes(healthy, hidden, parameters):
     assert_same(healthy, [hidden], lambda t: [(hidden.location, parameters(t))])
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_slip_on_both_rollers_of_the_s_wrap_does_the_same_in_both_codes(healthy):
     numbers = {"creep_per_m_s": 2e-3, "above_m_s": 0.8}
     hidden = Hidden(effect="slip", location="swrap", parameters=numbers)
@@ -288,7 +288,7 @@ def test_slip_on_both_rollers_of_the_s_wrap_does_the_same_in_both_codes(healthy)
     assert_same(healthy, [hidden], lambda _t: [(place, told_to) for place in places])
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 @pytest.mark.parametrize("path", NUMBERS)
 def test_a_number_that_changes_at_a_moment_does_the_same_in_both_codes(healthy, path):
     size = NUMBERS[path][-1]

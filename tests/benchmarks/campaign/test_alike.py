@@ -46,7 +46,7 @@ def sized(record, fault, chi_square=1000.0):
     return replace(fault, size=fault.size * float(np.sqrt(chi_square / (true @ true))))
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_an_unbalance_at_a_drive_is_a_ripple_of_order_1(record):
     fault = sized(record, Fault(effect="unbalanced_roller", location="swrap", size=5e-3))
     assert ("torque_ripple", "swrap") in alike(record, fault)
@@ -57,7 +57,7 @@ def unbalanced(record, place, chi_square):
     return sized(record, fault, chi_square)
 
 
-@pytest.mark.campaign  # quick: on formulas, below
+@pytest.mark.long  # quick: on formulas, below
 @pytest.mark.parametrize(("chi_square", "hidden"), [(300.0, True), (30_000.0, False)])
 @pytest.mark.sweep(every=2)
 def test_two_weak_rollers_of_one_radius_answer_like_one_between_them(
@@ -73,13 +73,13 @@ def test_two_weak_rollers_of_one_radius_answer_like_one_between_them(
     assert merged(record, [one, in_phase]) == [expected, expected]
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_rollers_of_different_radius_are_not_merged(record):
     faults = [unbalanced(record, "R1", 300.0), unbalanced(record, "swrap", 300.0)]
     assert merged(record, faults) == [[], []]
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_an_idler_alone_in_its_zone_is_told_by_its_line(record):
     fault = sized(record, Fault(effect="eccentric_roller", location="R5", size=5e-6, angle=0.4))
     assert alike(record, fault) == []
@@ -110,7 +110,7 @@ def test_tolerances_take_up_what_answers_like_them_at_the_price_of_their_priors(
     assert beside(np.array([0.0, 7.0, 0.0]), column) == pytest.approx(49.0)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_modulus_within_four_standard_deviations_hardly_shows(record):
     case = Case(number=0, group="single", seed=3)
     modulus = tolerances(case)[1]
@@ -121,7 +121,7 @@ def test_a_modulus_within_four_standard_deviations_hardly_shows(record):
     assert beside(true, tolerated(case, record, [modulus])) < 16.5 < 0.1 * float(true @ true)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_web_warm_between_two_speeds_is_a_wrong_zero_of_the_cell_there(record):
     fault = Fault(effect="thermal_strain", location="pull_roll_zone", size=1e-3)
     assert alike(record, fault) == [("load_cell_calibration", "R5")]

@@ -110,7 +110,7 @@ def test_the_cases_of_one_effect_are_those_that_have_it():
     assert all("splice" in {f.effect for f in case_number(4, n).faults} for n in numbers)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_case_written_has_the_asked_ratio_and_the_noise_it_says(tmp_path):
     case = first("single 0.4", effect="eccentric_roller")
     made = write_case(case, tmp_path)

@@ -84,7 +84,7 @@ def test_only_one_module_knows_the_product_and_only_its_command_line():
     assert imported(folder.parent / "rows.py") == {"aff_runtime.base.files"}
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_healthy_line_is_the_same_to_a_tenth_of_the_noise(healthy):
     quiet, other, floor = healthy
     for name in (*short.CELLS, *short.SPEEDS, "unwind_radius_m"):
@@ -294,7 +294,7 @@ def test_every_effect_drawn_is_held_against_the_other_code_in_each_of_its_forms(
     assert all(BY_NAME[fault.effect].form(fault).name == fault.form for fault, _ in CASES)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 @pytest.mark.parametrize(("fault", "parameters"), CASES, ids=IDS)
 def test_an_effect_does_the_same_in_both_codes(healthy, fault, parameters):
     quiet, other, floor = healthy

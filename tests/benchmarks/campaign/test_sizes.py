@@ -45,7 +45,7 @@ def healthy():
     return at, quiet, floors(noisy, quiet)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_what_a_tolerance_takes_up_does_not_count(healthy):
     at, quiet, floor = healthy
     fault, reached = sized(
@@ -60,7 +60,7 @@ def test_what_a_tolerance_takes_up_does_not_count(healthy):
     assert raw > 0.5
 
 
-@pytest.mark.campaign  # quick: on a formula, below
+@pytest.mark.long  # quick: on a formula, below
 def test_what_tolerances_take_up_whole_ends_at_a_size_that_speaks_for_itself(healthy, monkeypatch):
     monkeypatch.setattr(sizes, "visible", lambda *_: 1e-3)
     fault = Fault(effect="bearing_drag", location="R1", size=0.01)
@@ -69,7 +69,7 @@ def test_what_tolerances_take_up_whole_ends_at_a_size_that_speaks_for_itself(hea
     assert reached < 0.2
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_delay_is_a_whole_number_of_drive_ticks(healthy):
     fault = Fault(effect="loop_delay", location="rewind", size=0.03)
     made, reached = sized(CASE, *healthy[:1], fault, *healthy[1:])
@@ -77,7 +77,7 @@ def test_a_delay_is_a_whole_number_of_drive_ticks(healthy):
     assert reached == pytest.approx(0.4, rel=0.1)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_case_without_a_ratio_keeps_its_size(healthy):
     fault = Fault(effect="eccentric_roller", location="R2", size=1e-5)
     case = Case(number=0, group="single", seed=3)

@@ -21,7 +21,7 @@ def busy(parent, scratch):
     return descendants(parent.pid)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_workers_end_with_a_campaign_that_was_killed(tmp_path):
     parent = begun(
         [

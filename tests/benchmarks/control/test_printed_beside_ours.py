@@ -23,7 +23,7 @@ from tests.lockstep.bench import SITE, Bench, Setup
 from tests.lockstep.known_response import known_responses
 from tests.lockstep.silent import SKIPPED_S, silent
 
-pytestmark = pytest.mark.campaign  # one of them in a minute: test_printed.py
+pytestmark = pytest.mark.long  # one of them in a minute: test_printed.py
 CLAMP_M_S = 0.02
 LEARN_S, JUDGED_S = 30.0, 10.0
 TENSION = ("unwind_tension_N", "tension_ref_N")

@@ -112,7 +112,7 @@ def test_what_keeps_every_number_is_the_plain_file_to_the_bit(columns, tmp_path,
     assert all((found.columns[name] == plain.columns[name]).all() for name in plain.columns)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_container_whose_stamps_are_rounded_gives_the_verdict_of_the_plain_file(
     columns, from_csv, line_file, tmp_path
 ):

@@ -72,7 +72,7 @@ def references(line: LineSimulation, frames: int) -> tuple[Array, ...]:
 @pytest.mark.parametrize(
     "row",
     [
-        pytest.param(row, id=row.name, marks=() if row.name in QUICK else pytest.mark.campaign)
+        pytest.param(row, id=row.name, marks=() if row.name in QUICK else pytest.mark.long)
         for row in CATALOGUE
     ],
 )
@@ -90,7 +90,7 @@ def test_each_effect_gives_the_kernels_numbers_to_the_last_bit(
 
 
 @pytest.mark.parametrize(
-    "limits", ["loop", pytest.param("correction", marks=pytest.mark.campaign)]
+    "limits", ["loop", pytest.param("correction", marks=pytest.mark.long)]
 )
 def test_a_limit_of_a_part_of_the_reference_gives_the_kernels_numbers_too(
     limits: str, kernel: ctypes.CDLL

@@ -46,7 +46,7 @@ def test_a_nip_on_a_roll_that_grows_and_one_without_a_radius_are_refused(
 
 
 @pytest.mark.parametrize(
-    "among", [("nip_pulse", "torque_ripple"), pytest.param((), marks=pytest.mark.campaign)]
+    "among", [("nip_pulse", "torque_ripple"), pytest.param((), marks=pytest.mark.long)]
 )
 def test_refine_finds_it_at_its_roller_with_the_radius_of_the_nip(among: tuple[str, ...]) -> None:
     """Ground 0.06 mm too large, so no radius that is tried is its own."""
@@ -60,7 +60,7 @@ def test_refine_finds_it_at_its_roller_with_the_radius_of_the_nip(among: tuple[s
     assert numbers["nip_radius_m"] == pytest.approx(0.04003, rel=2e-4)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_whole_ratio_is_a_ripple_of_that_order_until_the_nip_is_opened() -> None:
     nip = effect("nip_pulse", "pull_roll", nip_radius_m=RADIUS_M / 2.0, cos_N=20.0)
     ripple = EffectAt("torque_ripple", "pull_roll")

@@ -27,7 +27,7 @@ def test_a_mesh_of_a_few_teeth_shows_at_its_count() -> None:
 
 
 @pytest.mark.parametrize("among", [("torque_ripple", "unbalanced_roller"), ()])
-@pytest.mark.campaign  # quick: the same way, test_nip_pulse.py
+@pytest.mark.long  # quick: the same way, test_nip_pulse.py
 def test_refine_finds_it_at_its_drive_and_order(among: tuple[str, ...]) -> None:
     hidden = effect("torque_ripple", "pull_roll", order=5.0, cos_N_m=0.3, sin_N_m=-0.4)
     found = traced(hidden, among)

@@ -11,7 +11,7 @@ from tests.made_once import made_once
 LINE_FILE = Path(__file__).parents[3] / "config" / "lines" / "euclid.yaml"
 
 
-@pytest.fixture(scope="session", params=["3.0", pytest.param("2.0", marks=pytest.mark.campaign)])
+@pytest.fixture(scope="session", params=["3.0", pytest.param("2.0", marks=pytest.mark.long)])
 def fmu(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory, worker_id: str
 ) -> Path:

@@ -122,7 +122,7 @@ def test_names_of_any_kind_reach_the_description_whole(odd: Export) -> None:
     assert {"rollers.'R<9>\"&%s'.angle_rad", "'aff_pull-roll_m_s'", "'true_R3 N'"} <= names
 
 
-@pytest.mark.campaign  # compiles; quick: the names, above
+@pytest.mark.long  # compiles; quick: the names, above
 def test_a_compiler_and_an_importer_take_names_of_any_kind(odd: Export, tmp_path: Path) -> None:
     fmu.write_fmu(odd, tmp_path / "odd.fmu")
     validation = pytest.importorskip("fmpy.validation", reason="FMPy, of the extra dev")

@@ -42,7 +42,7 @@ def line(fmu: Path) -> Iterator[Imported]:
     made.close()
 
 
-@pytest.mark.campaign  # its look takes 3 s; quick: FMPy reads and runs it
+@pytest.mark.long  # its look takes 3 s; quick: FMPy reads and runs it
 def test_fmpy_finds_no_problem_and_the_file_is_small(fmu: Path) -> None:
     assert validate_fmu(str(fmu)) == []
     assert fmu.stat().st_size < 1_000_000
@@ -57,7 +57,7 @@ def test_a_quiet_run_with_steps_and_a_sine_is_the_kernels_to_the_last_bit(line: 
     assert np.ptp(mine["unwind_tension_N"]) > 5.0
 
 
-@pytest.mark.campaign  # quick: the same translation in codegen/test_scalar.py
+@pytest.mark.long  # quick: the same translation in codegen/test_scalar.py
 @pytest.mark.parametrize("row", [pytest.param(row, id=row.name) for row in CATALOGUE])
 def test_each_effect_is_the_kernels_to_the_last_bit(row: Effect, tmp_path: Path) -> None:
     declared = with_effect(LINE, row)
@@ -93,7 +93,7 @@ def test_fmpy_simulates_it_as_any_other_and_its_outputs_are_the_kernels(fmu: Pat
     assert np.max(np.abs(found["true_unwind_tension_N"] - mine)) == 0.0
 
 
-@pytest.mark.campaign  # quick: its binary is compiled from this source
+@pytest.mark.long  # quick: its binary is compiled from this source
 def test_an_importer_compiles_it_from_its_source(fmu: Path, tmp_path: Path) -> None:
     folder = tmp_path / "unpacked"
     with zipfile.ZipFile(fmu) as archive:
@@ -116,7 +116,7 @@ def test_two_exports_of_the_source_are_the_same_bytes(tmp_path: Path) -> None:
     assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
-@pytest.mark.campaign  # quick: of the source, above
+@pytest.mark.long  # quick: of the source, above
 def test_two_exports_are_the_same_bytes(fmu: Path, tmp_path: Path) -> None:
     version = "3.0" if b"instantiationToken" in _description(fmu) else "2.0"
     again = exported(tmp_path / "euclid.fmu", settled_line(LINE), version)

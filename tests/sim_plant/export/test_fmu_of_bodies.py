@@ -28,7 +28,7 @@ SEEN = [
 ]
 
 
-compiles = [pytest.param(version, marks=pytest.mark.campaign) for version in ("3.0", "2.0")]
+compiles = [pytest.param(version, marks=pytest.mark.long) for version in ("3.0", "2.0")]
 
 
 @pytest.fixture(scope="module", params=compiles)

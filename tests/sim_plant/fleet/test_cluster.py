@@ -25,7 +25,7 @@ def text_in(path):
     return path.read_text(encoding="utf-8")
 
 
-@pytest.mark.campaign  # quick: numbers and answers, below
+@pytest.mark.long  # quick: numbers and answers, below
 def test_results_come_with_their_numbers_and_jobs_are_taken_when_there_is_room():
     taken = []
 
@@ -56,7 +56,7 @@ def test_a_killed_process_is_done_again_and_one_that_never_answers_is_told(tmp_p
     assert "it: every try was lost, its last process took longer than 0.2 s" in str(lost)
 
 
-@pytest.mark.campaign  # quick: on a cluster of ours, above
+@pytest.mark.long  # quick: on a cluster of ours, above
 def test_a_killed_worker_of_a_cluster_started_by_hand_loses_nothing(tmp_path):
     address = tmp_path / "scheduler.json"
     dask = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--host", "127.0.0.1"]

@@ -19,7 +19,7 @@ PAGE = Path(__file__).parents[3] / "docs" / "engineer" / "fleet.md"
 QUERIES = re.findall(r"```sql\n(.*?)```", PAGE.read_text(), re.DOTALL)
 
 
-@pytest.mark.campaign  # 24 draws; quick: one, above
+@pytest.mark.long  # 24 draws; quick: one, above
 def test_lines_differ_in_web_and_effect_and_about_three_in_ten_are_healthy() -> None:
     lines = [example.drawn(1, number) for number in range(1, 25)]
     assert len({text for text, _ in lines}) == 24

@@ -50,7 +50,7 @@ def plan(tmp_path):
     return found
 
 
-@pytest.mark.campaign  # real processes of refine; quick: the next
+@pytest.mark.long  # real processes of refine; quick: the next
 def test_what_has_a_row_is_not_done_again_and_a_failure_is_a_row(plan, capsys):
     said = []
     outcome = refine_fleet(plan, said.append)
@@ -235,7 +235,7 @@ def test_folders_named_from_here_reach_workers_that_are_elsewhere(plan, monkeypa
     assert all(path.is_absolute() for path in paths)
 
 
-@pytest.mark.campaign  # a process of refine; quick: what is a look, in test_looks
+@pytest.mark.long  # a process of refine; quick: what is a look, in test_looks
 def test_what_cannot_be_read_is_a_failed_row_with_its_name_and_the_night_goes_on(plan):
     broken = plan.runs / "film2" / "2026-11-20_a.csv"
     broken.unlink()
@@ -254,7 +254,7 @@ def test_what_cannot_be_read_is_a_failed_row_with_its_name_and_the_night_goes_on
     assert "1 nothing, 2 failed" in page or "2 failed, 1 nothing" in page
 
 
-@pytest.mark.campaign  # quick: a killed process of a job, in test_cluster
+@pytest.mark.long  # quick: a killed process of a job, in test_cluster
 def test_a_worker_killed_in_the_middle_leaves_the_same_table(plan, tmp_path, monkeypatch):
     monkeypatch.setattr(pipeline, "refine_look", jobs.one_waits)
     note, wanted = plan.lines / "who", plan.lines / "wanted"

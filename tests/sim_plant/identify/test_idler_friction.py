@@ -61,7 +61,7 @@ def test_both_coefficients_come_back_and_intervals_cover(clean: list[dict[str, A
     assert sum(fit.viscous_N_m_s.covers(B) for fit in fits) >= 90
 
 
-@pytest.mark.campaign  # quick: both coefficients, above
+@pytest.mark.long  # quick: both coefficients, above
 def test_a_line_run_with_its_own_sensors_in_the_loop_gives_the_same() -> None:
     found = []
     for number, speed in enumerate(SPEEDS):

@@ -1,6 +1,6 @@
 """The tests of the recipe page pass, on real processes and sockets in stepped time.
 
-All of them are of the campaign; quick are one test of the plugin and what the page itself shows.
+All of them are long; quick are one test of the plugin and what the page itself shows.
 """
 
 import os
@@ -112,14 +112,14 @@ def test_every_fault_has_a_test_on_the_page():
     assert {fault.value for fault in Fault} <= named
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_every_test_on_the_page_passes_and_none_is_skipped(page):
     done, _ = page
     assert done.returncode == 0, done.stdout + done.stderr
     assert re.search(r"^\d+ passed in ", done.stdout, re.MULTILINE), done.stdout
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_every_test_on_the_page_passes_on_the_line_that_a_stranger_gets(tmp_path):
     """On the model itself; the others of this file stand on one that needs no compiler."""
     (tmp_path / "test_page.py").write_text("\n".join(_BLOCK.findall(PAGE.read_text("utf-8"))))
@@ -128,7 +128,7 @@ def test_every_test_on_the_page_passes_on_the_line_that_a_stranger_gets(tmp_path
     assert re.search(r"^\d+ passed in ", done.stdout, re.MULTILINE), done.stdout
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_every_fault_is_injected_by_a_test_of_the_page(page):
     _, injected = page
     names = {parse_fault(spec).fault for spec in injected.read_text().split()}
@@ -144,14 +144,14 @@ def beside(tmp_path_factory):
     return _pytest(folder, "-rp"), folder
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_other_kinds_of_line_do_what_the_page_says_of_them(beside):
     done, _ = beside
     passed = re.findall(r"^PASSED test_kinds.py::(\w+)$", done.stdout, re.MULTILINE)
     assert passed == re.findall(r"^def (test_\w+)", KINDS, re.MULTILINE), done.stdout + done.stderr
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_what_goes_wrong_is_told_and_no_process_stays(beside):
     done, folder = beside
     assert "3 failed" in done.stdout

@@ -34,7 +34,7 @@ def only(kind: str) -> Declaration:
     return LINE.model_copy(update=left)
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 @pytest.mark.timeout(900)
 @pytest.mark.parametrize(
     ("kind", "roller"),

@@ -42,7 +42,7 @@ def files(tmp_path):
     return tmp_path
 
 
-@pytest.mark.campaign  # a whole refine; quick: on a short record, test_short_line.py
+@pytest.mark.long  # a whole refine; quick: on a short record, test_short_line.py
 @pytest.mark.timeout(300)
 def test_line_file_and_sidecar_are_each_parsed_once(files, monkeypatch, capsys):
     parsed, parse = [], load.parse_yaml

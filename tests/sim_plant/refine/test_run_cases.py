@@ -61,7 +61,7 @@ def test_a_clean_record_has_all_channels_of_the_owners_line_under_the_same_refer
     assert columns["unwind_tension_N"][-1000:].mean() == pytest.approx(95.0, abs=0.3)
 
 
-@pytest.mark.campaign  # quick: the owner's line
+@pytest.mark.long  # quick: the owner's line
 def test_a_clean_record_with_the_shipped_site_files_channels_is_one_of_the_line(tmp_path):
     files = write_files(tmp_path, drawn(IDLER, 1))
     fewer = replace(files, line=with_channels(files, tmp_path / "l.yaml", service=False))

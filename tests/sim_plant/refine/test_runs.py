@@ -95,7 +95,7 @@ def phasors(twin, measured, parts):
     return found
 
 
-@pytest.mark.campaign  # quick: what was sent, records/test_run_record.py
+@pytest.mark.long  # quick: what was sent, records/test_run_record.py
 def test_the_idler_is_the_same_where_aff_cancels_it_as_where_it_is_off(short_run):
     record = run_on_line(LINE, read_record(short_run))
     twin, tension = twin_of(LINE, record), record.columns["unwind_tension_N"]
@@ -119,7 +119,7 @@ def refined(runs, line_file, out, capsys):
     return json.loads((out / "verdict.json").read_text()), capsys.readouterr().out
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_a_hidden_eccentric_idler_is_traced_with_aff_on_in_half_of_the_run(
     runs, line_file, tmp_path, capsys
 ):
@@ -138,7 +138,7 @@ def test_a_hidden_eccentric_idler_is_traced_with_aff_on_in_half_of_the_run(
     assert "not recorded: r3_tension_N, rewind_tension_N" in said
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_with_one_segment_lost_and_the_last_one_torn_the_idler_is_still_what_it_is(
     short_run, tmp_path
 ):

@@ -24,7 +24,7 @@ def test_every_experiment_of_the_list_is_there_once() -> None:
     assert len(BY_IDENTITY) == len(CATALOGUE)
 
 
-campaign = pytest.mark.campaign
+long = pytest.mark.long
 """They compute for 5 s; quick: single figures of some, test_experiments.py."""
 
 
@@ -33,7 +33,7 @@ def results() -> dict[str, Result]:
     return {identity: BY_IDENTITY[identity].run() for identity in QUICK}
 
 
-@campaign
+@long
 @pytest.mark.parametrize("identity", QUICK)
 def test_has_figure_numbers_and_kept_promises(identity: str, results: dict[str, Result]) -> None:
     found = results[identity]
@@ -48,7 +48,7 @@ def value(results: dict[str, Result], identity: str, start: str) -> float:
     return row.ours
 
 
-@campaign
+@long
 def test_corrected_formulas_meet_the_exact_tangent_below_ten_nanometres(
     results: dict[str, Result],
 ) -> None:
@@ -58,7 +58,7 @@ def test_corrected_formulas_meet_the_exact_tangent_below_ten_nanometres(
         assert max(g.difference for g in lengths) < 1e-8
 
 
-@campaign
+@long
 @pytest.mark.parametrize(
     ("identity", "row", "expected", "tolerance"),
     [

@@ -86,7 +86,7 @@ def test_chosen_keeps_catalogue_order() -> None:
 
 @pytest.mark.parametrize(
     "work",
-    [named, pytest.param(gallery.run_one, marks=pytest.mark.campaign)],  # that imports for 4 s
+    [named, pytest.param(gallery.run_one, marks=pytest.mark.long)],  # that imports for 4 s
     ids=["light", "real"],
 )
 def test_two_processes_give_what_one_gives(

@@ -103,7 +103,7 @@ def test_the_begin_of_a_library_is_watched_too(
 @pytest.mark.processes
 @pytest.mark.parametrize(
     ("code", "function"),
-    [(CODE, "scan"), pytest.param(BEGINS_NOT, "begin", marks=pytest.mark.campaign)],
+    [(CODE, "scan"), pytest.param(BEGINS_NOT, "begin", marks=pytest.mark.long)],
 )  # quick: the begin is watched, above
 def test_a_served_line_ends_by_itself_when_its_code_does_not_return(
     tmp_path: Path, code: str, function: str

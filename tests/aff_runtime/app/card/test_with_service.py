@@ -11,7 +11,7 @@ from aff_runtime.cli.main import main
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
 
-pytestmark = [pytest.mark.campaign, pytest.mark.wire]
+pytestmark = [pytest.mark.long, pytest.mark.wire]
 
 
 @pytest.fixture(scope="module")

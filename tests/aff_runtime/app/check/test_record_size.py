@@ -37,7 +37,7 @@ def test_a_faster_cycle_and_a_larger_disk_change_it_in_proportion() -> None:
     assert record_line(fast).endswith("(174 columns at 1 ms); a day takes 42000 MB")
 
 
-@pytest.mark.campaign  # simulates 45 s; quick: the columns and the sentence above
+@pytest.mark.long  # simulates 45 s; quick: the columns and the sentence above
 def test_a_real_segment_has_these_columns_and_this_size(tmp_path: Path) -> None:
     made = files(tmp_path, reference=False, cancels="", site_file=EUCLID)
     run = RecordedRun(made, tmp_path / "runs", law_too=True)

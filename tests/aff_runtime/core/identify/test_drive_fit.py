@@ -88,7 +88,7 @@ def held(seeds: Iterable[int]) -> list[bool]:
     return said
 
 
-@pytest.mark.campaign  # quick: intervals of two drives, below
+@pytest.mark.long  # quick: intervals of two drives, below
 @pytest.mark.parametrize("seed", range(DRAWS))
 def test_drawn_drives_are_found_within_15_percent(seed):
     line = drawn(seed)
@@ -101,12 +101,12 @@ def test_intervals_of_two_drives_hold_what_is_true():
     assert np.mean(held((1, 6))) >= 0.9
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_intervals_hold_what_is_true():
     assert np.mean(held(range(DRAWS))) >= 0.9
 
 
-@pytest.mark.campaign  # quick: intervals of two drives
+@pytest.mark.long  # quick: intervals of two drives
 def test_more_noise_makes_wider_intervals():
     quiet, loud = (found(LinearLine(), noise=noise) for noise in (0.005, 0.05))
     for name in ("speed_gain_rad_s", "inertia_kg_m2", "stiffness_N_m"):
@@ -119,7 +119,7 @@ def test_friction_that_cannot_be_told_has_an_interval_around_it():
     assert drive.friction_N_m_s.low < 0.02 < drive.friction_N_m_s.high
 
 
-@pytest.mark.campaign  # quick: the numbers are the true ones
+@pytest.mark.long  # quick: the numbers are the true ones
 def test_the_unit_of_the_correction_scales_nothing_else():
     """Twice the correction makes twice the answers: the drive is the same."""
     once = LinearLine().phasors(TONES_Hz, 1e-3)

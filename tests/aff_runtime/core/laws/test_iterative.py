@@ -136,7 +136,7 @@ def test_a_response_that_is_none_moves_nothing(response):
     assert abs(weights).max() == 0.0
 
 
-@pytest.mark.campaign  # quick, on a small line: test_catalogue.py
+@pytest.mark.long  # quick, on a small line: test_catalogue.py
 def test_on_the_line_its_orders_fall_by_30_dB_or_to_the_noise_within_the_limits():
     params = site_params(load_site(SITE))
     law = replace(params, actuators=tuple(replace(a, law="iterative") for a in params.actuators))

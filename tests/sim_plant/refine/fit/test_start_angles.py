@@ -59,7 +59,7 @@ def test_what_has_no_angle_stays_as_declared():
     )
 
 
-@pytest.mark.campaign  # quick: a declared roller, above
+@pytest.mark.long  # quick: a declared roller, above
 def test_a_profile_declared_without_an_angle_is_turned_too():
     flat = EffectEntry(
         effect="out_of_round_roll", location="unwind", parameters={"shape": "flat", "size_m": 0.01}

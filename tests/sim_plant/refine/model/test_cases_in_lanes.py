@@ -24,7 +24,7 @@ ROWS = 600
 CLOSE = 1e-9
 """Of what moves in a channel."""
 BUILDS = [
-    pytest.param(name, marks=() if name == "avx512" else pytest.mark.campaign)
+    pytest.param(name, marks=() if name == "avx512" else pytest.mark.long)
     for name in library.BUILDS
 ]
 
@@ -85,9 +85,9 @@ def worst(one: Array, other: Array) -> float:
     return float(np.max(np.abs(one - other) / moves))
 
 
-@pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.campaign)])
+@pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.long)])
 @pytest.mark.parametrize(
-    "draw", [1, *(pytest.param(n, marks=pytest.mark.campaign) for n in (2, 3))]
+    "draw", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (2, 3))]
 )
 def test_side_by_side_is_one_by_one_to_a_billionth_of_the_ripple(
     draw: int, quick: bool, build: library.Lanes
@@ -143,7 +143,7 @@ def test_groups_hold_one_record_one_tick_and_noise_or_none() -> None:
         assert len({(case.quick, case.seed is None) for case in group}) == 1
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_two_processes_give_the_numbers_of_one() -> None:
     cases = drawn(np.random.default_rng(4), list(CATALOGUE), quick=True)
     found = []

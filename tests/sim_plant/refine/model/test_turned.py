@@ -27,7 +27,7 @@ ROTATING = [e for e in CATALOGUE if e.quadratures and not isinstance(e.shows, Fr
 LIKE_ANOTHER = ("eccentric_roller", "unbalanced_measuring_roller")
 """Turned as the unbalance of a roller, and as an encoder's: against the angle."""
 TRIED = [
-    pytest.param(e, marks=pytest.mark.campaign if e.name in LIKE_ANOTHER else ()) for e in ROTATING
+    pytest.param(e, marks=pytest.mark.long if e.name in LIKE_ANOTHER else ()) for e in ROTATING
 ]
 
 

@@ -30,7 +30,7 @@ FULL_S, ROOM_S = 21.0, 25.0
 BUFFERED_ROWS = 100
 """Rows in half a second: so much of a part may be in a file still, or in none yet."""
 
-ON_WIRES = [pytest.param(wire, marks=pytest.mark.campaign) for wire in ("modbus", "can")]
+ON_WIRES = [pytest.param(wire, marks=pytest.mark.long) for wire in ("modbus", "can")]
 """The rows alone differ."""
 
 

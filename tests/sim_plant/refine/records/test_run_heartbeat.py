@@ -91,7 +91,7 @@ def test_a_run_with_a_heartbeat_of_eight_bits_is_one_record(tmp_path):
         assert len(guessed) == (said == 0)
 
 
-@pytest.mark.campaign  # quick: the same rows by a formula, above
+@pytest.mark.long  # quick: the same rows by a formula, above
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("bits", [8, 12])
 def test_a_plc_on_can_with_a_short_heartbeat_gives_a_run_that_is_one_record(tmp_path, bits):

@@ -44,7 +44,7 @@ def test_a_correction_sent_as_a_float_is_not_rounded_to_its_scale():
     assert site.actuators["unwind"].count == 0.0
 
 
-@pytest.mark.campaign  # quick: the factor of a DBC, above
+@pytest.mark.long  # quick: the factor of a DBC, above
 @pytest.mark.timeout(300)
 def test_on_can_by_dbc_counts_are_those_of_the_database_not_the_site_files_factor(tmp_path):
     made = write_files(tmp_path, drawn(IDLER, 1), "can")

@@ -83,7 +83,7 @@ def test_a_size_that_may_as_well_be_nothing_is_no_estimate(spread_N, known):
     assert certain_size(fit) == known
 
 
-@pytest.mark.campaign  # quick: a flat spot, above; orders that stay, below
+@pytest.mark.long  # quick: a flat spot, above; orders that stay, below
 def test_an_outline_that_no_name_has_is_the_nearest_profile_with_what_it_lacks_by_orders():
     """Two bumps of unlike height, 100 degrees apart: no profile of one has these orders."""
     bump = {"shape": "asym", "finest_order": 64.0, "rise_rad": 0.4, "fall_rad": 0.3}

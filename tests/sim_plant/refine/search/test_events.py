@@ -104,7 +104,7 @@ def test_an_event_far_below_what_is_needed_is_not_looked_at(share, looked_at):
     assert bool(found) == looked_at
 
 
-@pytest.mark.campaign  # quick: moments and ends are found, above
+@pytest.mark.long  # quick: moments and ends are found, above
 def test_an_event_that_stands_seconds_off_is_placed_anew():
     """What it leaves would pass for a second event."""
     numbers = {"strain": 5e-4, "from_s": 31.2, "rise_s": 0.6, "hold_s": 15.2}

@@ -99,7 +99,7 @@ def test_the_example_needs_a_line(plan, tmp_path, capsys):
     assert not (tmp_path / "x").exists()
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_of_two_held_out_records_the_first_is_judged_and_that_is_said(plan, tmp_path):
     held = tuple(write_belt(tmp_path / f"h{k}.csv", 20 + k, 1.3, amplitude=0.0) for k in (0, 1))
     two = RefineRequest(line=plan.line, records=plan.records, holdout=held, out=tmp_path / "two")
@@ -125,7 +125,7 @@ def test_another_sample_time_is_refused(plan, tmp_path):
         read_stamped(declared_in(other), plan.records[0])
 
 
-@pytest.mark.campaign  # quick: the travel line, below
+@pytest.mark.long  # quick: the travel line, below
 @pytest.mark.skipif(not SHARED.exists(), reason="measured records are not here (shared/data)")
 def test_the_winding_record_names_its_clock_and_no_roller(tmp_path):
     plan = RefineRequest(
@@ -142,7 +142,7 @@ def test_the_winding_record_names_its_clock_and_no_roller(tmp_path):
 
 
 @pytest.mark.skipif(not SHARED.exists(), reason="measured records are not here (shared/data)")
-@pytest.mark.campaign
+@pytest.mark.long
 def test_the_belt_has_the_same_travel_lines_fast_and_slow(tmp_path):
     folder = SHARED / "treadmill_belt"
     plan = RefineRequest(

@@ -62,7 +62,7 @@ def test_even_stamps_stay_as_they_are(declaration, tmp_path):
     assert found.record.samples == SIZE
 
 
-@pytest.mark.campaign  # quick: the grid, above; the shift, general/
+@pytest.mark.long  # quick: the grid, above; the shift, general/
 def test_a_shift_is_found_through_uneven_stamps_and_judged_on_them(declaration, tmp_path):
     plan = RefineRequest(
         line=tmp_path / "y.yaml",

@@ -51,7 +51,7 @@ def judged(records, found):
     return cache(lambda fitted, held: judge(found[fitted], records[held]))
 
 
-@pytest.mark.campaign  # quick: a shift that is known, general/
+@pytest.mark.long  # quick: a shift that is known, general/
 @pytest.mark.parametrize(
     ("fitted", "held", "plain", "shift_ms"),
     [
@@ -73,7 +73,7 @@ def test_the_shift_between_records_is_found_and_beats_plain_least_squares(
     assert 1e3 * STEP_S * there.shift_samples[0] == pytest.approx(shift_ms, abs=0.7)
 
 
-@pytest.mark.campaign  # quick: one shift, above
+@pytest.mark.long  # quick: one shift, above
 def test_the_shifts_of_three_records_add_up(judged):
     """What one record is later than a second and that than a third is found between the ends."""
     fast_of_slow = judged("SlowSpeed1", "FastSpeed1")

@@ -26,7 +26,7 @@ SPAN_OF_SMALL_M = 1.20193
 
 
 @pytest.fixture(
-    scope="session", params=["by formula", pytest.param("simulated", marks=pytest.mark.campaign)]
+    scope="session", params=["by formula", pytest.param("simulated", marks=pytest.mark.long)]
 )
 def abab_run(request, tmp_path_factory, worker_id):
     """Off 30 s, on 37 s, off 26 s, on 37 s; and the true tension and angle."""

@@ -35,7 +35,7 @@ SIGNAL, ROLL = "pullroll_tension_N", "swrap_follower"
 
 
 @pytest.fixture(
-    scope="module", params=["by formula", pytest.param("simulated", marks=pytest.mark.campaign)]
+    scope="module", params=["by formula", pytest.param("simulated", marks=pytest.mark.long)]
 )
 def made(request, tmp_path_factory):
     """A run of 75 s, off and then on, an eccentric follower; the true tension beside it."""

@@ -61,7 +61,7 @@ def r6(store, column):
     return float(store.orders[column][chosen][0])
 
 
-@pytest.mark.campaign
+@pytest.mark.long
 def test_the_stroke_is_proportional_to_the_eccentricity_though_its_ripple_is_cancelled(runs):
     once, twice = map(of, runs)
     assert r6(twice, "stroke_m") == pytest.approx(2.0 * r6(once, "stroke_m"), rel=0.03)

@@ -20,7 +20,7 @@ from aff_runtime.app.report.watching.sentences import notes
 from aff_runtime.app.report.watching.store import Store
 from tests.doubles.virtual_weeks import BEGAN, KM_A_DAY, N_PER_M, Weeks, write_weeks
 
-pytestmark = pytest.mark.campaign
+pytestmark = pytest.mark.long
 GROWS, SCATTER = 8e-9, 1e-6
 """m per km; m."""
 EXCHANGED, LAST = 28, 42

@@ -96,13 +96,13 @@ def test_friction_by_sign_is_found_with_its_step():
     within(*only(act, "friction_by_sign", "step"), 0.8, 0.03)
 
 
-@pytest.mark.campaign  # quick: friction, play, zero and shift
+@pytest.mark.long  # quick: friction, play, zero and shift
 def test_a_dead_band_is_found_with_its_half_width():
     act = lambda u: 2.0 * np.sign(u) * np.maximum(np.abs(u) - 0.4, 0.0)  # noqa: E731
     within(*only(act, "dead_band", "half_width"), 0.4, 0.02)
 
 
-@pytest.mark.campaign  # quick: friction, play, zero and shift
+@pytest.mark.long  # quick: friction, play, zero and shift
 def test_saturation_is_found_with_its_limit():
     act = lambda u: 2.0 * np.clip(u, -1.1, 1.1)  # noqa: E731
     within(*only(act, "saturation", "limit"), 1.1, 0.02)
@@ -113,13 +113,13 @@ def test_backlash_is_found_with_its_play():
     within(*only(act, "backlash", "play"), 0.5, 0.02)
 
 
-@pytest.mark.campaign  # quick: friction, play, zero and shift
+@pytest.mark.long  # quick: friction, play, zero and shift
 def test_a_static_curve_is_found_with_its_bend():
     act = lambda u: 2.0 * (u + 0.2 * u**2)  # noqa: E731
     within(*only(act, "static_nonlinearity", "square_per_unit"), 0.2, 0.03)
 
 
-@pytest.mark.campaign  # quick: friction, play, zero and shift
+@pytest.mark.long  # quick: friction, play, zero and shift
 def test_friction_by_speed_is_found_where_the_filter_takes_rates():
     records = []
     for seed in (1, 2, 3):
@@ -133,7 +133,7 @@ def test_friction_by_speed_is_found_where_the_filter_takes_rates():
     within(said.numbers["per_unit2"], said.interval95["per_unit2"], 0.7, 0.05)
 
 
-@pytest.mark.campaign  # quick: friction, play, zero and shift
+@pytest.mark.long  # quick: friction, play, zero and shift
 def test_a_gain_that_depends_on_the_speed_is_found_with_its_slope():
     speed = 2.0 + np.sin(2.0 * np.pi * np.arange(SIZE) / 2000.0)
     act = lambda u: 2.0 * (1.0 + 0.25 * (speed - 2.0)) * u  # noqa: E731
