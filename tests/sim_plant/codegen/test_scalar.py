@@ -89,9 +89,7 @@ def test_each_effect_gives_the_kernels_numbers_to_the_last_bit(
     assert np.isfinite(line.state.y).all()
 
 
-@pytest.mark.parametrize(
-    "limits", ["loop", pytest.param("correction", marks=pytest.mark.long)]
-)
+@pytest.mark.parametrize("limits", ["loop", pytest.param("correction", marks=pytest.mark.long)])
 def test_a_limit_of_a_part_of_the_reference_gives_the_kernels_numbers_too(
     limits: str, kernel: ctypes.CDLL
 ) -> None:

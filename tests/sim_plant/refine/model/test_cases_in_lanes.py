@@ -86,9 +86,7 @@ def worst(one: Array, other: Array) -> float:
 
 
 @pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.long)])
-@pytest.mark.parametrize(
-    "draw", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (2, 3))]
-)
+@pytest.mark.parametrize("draw", [1, *(pytest.param(n, marks=pytest.mark.long) for n in (2, 3))])
 def test_side_by_side_is_one_by_one_to_a_billionth_of_the_ripple(
     draw: int, quick: bool, build: library.Lanes
 ) -> None:
