@@ -98,7 +98,7 @@ def linear_model(frequency_Hz: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("frequency_Hz", [0.5, 2.0, 5.0, 12.0])
-@pytest.mark.sweep(every=6)
+@pytest.mark.sweep(every=2)
 def test_frequency_response_is_that_of_the_linear_model(frequency_Hz: float) -> None:
     # whole steps a period; within 1e-4 of what it is at 1 ms
     size, step = 1e-4, min(4e-3, 0.02 / frequency_Hz)
