@@ -178,11 +178,7 @@ def probe(bench: Bench, progress: Progress) -> str:
 
 
 def arm(bench: Bench, progress: Progress) -> None:
-    """Arm, again where nothing stands against it any more.
-
-    A probe that has identified a drive has another law begin, in a control process of its own:
-    one that has just started arms a moment later.
-    """
+    """Arm, again where what stood against it in that moment is over, as after a pause."""
     _tried(bench, progress, ("arm",), (ARM_AGAIN,))
 
 

@@ -126,7 +126,9 @@ def changed(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
     """
     for basis in step.rests_on:
         if basis is Basis.SITE:
-            yield from _changed_site(step, then, now)
+            for what, old, new in _site_parts(step, then, now):
+                if not _alike(old, new):
+                    yield _was(what, old, new)
         elif basis is Basis.RESPONSES:
             for name, old, new in _responses(then, now):
                 if UNKNOWN not in (old, new) and not _one_begins_the_other(old, new):
@@ -150,7 +152,9 @@ def not_compared(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
                 if UNKNOWN in (old, new):
                     yield f"{basis} of {name} not compared"
         elif basis is Basis.SITE:
-            yield from _site_not_compared(step, then, now)
+            for what, old, new in _site_parts(step, then, now):
+                if _is_one_sided(old, new):
+                    yield f"{what} not compared"
         elif _is_one_sided(*_pair(basis, then, now)):
             yield f"{basis} not compared"
 
@@ -170,27 +174,13 @@ def _responses(then: Inputs, now: Inputs) -> Iterator[tuple[str, str, str]]:
         yield name, then.responses.get(name, ""), now.responses.get(name, "")
 
 
-def _changed_site(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
-    """Yield the parts of the site file that are other ones; of an older entry the whole file."""
+def _site_parts(step: Step, then: Inputs, now: Inputs) -> Iterator[tuple[str, str, str]]:
+    """Yield parts of the site file, then and now; where one side names none the whole file."""
     if not (then.parts and now.parts):
-        if not _alike(then.site_hash, now.site_hash):
-            yield _was(Basis.SITE, then.site_hash, now.site_hash)
+        yield Basis.SITE, then.site_hash, now.site_hash
         return
     for part in step.parts:
-        old, new = then.parts.get(part.name, ""), now.parts.get(part.name, "")
-        if not _alike(old, new):
-            yield _was(f"{Basis.SITE}, {part}", old, new)
-
-
-def _site_not_compared(step: Step, then: Inputs, now: Inputs) -> Iterator[str]:
-    """Yield the parts of the site file that one side alone has, as of another release's entry."""
-    if not (then.parts and now.parts):
-        if _is_one_sided(then.site_hash, now.site_hash):
-            yield f"{Basis.SITE} not compared"
-        return
-    for part in step.parts:
-        if _is_one_sided(then.parts.get(part.name, ""), now.parts.get(part.name, "")):
-            yield f"{Basis.SITE}, {part} not compared"
+        yield f"{Basis.SITE}, {part}", then.parts.get(part.name, ""), now.parts.get(part.name, "")
 
 
 def former_samples(step: Step, entries: Sequence[CardEntry], now: Inputs) -> tuple[Sample, ...]:

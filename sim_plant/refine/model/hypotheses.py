@@ -95,6 +95,10 @@ class Hypothesis:
         onset = self.effect.onset
         return onset.moment if onset is not None and onset.moment in self.names else ""
 
+    def moment_of(self, values: Sequence[float]) -> float:
+        """Return when it begins with these values, in the unit of its moments; it has one."""
+        return values[self.names.index(self.moment_parameter)]
+
     @property
     def at_start(self) -> dict[str, Value]:
         """Every parameter at its start, what is neither fixed nor fitted at its default."""
@@ -137,7 +141,7 @@ class Hypothesis:
         """
         if not self.effect.shifted_by or not self.moment_parameter:
             return False
-        return values[self.names.index(self.moment_parameter)] <= judged_from_s
+        return self.moment_of(values) <= judged_from_s
 
     @property
     def curved(self) -> bool:

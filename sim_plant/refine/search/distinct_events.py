@@ -12,7 +12,7 @@ EVENTS = CRITERIA.search.events
 
 def moment_of(c: Candidate) -> float:
     """Return when a candidate begins, in the unit of its effect's moments."""
-    return c.start[c.hypothesis.names.index(c.hypothesis.moment_parameter)]
+    return c.hypothesis.moment_of(c.start)
 
 
 def distinct(seen: Sequence[Candidate], least_score: float) -> list[Candidate]:

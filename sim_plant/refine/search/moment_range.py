@@ -126,10 +126,7 @@ def _begun(objective: Objective, fit: Fit, others: Array, effect: int, far_chi2:
     """
     simulate = _simulation(objective, fit, effect)
     h, values = fit.hypotheses[effect], fit.values[effect]
-    twin, moment_s = (
-        objective.pool.twins[h.record_index or 0],
-        values[h.names.index(h.moment_parameter)],
-    )
+    twin, moment_s = objective.pool.twins[h.record_index or 0], h.moment_of(values)
     sample_s = float(twin.declaration.sample_time_s)
     known = {0: simulate([0.0])[:, 0]}
     for sign, room_s in ((-1, moment_s), (1, twin.speed_m_s.size * sample_s - moment_s)):

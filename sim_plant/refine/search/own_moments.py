@@ -7,13 +7,12 @@ wrong of that is there at the same moments, where anything that may begin can im
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.fit.gauss_newton import Fit
+from sim_plant.refine.fit.gauss_newton import Fit, case_of
 from sim_plant.refine.fit.objective import Objective
 from sim_plant.refine.search.candidate import FittedCandidate, Progress
 from sim_plant.refine.spectra.coordinates import is_periodic
@@ -53,12 +52,9 @@ def response_powers(objective: Objective, fit: Fit) -> list[Array]:
     rest = [k for k, h in enumerate(fit.hypotheses) if is_periodic(h)]
     if len(rest) == len(fit.hypotheses):
         return []
-    without = replace(
-        fit,
-        hypotheses=tuple(fit.hypotheses[k] for k in rest),
-        values=tuple(fit.values[k] for k in rest),
-    )
-    with_all, with_rest = objective.pool.run([fit.case, without.case])
+    hypotheses, values = [fit.hypotheses[k] for k in rest], [fit.values[k] for k in rest]
+    without = case_of(hypotheses, values, fit.shifts)
+    with_all, with_rest = objective.pool.run([fit.case, without])
     change = [y - r for y, r in zip(with_all, with_rest, strict=True)]
     return [np.sum(part**2, axis=0) for part in objective.split(objective.whitened(change))]
 
@@ -77,7 +73,7 @@ def _begun_power(objective: Objective, c: FittedCandidate, powers: Sequence[Arra
     h, onset = c.hypothesis, c.hypothesis.effect.onset
     if not h.moment_parameter or onset is None:
         return 0.0
-    moment = c.fit.values[-1][h.names.index(h.moment_parameter)]
+    moment = h.moment_of(c.fit.values[-1])
     record = h.record_index or 0
     twin = objective.pool.twins[record]
     axis = moment_axis(twin, objective.whitening.noise[record].first, onset.unit)

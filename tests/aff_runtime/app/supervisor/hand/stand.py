@@ -12,7 +12,7 @@ from typing import Any
 
 from aff_runtime.app.hand.audit import Audit
 from aff_runtime.app.hand.client import HandClient
-from aff_runtime.app.hand.may import Action, Place, Role
+from aff_runtime.app.hand.may import Action, Code, Place, Role
 from aff_runtime.app.hand.messages import VALID_NS, Answer, Command, Said, Welcome
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.report.command_counts import CommandTally
@@ -131,3 +131,11 @@ class Stand:
             client.close()
         self.desk.close()
         self.selector.close()
+
+
+def code(answer: Answer | None) -> Code | None:
+    """Return why a command was refused; it was."""
+    assert answer is not None
+    assert not answer.ok
+    assert answer.reason is not None
+    return answer.reason.code

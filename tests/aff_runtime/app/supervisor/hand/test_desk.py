@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,31 +14,17 @@ import pytest
 from aff_runtime.app.hand import messages
 from aff_runtime.app.hand.audit import verify
 from aff_runtime.app.hand.may import PROBES, Action, Code, Place, Role
-from aff_runtime.app.hand.messages import LOGIN_REFUSED, VALID_NS, Answer, Notice
-from aff_runtime.app.link.peer import Peer
+from aff_runtime.app.hand.messages import VALID_NS, Answer, Notice
 from aff_runtime.app.link.replies import Reply
 from aff_runtime.app.supervisor.hand import visits
 from aff_runtime.app.supervisor.hand.desk import REMEMBERED_NS, HandRules
 from aff_runtime.app.supervisor.hand.entries import ServiceState
-from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS, ScreenVisitor, Visits
+from aff_runtime.app.supervisor.hand.visits import MAX_VISITORS
 from aff_runtime.base.errors import WireError
 from aff_runtime.base.signals import State
-from tests.aff_runtime.app.supervisor.hand.stand import Stand
+from tests.aff_runtime.app.supervisor.hand.stand import Stand, code
 
 S = 10**9
-
-
-@pytest.fixture
-def stand(tmp_path: Path) -> Iterator[Stand]:
-    with contextlib.closing(Stand(tmp_path)) as found:
-        yield found
-
-
-def code(answer: Answer | None) -> Code | None:
-    assert answer is not None
-    assert not answer.ok
-    assert answer.reason is not None
-    return answer.reason.code
 
 
 def test_an_arm_is_put_on_record_asked_passed_on_and_answered(stand: Stand) -> None:
@@ -228,62 +214,6 @@ def test_a_bypass_is_done_whatever_it_carries(
         assert stand.service.bypassed == times
 
 
-def test_a_flood_of_arms_is_bounded_counted_and_does_not_hold_up_a_bypass(stand: Stand) -> None:
-    client = stand.client()
-    for _ in range(90):
-        client.say(stand.command(seen="ACTIVE"))
-        stand.round()
-    answers = [client.receive() for _ in range(90)]
-    fast = [one for one in answers if isinstance(one, Answer) and code(one) is Code.FAST]
-    assert len(fast) == 80
-    client.say(stand.command(Action.BYPASS, seen="READY"))
-    stand.round()
-    assert stand.service.bypassed == 1
-    assert len(stand.rows()) == 61
-    stand.clock.advance_ns(34 * S)  # 0.03 lines/s of an account: room for one
-    stand.round()
-    assert stand.rows()[-1]["what"] == "more"
-    assert stand.rows()[-1]["why"].startswith("30 more of anna, of uid ")
-
-
-def test_a_flood_of_bypasses_costs_ten_a_second_and_the_last_is_done(stand: Stand) -> None:
-    client = stand.client()
-    for _ in range(50):
-        client.say(stand.command(Action.BYPASS))
-        stand.round()
-        assert client.receive().ok  # type: ignore[union-attr]
-    assert stand.service.bypassed == 10
-    assert len(stand.rows()) == 50  # ten that may change something, the others of the sixty
-    stand.clock.advance_ns(S // 10)
-    stand.round()
-    assert stand.service.bypassed == 11
-    stand.clock.advance_ns(S)
-    stand.round()
-    assert stand.service.bypassed == 11
-
-
-def test_a_flood_of_bypasses_of_one_user_costs_another_none_of_his(
-    stand: Stand, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    uids = iter((1001, 1002))
-
-    def welcome(self: Visits, connection: socket.socket, peer: Peer) -> ScreenVisitor:
-        return ScreenVisitor(connection, replace(peer, uid=next(uids)))
-
-    monkeypatch.setattr(Visits, "_welcome", welcome)
-    loud, calm = stand.client(), stand.client()
-    stand.say(calm, Notice(what="hand taken", account="bert", place=Place.PANEL))
-    for _ in range(30):
-        stand.say(loud, stand.command(Action.BYPASS))
-    assert stand.service.bypassed == 10  # the burst of one user
-    for times in range(11, 21):
-        stand.say(calm, stand.command(Action.BYPASS, account="bert"))
-        assert stand.service.bypassed == times
-    stand.clock.advance_ns(S // 10)
-    stand.round()
-    assert stand.service.bypassed == 20  # what waited was done by those
-
-
 def test_what_no_hand_does_is_refused_and_on_record_so(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -294,36 +224,6 @@ def test_what_no_hand_does_is_refused_and_on_record_so(
         command = stand.command(Action.UNDO, role=Role.COMMISSION)
         assert code(stand.say(stand.client(), command)) is Code.REFUSED
         assert [row["result"] for row in stand.rows()] == ["asked", "refused"]
-
-
-@pytest.mark.parametrize("state", [None, State.BYPASS])
-def test_a_bypass_that_changes_nothing_is_counted_when_it_comes_too_often(
-    stand: Stand, state: State | None
-) -> None:
-    stand.service.standing = ServiceState(state=state)
-    for _ in range(100):
-        client = stand.client()
-        client.say(stand.command(Action.BYPASS))
-        stand.round()
-        client.close()
-        stand.round()
-    assert len(stand.rows()) == 60
-    stand.clock.advance_ns(34 * S)
-    stand.round()
-    assert stand.rows()[-1]["why"].startswith("40 more of anna, of uid ")
-
-
-def test_who_says_too_much_is_sent_away_but_his_bypass_is_done(stand: Stand) -> None:
-    client = stand.client()
-    for _ in range(101):
-        client.say(stand.command(seen="OFF"))
-        stand.round()
-    with pytest.raises(WireError):
-        client.say(stand.command())
-    late = stand.client()
-    late.say(stand.command(Action.BYPASS))
-    stand.round()
-    assert stand.service.bypassed == 1
 
 
 @pytest.mark.parametrize("packet", [b"{}", b"\xff", b"x" * 3000, b'{"say":"command"}', b"null"])
@@ -340,25 +240,6 @@ def test_sessions_are_noted(stand: Stand) -> None:
     stand.say(stand.client(), Notice(what="hand taken", account="anna", place=Place.PANEL))
     (row,) = stand.rows()
     assert (row["what"], row["result"], row["account"]) == ("hand taken", "noted", "anna")
-
-
-def test_failed_logins_of_strangers_push_nobody_else_out_of_the_audit(stand: Stand) -> None:
-    """Five hundred guesses within a moment; then people of the line do their work."""
-    client = stand.client()
-    for n in range(500):
-        client.say(Notice(what=LOGIN_REFUSED, account=f"guess{n}", place=Place.NETWORK))
-        stand.round()
-    assert len(stand.rows()) == 20
-    for n in range(60):
-        client.say(Notice(what="login", account=f"person{n}", place=Place.PANEL))
-        stand.round()
-    assert sum(row["account"].startswith("person") for row in stand.rows()) == 60
-    stand.say(client, stand.command(account="anna"))
-    assert stand.rows()[-1]["account"] == "anna"
-    stand.clock.advance_ns(50 * S)  # 0.02 lines/s: room for one
-    stand.round()
-    (more,) = [row for row in stand.rows() if row["what"] == "more"]
-    assert more["why"].startswith("480 more refused logins of uid ")
 
 
 def test_who_leaves_before_the_answer_disturbs_nobody(stand: Stand) -> None:

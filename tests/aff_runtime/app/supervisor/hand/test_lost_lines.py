@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 
 from aff_runtime.app.hand.audit import verify
@@ -14,12 +10,6 @@ from aff_runtime.app.hand.may import Action, Code, Place
 from aff_runtime.app.hand.messages import Notice
 from aff_runtime.base.errors import RefusedError
 from tests.aff_runtime.app.supervisor.hand.stand import Stand
-
-
-@pytest.fixture
-def stand(tmp_path: Path) -> Iterator[Stand]:
-    with contextlib.closing(Stand(tmp_path)) as found:
-        yield found
 
 
 def full(entry: object) -> int:

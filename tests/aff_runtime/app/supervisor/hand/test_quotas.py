@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections import Counter
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -17,12 +15,6 @@ from tests.aff_runtime.app.supervisor.hand.stand import Stand
 from tests.doubles.virtual_clock import VirtualClock
 
 S = 10**9
-
-
-@pytest.fixture
-def stand(tmp_path: Path) -> Iterator[Stand]:
-    with contextlib.closing(Stand(tmp_path)) as found:
-        yield found
 
 
 def flood(stand: Stand, client: HandClient, what: str, account: str, count: int = 95) -> None:
