@@ -18,6 +18,7 @@ __all__ = [
     "printable",
     "probe_columns",
     "process_bounds",
+    "python_can",
     "python_child",
     "refinement",
     "release",

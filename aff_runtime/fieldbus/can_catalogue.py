@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-import can
-
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.python_can import can
 from aff_runtime.fieldbus.can.frame_socket import FrameSocketBus
 from aff_runtime.fieldbus.can.gateway import CanGateway
 from aff_runtime.fieldbus.can.layout import CanMap

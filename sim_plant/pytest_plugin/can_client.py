@@ -8,8 +8,7 @@ import socket
 from pathlib import Path
 from typing import Any
 
-import can
-
+from aff_runtime.base.python_can import can
 from sim_plant.servers.frame_hub import ERROR, EXTENDED, FRAME, REMOTE
 
 

@@ -9,9 +9,8 @@ import tty
 from pathlib import Path
 from typing import Protocol
 
-import can
-
 from aff_runtime.base.errors import WireError
+from aff_runtime.base.python_can import can
 from sim_plant.servers.can_frames import CanFrame, Take
 from sim_plant.servers.frame_hub import FrameHub
 

@@ -12,7 +12,7 @@ import socket
 import struct
 from typing import Any, Final
 
-import can
+from aff_runtime.base.python_can import can
 
 _FRAME: Final = struct.Struct("=IB3x8s")
 _SO_TIMESTAMPNS: Final = 35  # of linux/socket.h; Python names it not

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Final
 
-import can
-
 from aff_runtime.base.clock import wall_time_s
 from aff_runtime.base.ports import Clock
+from aff_runtime.base.python_can import can
 from aff_runtime.fieldbus.can.frames import Frame
 
 _ERROR_BUS_OFF: Final = 0x40  # CAN_ERR_BUSOFF of linux/can/error.h, in the identifier

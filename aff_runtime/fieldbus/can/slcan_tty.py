@@ -15,7 +15,7 @@ import tty
 from collections import deque
 from typing import Any, Final
 
-import can
+from aff_runtime.base.python_can import can
 
 BITRATE_CODE: Final = {
     10_000: "S0",

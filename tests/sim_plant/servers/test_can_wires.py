@@ -8,10 +8,10 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-import can
 import pytest
 
 from aff_runtime.base.clock import MonotonicClock
+from aff_runtime.base.python_can import can
 from aff_runtime.base.signals import Outcome, Snapshot
 from aff_runtime.config.can_wire import can_map_of, network_of, wire_files
 from aff_runtime.config.loader import load_site

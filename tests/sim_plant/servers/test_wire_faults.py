@@ -6,10 +6,10 @@ import socket
 from contextlib import suppress
 from dataclasses import replace
 
-import can
 import pytest
 
 from aff_runtime.base.errors import PlantError
+from aff_runtime.base.python_can import can
 from sim_plant.base.shipped import shipped
 from sim_plant.pytest_plugin.can_client import WebLineBus
 from sim_plant.servers.control_client import ask as tell

@@ -6,7 +6,6 @@ import math
 import struct
 from pathlib import Path
 
-import can
 import pytest
 
 from aff_runtime.app.setup.bus_heard import HeardSignal, hear
@@ -15,6 +14,7 @@ from aff_runtime.app.setup.dialogue import Dialogue
 from aff_runtime.app.setup.draft import Draft
 from aff_runtime.app.setup.quantities import quantities
 from aff_runtime.app.setup.questions import Question
+from aff_runtime.base.python_can import can
 from aff_runtime.fieldbus import probe_frames
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.layout import Field, FrameLayout

@@ -6,9 +6,9 @@ import math
 import struct
 from collections.abc import Callable
 
-import can
 import pytest
 
+from aff_runtime.base.python_can import can
 from aff_runtime.fieldbus import probe_frames
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.heard_frames import HeardFrames

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections import deque
 from typing import Any
 
-import can
 import pytest
 
+from aff_runtime.base.python_can import can
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.link import PythonCanLink
 from aff_runtime.fieldbus.can_catalogue import open_bus

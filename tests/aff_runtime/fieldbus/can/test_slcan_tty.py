@@ -5,9 +5,9 @@ import select
 import tty
 from collections.abc import Iterator
 
-import can
 import pytest
 
+from aff_runtime.base.python_can import can
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can.link import PythonCanLink
 from aff_runtime.fieldbus.can.slcan_tty import SlcanTtyBus, parse_line

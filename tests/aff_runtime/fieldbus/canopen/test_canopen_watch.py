@@ -6,9 +6,9 @@ from collections import deque
 from itertools import pairwise
 from typing import Any
 
-import can
 import pytest
 
+from aff_runtime.base.python_can import can
 from aff_runtime.base.signals import Outcome
 from aff_runtime.fieldbus.can.frames import Frame
 from aff_runtime.fieldbus.can_catalogue import BusSite, canopen_gateway
