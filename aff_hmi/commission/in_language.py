@@ -20,9 +20,9 @@ from aff_hmi.commission.shown import (
 from aff_hmi.commission.typed_words import wanted
 from aff_hmi.words import N_, Say, figures_in
 from aff_runtime.app.card.standing import Stand, is_finished
-from aff_runtime.app.commission.answers import State
-from aff_runtime.app.commission.messages import WORDS, Refusal, Why
-from aff_runtime.app.commission.views import (
+from aff_runtime.app.commission.link.answers import State
+from aff_runtime.app.commission.link.messages import WORDS, Refusal, Why
+from aff_runtime.app.commission.views.of_line import (
     CardView,
     DriveRow,
     JobView,

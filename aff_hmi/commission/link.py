@@ -9,9 +9,9 @@ from typing import TypeVar
 from weakref import WeakKeyDictionary
 
 from aff_hmi.sessions import Session
-from aff_runtime.app.commission.answers import Answer, Done, Good, Opened
-from aff_runtime.app.commission.client import ask
-from aff_runtime.app.commission.messages import Refusal, Request, Why
+from aff_runtime.app.commission.link.answers import Answer, Done, Good, Opened
+from aff_runtime.app.commission.link.client import ask
+from aff_runtime.app.commission.link.messages import Refusal, Request, Why
 
 PATIENCE_S = 90.0  # for what a job works out
 STATE_PATIENCE_S = 3.0

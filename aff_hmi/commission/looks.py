@@ -12,9 +12,9 @@ from aff_hmi.commission.in_language import refusal_in
 from aff_hmi.commission.link import Commission
 from aff_hmi.sessions import Session
 from aff_hmi.words import Say
-from aff_runtime.app.commission.answers import Good
-from aff_runtime.app.commission.messages import Refusal
-from aff_runtime.app.commission.messages import Request as Asked
+from aff_runtime.app.commission.link.answers import Good
+from aff_runtime.app.commission.link.messages import Refusal
+from aff_runtime.app.commission.link.messages import Request as Asked
 from aff_runtime.app.hand.may import WORDS, Code
 
 MOST_DIGITS = 9

@@ -10,18 +10,18 @@ from dataclasses import dataclass, replace
 
 from aff_hmi.commission.sentences import sentence, sentences
 from aff_hmi.words import N_, Say
-from aff_runtime.app.commission.maintenance_views import (
-    MaintenanceView,
-    RankingRow,
-    SupplierRankingRow,
-    TrendRow,
-)
-from aff_runtime.app.commission.refine_views import (
+from aff_runtime.app.commission.views.of_refining import (
     LackingView,
     ProposalView,
     RefinedRow,
     RefinedView,
     RefiningView,
+)
+from aff_runtime.app.commission.views.of_weeks import (
+    MaintenanceView,
+    RankingRow,
+    SupplierRankingRow,
+    TrendRow,
 )
 from aff_runtime.base.refinement import EffectSaid, Summary
 

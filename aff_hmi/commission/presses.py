@@ -19,8 +19,8 @@ from aff_hmi.commission.settings_routes import difference, edit_in, text, text_a
 from aff_hmi.hand import Hand
 from aff_hmi.press_request import DONE, Answering, PressRequest, Said, because, done, refusal
 from aff_hmi.sessions import Session
-from aff_runtime.app.commission.answers import Answer, Done
-from aff_runtime.app.commission.messages import WORDS, Refusal, Request, Why
+from aff_runtime.app.commission.link.answers import Answer, Done
+from aff_runtime.app.commission.link.messages import WORDS, Refusal, Request, Why
 from aff_runtime.app.hand.may import Action, Code, Reason
 
 SEARCH = 9  # the step that tries settings while the correction goes out

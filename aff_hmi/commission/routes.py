@@ -10,8 +10,8 @@ from starlette.routing import BaseRoute, Route
 
 from aff_hmi.commission.in_language import card_in, line_in, state_in
 from aff_hmi.commission.looks import Looks, saved, stranger
-from aff_runtime.app.commission.answers import CardShown, LineShown, Printed, State
-from aff_runtime.app.commission.messages import Request as Asked
+from aff_runtime.app.commission.link.answers import CardShown, LineShown, Printed, State
+from aff_runtime.app.commission.link.messages import Request as Asked
 from aff_runtime.app.hand.may import Role
 
 FILE = "aff-card.html"

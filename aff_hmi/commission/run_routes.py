@@ -10,13 +10,13 @@ from starlette.routing import BaseRoute, Route
 
 from aff_hmi.commission.looks import Looks, number_in, saved
 from aff_hmi.commission.of_runs import maintenance_in, refined_in, refining_in
-from aff_runtime.app.commission.answers import (
+from aff_runtime.app.commission.link.answers import (
     MaintenanceShown,
     Printed,
     RefinedShown,
     RefiningShown,
 )
-from aff_runtime.app.commission.messages import Request as Asked
+from aff_runtime.app.commission.link.messages import Request as Asked
 
 FILE = "aff-refine.html"
 

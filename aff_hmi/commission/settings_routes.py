@@ -14,14 +14,14 @@ from aff_hmi.commission.looks import Looks, number_in
 from aff_hmi.commission.settings_shown import difference_in, sections_in, settings_in, version_in
 from aff_hmi.press_request import PressRequest, Said, refusal
 from aff_hmi.words import N_
-from aff_runtime.app.commission.answers import (
+from aff_runtime.app.commission.link.answers import (
     DifferenceShown,
     SettingsShown,
     TextShown,
     VersionShown,
 )
-from aff_runtime.app.commission.messages import Refusal
-from aff_runtime.app.commission.messages import Request as Asked
+from aff_runtime.app.commission.link.messages import Refusal
+from aff_runtime.app.commission.link.messages import Request as Asked
 from aff_runtime.app.hand.may import Role
 from aff_runtime.config.yaml_marks import MAX_BYTES
 

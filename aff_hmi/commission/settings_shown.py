@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 from aff_hmi.commission.sentences import sentence
 from aff_hmi.words import N_, Say
-from aff_runtime.app.commission.settings_views import (
+from aff_runtime.app.commission.views.of_settings import (
     DifferenceView,
     SettingsSection,
     SettingsView,

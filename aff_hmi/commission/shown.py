@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from aff_runtime.app.commission.views import (
+from aff_runtime.app.commission.views.of_line import (
     DriveRow,
     LastJob,
     NoService,

@@ -14,7 +14,7 @@ from aff_runtime.cli.terminal import complain, say
 if TYPE_CHECKING:
     from aff_runtime.app.card.entries import Measured
     from aff_runtime.app.card.work import CardFile
-    from aff_runtime.app.commission.sources import Paths
+    from aff_runtime.app.commission.paths import Paths
 
 EXIT_BROKEN = EXIT_FAILED = 5
 PAGE = "card.html"
@@ -117,9 +117,9 @@ def _add_places(act: argparse.ArgumentParser) -> None:
 
 def _new(options: argparse.Namespace) -> int:
     from aff_runtime.app.card import work  # noqa: PLC0415 - numpy is for the card alone
-    from aff_runtime.app.commission import sources  # noqa: PLC0415
+    from aff_runtime.app.commission.paths import parameters_of  # noqa: PLC0415
 
-    parameters = sources.parameters_of(options.site, options.state_dir)
+    parameters = parameters_of(options.site, options.state_dir)
     newest = work.begin(options.folder, options.site, parameters)
     say(f"{options.folder}: a card of {parameters.site.line.name}, {newest[:12]}")
     return 0
@@ -127,7 +127,7 @@ def _new(options: argparse.Namespace) -> int:
 
 def _show(options: argparse.Namespace) -> int:
     from aff_runtime.app.card import lines, work  # noqa: PLC0415
-    from aff_runtime.app.commission import sources  # noqa: PLC0415
+    from aff_runtime.app.commission.card import sources  # noqa: PLC0415
 
     card = work.CardFile.of(options.card)
     now, said = sources.inputs_now(_where(options, card), card)
@@ -142,12 +142,13 @@ def _step(options: argparse.Namespace) -> int:
     """Measure; 5 when a limit is not kept."""
     from aff_runtime.app.card import lines, steps, work  # noqa: PLC0415
     from aff_runtime.app.card.typed_values import NotTypedError, typed  # noqa: PLC0415
-    from aff_runtime.app.commission import sources  # noqa: PLC0415
+    from aff_runtime.app.commission.card import sources  # noqa: PLC0415
+    from aff_runtime.app.commission.paths import by_whom  # noqa: PLC0415
 
     card = work.CardFile.of(options.card)
     where = _where(options, card)
     found = sources.sources(where, card, windows=options.run, plc=options.plc)
-    by = sources.by_whom()
+    by = by_whom()
     if options.not_applicable:
         inputs = sources.inputs_of(found)
         kept: Measured = work.leave_out(card, options.number, options.not_applicable, inputs, by)
@@ -168,11 +169,12 @@ def _step(options: argparse.Namespace) -> int:
 
 def _sign(options: argparse.Namespace) -> int:
     from aff_runtime.app.card import lines, work  # noqa: PLC0415
-    from aff_runtime.app.commission import sources  # noqa: PLC0415
+    from aff_runtime.app.commission.card import sources  # noqa: PLC0415
+    from aff_runtime.app.commission.paths import by_whom  # noqa: PLC0415
 
     card = work.CardFile.of(options.card)
     now = sources.inputs_of(sources.sources(_where(options, card), card))
-    by = sources.by_whom()
+    by = by_whom()
     signed = work.sign(card, options.number, now, name=options.name, reason=options.reason, by=by)
     newest = work.CardFile.of(options.card).newest
     say(f"step {signed.step} {lines.signed_line(signed)}; newest {newest}")
@@ -181,7 +183,7 @@ def _sign(options: argparse.Namespace) -> int:
 
 def _page(options: argparse.Namespace) -> int:
     from aff_runtime.app.card import page, work  # noqa: PLC0415
-    from aff_runtime.app.commission import sources  # noqa: PLC0415
+    from aff_runtime.app.commission.card import sources  # noqa: PLC0415
     from aff_runtime.base.files import replace_text  # noqa: PLC0415
 
     card = work.CardFile.of(options.card)
@@ -211,7 +213,7 @@ def _verify(options: argparse.Namespace) -> int:
 
 
 def _where(options: argparse.Namespace, card: CardFile) -> Paths:
-    from aff_runtime.app.commission.sources import Paths  # noqa: PLC0415
+    from aff_runtime.app.commission.paths import Paths  # noqa: PLC0415
 
     return Paths(
         site=options.site or Path(card.begun.site),

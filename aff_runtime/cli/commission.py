@@ -76,8 +76,8 @@ def _add_of_runs(parser: argparse.ArgumentParser) -> None:
 
 def commission(options: argparse.Namespace) -> int:
     """Serve until ended."""
-    from aff_runtime.app.commission.commissioner import Commissioner  # noqa: PLC0415 - numpy
-    from aff_runtime.app.commission.sources import Paths  # noqa: PLC0415
+    from aff_runtime.app.commission.paths import Paths  # noqa: PLC0415
+    from aff_runtime.app.commission.serving.commissioner import Commissioner  # noqa: PLC0415 - numpy
     from aff_runtime.app.hand.accounts import Accounts, read_accounts  # noqa: PLC0415
     from aff_runtime.app.hand.audit import Audit  # noqa: PLC0415
     from aff_runtime.app.link.runtime_directory import make_private  # noqa: PLC0415
@@ -111,7 +111,7 @@ def commission(options: argparse.Namespace) -> int:
 
 async def _serve(commissioner: Any, folder: Path, is_private: bool) -> None:
     """Listen until a signal."""
-    from aff_runtime.app.commission.listening import Listener  # noqa: PLC0415
+    from aff_runtime.app.commission.link.listening import Listener  # noqa: PLC0415
 
     listener = Listener(folder, commissioner.answer, is_private=is_private)
     loop = asyncio.get_running_loop()

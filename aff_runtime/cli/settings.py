@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.commission.saving import asked_of, await_saved, raw, save
+from aff_runtime.app.commission.settings.saving import asked_of, await_saved, raw, save
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.clock import MonotonicClock

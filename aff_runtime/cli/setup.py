@@ -7,12 +7,12 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from aff_runtime.app.setup.bus_files import read_file
-from aff_runtime.app.setup.bus_questions import EDS
-from aff_runtime.app.setup.dialogue import Dialogue, LeftError
-from aff_runtime.app.setup.draft import Draft, read_draft
+from aff_runtime.app.setup.asking.dialogue import Dialogue, LeftError
+from aff_runtime.app.setup.asking.draft import Draft, read_draft
+from aff_runtime.app.setup.asking.questions import AnswerError
+from aff_runtime.app.setup.bus.files import read_file
+from aff_runtime.app.setup.bus.questions import EDS
 from aff_runtime.app.setup.flow import content_of, interview, write
-from aff_runtime.app.setup.questions import AnswerError
 from aff_runtime.base.errors import ConfigError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.suggest import meant

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from aff_runtime.app.setup.dialogue import LeftError
-from aff_runtime.app.setup.draft import Draft
-from aff_runtime.app.setup.questions import Question
+from aff_runtime.app.setup.asking.dialogue import LeftError
+from aff_runtime.app.setup.asking.draft import Draft
+from aff_runtime.app.setup.asking.questions import Question
 from aff_runtime.cli.terminal import ask, complain, say
 from aff_runtime.config.findings import SiteFileError
 from aff_runtime.config.yaml_marks import MarkedTree, read_marked

@@ -7,7 +7,7 @@ import re
 from pathlib import Path
 
 from aff_runtime.app.card.steps import STEPS
-from aff_runtime.app.commission.messages import WORDS as COMMISSION_WORDS
+from aff_runtime.app.commission.link.messages import WORDS as COMMISSION_WORDS
 from aff_runtime.app.hand.may import WORDS
 from aff_runtime.app.report.block_status import SHAPE_WHY, WHY
 from aff_runtime.app.report.block_status import WORDS as ORDER_WORDS

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from aff_runtime.app.setup.draft import Draft
-from aff_runtime.app.setup.interview import bit_questions, first_number, status_questions
+from aff_runtime.app.setup.asking.draft import Draft
+from aff_runtime.app.setup.asking.interview import bit_questions, first_number, status_questions
 from aff_runtime.config.loader import load_site
 from benchmarks.setup_console.at_the_machine import MOST_TRIES, StuckError
 from benchmarks.setup_console.page import page

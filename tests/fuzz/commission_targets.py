@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from aff_runtime.app.commission.messages import TABLE, RequestError, read_request
+from aff_runtime.app.commission.link.messages import TABLE, RequestError, read_request
 from tests.fuzz.source import Source
 
 PERSON = {"key": "k" * 43, "place": "panel"}

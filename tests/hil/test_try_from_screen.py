@@ -12,9 +12,9 @@ import pytest
 pytest.importorskip("starlette")
 
 from aff_hmi.commission.link import Commission
-from aff_runtime.app.commission.refine_shelf import OUT, PROPOSED, Shelf
-from aff_runtime.app.commission.refine_views import AskedOf
-from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.commission.paths import Paths
+from aff_runtime.app.commission.records.refine_shelf import OUT, PROPOSED, Shelf
+from aff_runtime.app.commission.views.of_refining import AskedOf
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.hand.messages import Welcome
 from aff_runtime.base.signals import State

@@ -15,7 +15,7 @@ import pytest
 
 from aff_hmi import account_command
 from aff_hmi.main import build_parser as screen_parser
-from aff_runtime.app.commission import sources
+from aff_runtime.app.commission import paths
 from aff_runtime.cli.main import build_parser as runtime_parser
 from aff_runtime.cli.main import main as runtime
 from sim_plant.cli.main import build_parser as plant_parser
@@ -233,7 +233,7 @@ def test_the_site_file_that_the_can_page_makes_is_right_and_needs_no_adapter(fol
 
 
 def test_the_card_page_makes_a_card_that_verifies(folder, capsys, monkeypatch):
-    monkeypatch.setattr(sources, "load_parameters", judged_here)
+    monkeypatch.setattr(paths, "load_parameters", judged_here)
     site = [("SITE.yaml", str(folder / "SITE.yaml"))]
     codes = follow(ROOT / "docs" / "technician" / "card.md", instead=site)
     assert [code for code in codes.values() if code != 0] == []

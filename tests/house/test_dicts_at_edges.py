@@ -15,7 +15,7 @@ PRODUCT = ("aff_runtime", "sim_plant", "aff_hmi")
 MOST = 40
 EDGES = {
     "aff_runtime/app/check/result.py": "JSON of the check",
-    "aff_runtime/app/commission/answers.py": "JSON of the commissioner",
+    "aff_runtime/app/commission/link/answers.py": "JSON of the commissioner",
     "aff_runtime/app/link/answers.py": "JSON of the request socket",
     "aff_runtime/app/link/parameter_record.py": "JSON of the check and the link",
     "aff_runtime/app/link/request_client.py": "JSON of the request socket",

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
-from aff_runtime.app.setup.dialogue import Dialogue
-from aff_runtime.app.setup.draft import Draft
+from aff_runtime.app.setup.asking.dialogue import Dialogue
+from aff_runtime.app.setup.asking.draft import Draft
+from aff_runtime.app.setup.asking.questions import Question
 from aff_runtime.app.setup.flow import interview, write
-from aff_runtime.app.setup.questions import Question
-from aff_runtime.app.setup.reading import WordReader
+from aff_runtime.app.setup.words.reading import WordReader
 from aff_runtime.app.wiring.site_to_wire import register_map
 from aff_runtime.config.models import Site
 from aff_runtime.fieldbus.modbus.byte_stream import Connecting

@@ -12,7 +12,7 @@ import pytest
 from aff_hmi.account_command import INSTALLED_ACCOUNTS
 from aff_hmi.main import INSTALLED_DOOR
 from aff_hmi.main import build_parser as screen_parser
-from aff_runtime.app.commission.messages import NAME as SOCKET
+from aff_runtime.app.commission.link.messages import NAME as SOCKET
 from aff_runtime.app.link.runtime_directory import INSTALLED
 from aff_runtime.cli.main import build_parser
 from aff_runtime.config.site_paths import STATE_DIRECTORY

@@ -11,22 +11,19 @@ import os
 import sys
 from collections.abc import Callable
 
-from aff_runtime.app.commission import (
-    card_jobs,
-    line_view,
-    maintenance_jobs,
-    refine_jobs,
-    settings_form_jobs,
-    settings_jobs,
-    settings_text_jobs,
-    setup_jobs,
-)
-from aff_runtime.app.commission.answers import Answer
 from aff_runtime.app.commission.background_process import LOWEST, end_with_parent, leave_to_control
-from aff_runtime.app.commission.job_lines import Ended, Refused, read_start
-from aff_runtime.app.commission.messages import LONG, Request
-from aff_runtime.app.commission.sources import Paths
-from aff_runtime.app.commission.talk import Talk
+from aff_runtime.app.commission.card import jobs as card_jobs
+from aff_runtime.app.commission.line import setup_jobs
+from aff_runtime.app.commission.line import view as line_view
+from aff_runtime.app.commission.link.answers import Answer
+from aff_runtime.app.commission.link.job_lines import Ended, Refused, read_start
+from aff_runtime.app.commission.link.messages import LONG, Request
+from aff_runtime.app.commission.link.talk import Talk
+from aff_runtime.app.commission.paths import Paths
+from aff_runtime.app.commission.records import maintenance_jobs, refine_jobs
+from aff_runtime.app.commission.settings import form_jobs as settings_form_jobs
+from aff_runtime.app.commission.settings import jobs as settings_jobs
+from aff_runtime.app.commission.settings import text_jobs as settings_text_jobs
 from aff_runtime.base.errors import AffError
 
 Job = Callable[[Paths, Request, Talk], Answer]

@@ -1,3 +1,3 @@
 """From the words of a PLC to a site file: what `aff-runtime setup` and the screen ask and find."""
 
-__all__ = ["bus_files", "bus_questions", "dialogue", "draft", "flow", "questions"]
+__all__ = ["asking", "bus", "flow"]

@@ -6,11 +6,9 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from aff_runtime.app.setup.asking import ask_drive, ask_line
-from aff_runtime.app.setup.bus_flow import bus_interview
-from aff_runtime.app.setup.dialogue import Dialogue
-from aff_runtime.app.setup.draft import Draft
-from aff_runtime.app.setup.interview import (
+from aff_runtime.app.setup.asking.dialogue import Dialogue
+from aff_runtime.app.setup.asking.draft import Draft
+from aff_runtime.app.setup.asking.interview import (
     BITS,
     YES_NO,
     bit_questions,
@@ -21,11 +19,13 @@ from aff_runtime.app.setup.interview import (
     wire_questions,
     word_questions,
 )
-from aff_runtime.app.setup.plc import instead_of, polled, reader_of
-from aff_runtime.app.setup.questions import Question, one_of
-from aff_runtime.app.setup.reading import WordReader
-from aff_runtime.app.setup.site_text import site_text
-from aff_runtime.app.setup.steps import Steps
+from aff_runtime.app.setup.asking.on_every_wire import ask_drive, ask_line
+from aff_runtime.app.setup.asking.plc import instead_of, polled, reader_of
+from aff_runtime.app.setup.asking.questions import Question, one_of
+from aff_runtime.app.setup.bus.flow import bus_interview
+from aff_runtime.app.setup.modbus.steps import Steps
+from aff_runtime.app.setup.text.site_text import site_text
+from aff_runtime.app.setup.words.reading import WordReader
 from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import ConfigError, RefusedError
 from aff_runtime.base.files import replace_text

@@ -7,7 +7,7 @@ from typing import Any
 
 from aff_hmi.commission.in_language import card_in
 from aff_hmi.words import say_in
-from aff_runtime.app.commission import views
+from aff_runtime.app.commission.views import of_line as views
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_hmi.browser.test_not_known import JOB, QUESTION, STATE
 

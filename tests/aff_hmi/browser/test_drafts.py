@@ -16,7 +16,7 @@ pytest.importorskip("pyarrow")
 
 from aff_hmi.commission.in_language import line_in
 from aff_hmi.words import say_in
-from aff_runtime.app.commission import views
+from aff_runtime.app.commission.views import of_line as views
 from tests.aff_hmi.browser import staged
 from tests.aff_hmi.browser.desk import (
     CARD,

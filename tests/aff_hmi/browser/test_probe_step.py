@@ -11,9 +11,9 @@ import pytest
 
 pytest.importorskip("pyarrow")
 
-from aff_runtime.app.commission import views
-from aff_runtime.app.commission.answers import Answer, LineShown
-from aff_runtime.app.commission.messages import Request
+from aff_runtime.app.commission.link.answers import Answer, LineShown
+from aff_runtime.app.commission.link.messages import Request
+from aff_runtime.app.commission.views import of_line as views
 from tests.aff_hmi.browser.eyes import Page
 from tests.aff_hmi.browser.staged import PASSWORD, Stage
 from tests.aff_hmi.browser.told import Told

@@ -17,7 +17,7 @@ import pytest
 pytest.importorskip("pyarrow")
 
 from aff_hmi import doorkeeper
-from aff_runtime.app.commission import views
+from aff_runtime.app.commission.views import of_line as views
 from aff_runtime.app.hand.may import Role
 from tests.aff_hmi.browser.axe import grave_findings
 from tests.aff_hmi.browser.eyes import Page

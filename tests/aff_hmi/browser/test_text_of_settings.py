@@ -16,10 +16,12 @@ import pytest
 pytest.importorskip("pyarrow")
 
 from aff_hmi.commission.link import Commission
-from aff_runtime.app.commission import settings_form_jobs, settings_text_jobs, sources
-from aff_runtime.app.commission.answers import Answer, Done, decode, encode
-from aff_runtime.app.commission.messages import Refusal, Request, Why
-from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.commission import paths
+from aff_runtime.app.commission.link.answers import Answer, Done, decode, encode
+from aff_runtime.app.commission.link.messages import Refusal, Request, Why
+from aff_runtime.app.commission.paths import Paths
+from aff_runtime.app.commission.settings import form_jobs as settings_form_jobs
+from aff_runtime.app.commission.settings import text_jobs as settings_text_jobs
 from aff_runtime.app.link.settings_answer import SettingsAnswer
 from aff_runtime.base.errors import AffError
 from aff_runtime.config.diff import diff_sites
@@ -71,7 +73,7 @@ def where(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Paths:
         other = judged_here(site, tmp_path, said["text"]).checked().site
         return SettingsAnswer(changes=tuple(map(str, diff_sites(running, other))))
 
-    for module in (sources, settings_form_jobs, settings_text_jobs):
+    for module in (paths, settings_form_jobs, settings_text_jobs):
         monkeypatch.setattr(module, "load_parameters", judged_here)
     monkeypatch.setattr(settings_form_jobs, "ask_settings", service)
     return Paths(site=site, state=tmp_path, socket=tmp_path / "none", card=tmp_path / "card")

@@ -6,8 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from aff_hmi.commission.link import Commission
-from aff_runtime.app.commission import views
-from aff_runtime.app.commission.answers import (
+from aff_runtime.app.commission.link.answers import (
     Answer,
     Done,
     MaintenanceShown,
@@ -16,9 +15,10 @@ from aff_runtime.app.commission.answers import (
     RefiningShown,
     State,
 )
-from aff_runtime.app.commission.maintenance_jobs import maintenance_view
-from aff_runtime.app.commission.messages import Refusal, Request, Why
-from aff_runtime.app.commission.refine_views import (
+from aff_runtime.app.commission.link.messages import Refusal, Request, Why
+from aff_runtime.app.commission.records.maintenance_jobs import maintenance_view
+from aff_runtime.app.commission.views import of_line as views
+from aff_runtime.app.commission.views.of_refining import (
     AskedOf,
     LackingView,
     ProposalView,

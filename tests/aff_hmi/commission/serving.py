@@ -6,9 +6,9 @@ import asyncio
 import threading
 from pathlib import Path
 
-from aff_runtime.app.commission.commissioner import Commissioner
-from aff_runtime.app.commission.listening import Listener
-from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.commission.link.listening import Listener
+from aff_runtime.app.commission.paths import Paths
+from aff_runtime.app.commission.serving.commissioner import Commissioner
 from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.audit import Audit
 from aff_runtime.app.hand.may import Place

@@ -20,7 +20,7 @@ from aff_runtime.app.card.figures import Figure
 from aff_runtime.app.card.measure.proof import NOTHING_PROVEN, PARTS
 from aff_runtime.app.card.measure.words import OURS_WERE_LATE
 from aff_runtime.app.card.standing import card_of
-from aff_runtime.app.commission.card_view import card_view
+from aff_runtime.app.commission.card.view import card_view
 from tests.aff_hmi.commission.test_card_sentences import said
 from tests.aff_runtime.app.card.made import BAD, INPUTS, add, book, measured, signed
 from tests.each_case import each_case

@@ -19,13 +19,13 @@ from aff_runtime.app.card.entries import Inputs
 from aff_runtime.app.card.site_parts import ALL
 from aff_runtime.app.card.standing import changed, not_compared
 from aff_runtime.app.card.steps import STEPS
-from aff_runtime.app.commission.views import CardView, StepView
+from aff_runtime.app.commission.views.of_line import CardView, StepView
 from aff_runtime.app.supervisor.settings.desk import RETURN_ALREADY
 from tests.each_case import each_case
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")
 APP = Path(__file__).parents[3] / "aff_runtime" / "app"
-FILES = (*sorted((APP / "card").rglob("*.py")), APP / "commission" / "search.py")
+FILES = (*sorted((APP / "card").rglob("*.py")), APP / "commission" / "card" / "search.py")
 REFUSALS = ("RefusedError", "ConfigError", "NotTypedError")
 VALUES = {
     "what": "name",

@@ -13,9 +13,9 @@ import pytest
 from aff_hmi.commission.in_language import line_in
 from aff_hmi.commission.sentences import sentence
 from aff_hmi.words import say_in
-from aff_runtime.app.commission.line_view import line
-from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.commission.line.view import line
+from aff_runtime.app.commission.link.messages import Request
+from aff_runtime.app.commission.paths import Paths
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.identified_drive import with_identified
 from aff_runtime.config.loader import load_site

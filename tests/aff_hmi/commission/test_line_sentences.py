@@ -20,8 +20,14 @@ from aff_hmi.commission.line_sentences import PROBES, SERVICE, SHAPES
 from aff_hmi.commission.sentences import PATTERNS, _compiled, parts, sentence
 from aff_hmi.see.rolls_part import rolls_part
 from aff_hmi.words import say_in
-from aff_runtime.app.commission.answers import State
-from aff_runtime.app.commission.views import JobView, NoService, SaidLine, ServiceView, SiteView
+from aff_runtime.app.commission.link.answers import State
+from aff_runtime.app.commission.views.of_line import (
+    JobView,
+    NoService,
+    SaidLine,
+    ServiceView,
+    SiteView,
+)
 from aff_runtime.app.control import known_shape, probe_run, shape_keeper
 from aff_runtime.app.control.known_shape import trial_words
 from aff_runtime.app.link import request_client

@@ -10,8 +10,8 @@ import pytest
 
 from aff_hmi.commission import link
 from aff_hmi.commission.link import PATIENCE_S, STATE_PATIENCE_S, Commission
-from aff_runtime.app.commission.answers import CardShown, Done, State
-from aff_runtime.app.commission.messages import Refusal, Request, Why
+from aff_runtime.app.commission.link.answers import CardShown, Done, State
+from aff_runtime.app.commission.link.messages import Refusal, Request, Why
 
 
 def test_how_it_stands_is_told_from_memory_and_not_waited_for_as_a_job_is(

@@ -11,8 +11,8 @@ import pytest
 pytest.importorskip("starlette")
 
 from aff_hmi.commission.link import Commission
-from aff_runtime.app.commission.answers import Answer, decode
-from aff_runtime.app.commission.messages import Request, encode
+from aff_runtime.app.commission.link.answers import Answer, decode
+from aff_runtime.app.commission.link.messages import Request, encode
 from aff_runtime.app.hand.may import Place, Role
 from aff_runtime.app.hand.messages import Welcome
 from aff_runtime.base.signals import State, Status

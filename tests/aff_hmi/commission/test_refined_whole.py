@@ -19,8 +19,8 @@ pytest.importorskip("starlette")
 pytest.importorskip("numba")
 
 from aff_hmi.commission.link import Commission
-from aff_runtime.app.commission import refine_program
-from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.commission.paths import Paths
+from aff_runtime.app.commission.records import refine_program
 from aff_runtime.app.hand.audit import verify
 from sim_plant.effects.catalogue import BY_NAME
 from tests.aff_hmi.commission.serving import Serving

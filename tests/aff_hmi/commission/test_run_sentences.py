@@ -16,9 +16,9 @@ pytest.importorskip("numba")
 from aff_hmi.commission.of_runs import maintenance_in, refined_in
 from aff_hmi.commission.sentences import sentence
 from aff_hmi.words import say_in
-from aff_runtime.app.commission import maintenance_jobs, refine_jobs
-from aff_runtime.app.commission.maintenance_views import MaintenanceView
-from aff_runtime.app.commission.refine_views import AskedOf, RefinedRow, RefinedView
+from aff_runtime.app.commission.records import maintenance_jobs, refine_jobs
+from aff_runtime.app.commission.views.of_refining import AskedOf, RefinedRow, RefinedView
+from aff_runtime.app.commission.views.of_weeks import MaintenanceView
 from aff_runtime.app.report.watching import sentences
 from aff_runtime.app.report.watching.findings import Unread
 from aff_runtime.base.refinement import Summary

@@ -12,8 +12,26 @@ import pytest
 from aff_hmi.commission.choices import with_buttons
 from aff_hmi.commission.sentences import LONGEST, PATTERNS, sentence
 from aff_hmi.words import say_in
-from aff_runtime.app.setup import display_steps, flow, look, steps
-from aff_runtime.app.setup.bus_questions import (
+from aff_runtime.app.setup import flow
+from aff_runtime.app.setup.asking import look
+from aff_runtime.app.setup.asking.dialogue import RowReader
+from aff_runtime.app.setup.asking.draft import Draft
+from aff_runtime.app.setup.asking.drive_questions import drive_questions, law_question
+from aff_runtime.app.setup.asking.interview import (
+    bit_questions,
+    first_number,
+    further_question,
+    line_questions,
+    machine_questions,
+    second_question,
+    status_questions,
+    wire_question,
+    wire_questions,
+    word_questions,
+)
+from aff_runtime.app.setup.asking.quantities import angles, quantities
+from aff_runtime.app.setup.asking.questions import AnswerError, Question, bit, one_of
+from aff_runtime.app.setup.bus.questions import (
     bus_questions,
     count_question,
     dbc_question,
@@ -24,7 +42,7 @@ from aff_runtime.app.setup.bus_questions import (
     scale_question,
     scan_question,
 )
-from aff_runtime.app.setup.bus_roles import (
+from aff_runtime.app.setup.bus.roles import (
     Role,
     applied_role,
     complement_role,
@@ -33,25 +51,8 @@ from aff_runtime.app.setup.bus_roles import (
     words_read,
     words_written,
 )
-from aff_runtime.app.setup.bus_steps import which_signal
-from aff_runtime.app.setup.dialogue import RowReader
-from aff_runtime.app.setup.draft import Draft
-from aff_runtime.app.setup.interview import (
-    bit_questions,
-    drive_questions,
-    first_number,
-    further_question,
-    law_question,
-    line_questions,
-    machine_questions,
-    second_question,
-    status_questions,
-    wire_question,
-    wire_questions,
-    word_questions,
-)
-from aff_runtime.app.setup.quantities import angles, quantities
-from aff_runtime.app.setup.questions import AnswerError, Question, bit, one_of
+from aff_runtime.app.setup.bus.steps import which_signal
+from aff_runtime.app.setup.modbus import display_steps, steps
 from tests.each_case import each_case
 
 ENGLISH, GERMAN = say_in("en"), say_in("de")

@@ -10,7 +10,7 @@ from aff_hmi.commission.of_runs import refined_in
 from aff_hmi.commission.sentences import sentence
 from aff_hmi.commission.verdict_sentences import NAMES, REMEDIES, TEXTS
 from aff_hmi.words import say_in
-from aff_runtime.app.commission.refine_views import AskedOf, RefinedRow, RefinedView
+from aff_runtime.app.commission.views.of_refining import AskedOf, RefinedRow, RefinedView
 from aff_runtime.base.refinement import EffectSaid, Summary
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.refine.model.effect_at import EffectAt

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from aff_runtime.app.commission import sources
+from aff_runtime.app.commission import paths
 from aff_runtime.app.supervisor.validation import load_parameters
 from aff_runtime.cli.main import main
 from tests.aff_runtime.app.card.measure.recorded import SITE_FILE, recorded, steady
@@ -24,7 +24,7 @@ def line(tmp_path, monkeypatch):
     The site file is checked here, not in a process for each command; the process is asked in
     `test_a_step_is_measured_signed_printed_and_verified`.
     """
-    monkeypatch.setattr(sources, "load_parameters", judged_here)
+    monkeypatch.setattr(paths, "load_parameters", judged_here)
     site, card = tmp_path / "site.yaml", tmp_path / "card"
     shutil.copyfile(SITE_FILE, site)
     assert main(["card", "new", str(site), str(card)]) == 0
@@ -42,7 +42,7 @@ def line(tmp_path, monkeypatch):
 
 def test_a_step_is_measured_signed_printed_and_verified(line, capsys, monkeypatch):
     with monkeypatch.context() as patched:
-        patched.setattr(sources, "load_parameters", load_parameters)
+        patched.setattr(paths, "load_parameters", load_parameters)
         assert line("step", "4", "--typed", "reaction=ramp", "--typed", "time=120 ms") == 0
     assert "step 4: pass" in capsys.readouterr().out
     assert line("sign", "4", "--as", "Ada Miller", "--reason", WHY) == 0

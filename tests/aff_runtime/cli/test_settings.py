@@ -5,7 +5,7 @@ import stat
 
 import pytest
 
-from aff_runtime.app.commission.saving import await_saved, save
+from aff_runtime.app.commission.settings.saving import await_saved, save
 from aff_runtime.app.link.answers import refusal
 from aff_runtime.app.link.request_client import ServiceClient
 from aff_runtime.app.link.request_socket import RequestSocket

@@ -53,8 +53,8 @@ ANSWERS = {
 @pytest.fixture
 def plc(monkeypatch: pytest.MonkeyPatch) -> Iterator[Served]:
     """A PLC that runs; setup looks for less long than it does at a machine."""
-    monkeypatch.setattr("aff_runtime.app.setup.display_steps.VALUE_S", 0.8)
-    monkeypatch.setattr("aff_runtime.app.setup.steps.LOOK_S", 1.5)
+    monkeypatch.setattr("aff_runtime.app.setup.modbus.display_steps.VALUE_S", 0.8)
+    monkeypatch.setattr("aff_runtime.app.setup.modbus.steps.LOOK_S", 1.5)
     with served(VirtualLine()) as running:
         yield running
 

@@ -8,7 +8,7 @@ from types import ModuleType
 
 import pytest
 
-from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.commission.paths import Paths
 from tests.aff_runtime.app.judged_here import judged_here
 from tests.parameter_records import CONFIG
 

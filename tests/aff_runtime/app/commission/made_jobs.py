@@ -4,10 +4,11 @@ import asyncio
 import sys
 from io import StringIO
 
-from aff_runtime.app.commission import sources, worker
+from aff_runtime.app.commission import paths
 from aff_runtime.app.commission.job import JOBS
-from aff_runtime.app.commission.job_lines import Ended, Refused, encode, read_start
-from aff_runtime.app.commission.talk import Talk
+from aff_runtime.app.commission.link.job_lines import Ended, Refused, encode, read_start
+from aff_runtime.app.commission.link.talk import Talk
+from aff_runtime.app.commission.serving import worker
 from aff_runtime.base.errors import AffError
 from tests.aff_runtime.app.judged_here import judged_here
 
@@ -80,5 +81,5 @@ def do_here(monkeypatch):
     async def child(module, environment, most_bytes):
         return Here()
 
-    monkeypatch.setattr(sources, "load_parameters", judged_here)
+    monkeypatch.setattr(paths, "load_parameters", judged_here)
     monkeypatch.setattr(worker, "talking_child", child)

@@ -4,9 +4,9 @@ import asyncio
 import json
 import shutil
 
-from aff_runtime.app.commission.commissioner import Commissioner
-from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.commission.link.messages import Request
+from aff_runtime.app.commission.paths import Paths
+from aff_runtime.app.commission.serving.commissioner import Commissioner
 from aff_runtime.app.hand.accounts import Account, Accounts, secret_of, write_accounts
 from aff_runtime.app.hand.audit import Audit
 from aff_runtime.app.hand.may import Place, Role

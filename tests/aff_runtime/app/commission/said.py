@@ -2,7 +2,7 @@
 
 import json
 
-from aff_runtime.app.commission.answers import encode
+from aff_runtime.app.commission.link.answers import encode
 
 
 def plain(answer):

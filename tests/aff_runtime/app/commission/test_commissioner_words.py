@@ -4,11 +4,11 @@ import asyncio
 import json
 import logging
 
-from aff_runtime.app.commission.answers import State
-from aff_runtime.app.commission.client import ask, exchanged
-from aff_runtime.app.commission.listening import Listener
-from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.worker import CUT
+from aff_runtime.app.commission.link.answers import State
+from aff_runtime.app.commission.link.client import ask, exchanged
+from aff_runtime.app.commission.link.listening import Listener
+from aff_runtime.app.commission.link.messages import Request
+from aff_runtime.app.commission.serving.worker import CUT
 from aff_runtime.app.hand.audit import verify
 from aff_runtime.app.hand.audit_writer import RETRY_NS
 from aff_runtime.base.errors import RefusedError

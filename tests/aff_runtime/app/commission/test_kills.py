@@ -11,11 +11,11 @@ import socket
 
 import pytest
 
-from aff_runtime.app.commission.audit_lines import unended
-from aff_runtime.app.commission.commissioner import Commissioner
-from aff_runtime.app.commission.listening import Listener
-from aff_runtime.app.commission.messages import Request, Why
-from aff_runtime.app.commission.worker import KEEPS, KILLED
+from aff_runtime.app.commission.link.listening import Listener
+from aff_runtime.app.commission.link.messages import Request, Why
+from aff_runtime.app.commission.serving.audit_lines import unended
+from aff_runtime.app.commission.serving.commissioner import Commissioner
+from aff_runtime.app.commission.serving.worker import KEEPS, KILLED
 from aff_runtime.app.hand.accounts import Accounts
 from aff_runtime.app.hand.audit import START, Audit, AuditEntry, verify
 from aff_runtime.app.hand.may import Place

@@ -2,11 +2,11 @@
 
 import pytest
 
-from aff_runtime.app.commission import setup_jobs
-from aff_runtime.app.commission.answers import Done
-from aff_runtime.app.commission.messages import Request
-from aff_runtime.app.commission.setup_jobs import find_words
-from aff_runtime.app.commission.sources import Paths
+from aff_runtime.app.commission.line import setup_jobs
+from aff_runtime.app.commission.line.setup_jobs import find_words
+from aff_runtime.app.commission.link.answers import Done
+from aff_runtime.app.commission.link.messages import Request
+from aff_runtime.app.commission.paths import Paths
 from aff_runtime.app.report.status_answer import StatusAnswer
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.loader import load_site
@@ -46,8 +46,8 @@ class Talk:
 
 @pytest.fixture
 def plc(monkeypatch):
-    monkeypatch.setattr("aff_runtime.app.setup.display_steps.VALUE_S", 0.8)
-    monkeypatch.setattr("aff_runtime.app.setup.steps.LOOK_S", 1.5)
+    monkeypatch.setattr("aff_runtime.app.setup.modbus.display_steps.VALUE_S", 0.8)
+    monkeypatch.setattr("aff_runtime.app.setup.modbus.steps.LOOK_S", 1.5)
     with served(VirtualLine()) as running:
         yield running
 

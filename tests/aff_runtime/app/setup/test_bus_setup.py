@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.app.setup.bus_questions import scales_from
-from aff_runtime.app.setup.display import shown_value
-from aff_runtime.app.setup.draft import read_draft
+from aff_runtime.app.setup.asking.draft import read_draft
+from aff_runtime.app.setup.bus.questions import scales_from
+from aff_runtime.app.setup.words.display import shown_value
 from aff_runtime.cli.main import main
 from aff_runtime.config.loader import load_site
 from tests.aff_runtime.app.setup.bus_answers import CONFIG, begun

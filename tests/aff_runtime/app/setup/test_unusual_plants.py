@@ -9,11 +9,15 @@ from pathlib import Path
 
 import pytest
 
-from aff_runtime.app.setup.dialogue import Dialogue
-from aff_runtime.app.setup.draft import Draft, FoundWord, read_draft
+from aff_runtime.app.setup.asking.dialogue import Dialogue
+from aff_runtime.app.setup.asking.draft import Draft, FoundWord, read_draft
+from aff_runtime.app.setup.asking.interview import (
+    further_question,
+    second_question,
+    second_tension,
+)
+from aff_runtime.app.setup.asking.questions import AnswerError
 from aff_runtime.app.setup.flow import interview
-from aff_runtime.app.setup.interview import further_question, second_question, second_tension
-from aff_runtime.app.setup.questions import AnswerError
 from aff_runtime.base.signals import Command, Outcome
 from aff_runtime.cli.main import main
 from aff_runtime.config.loader import load_site

@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from aff_runtime.app.setup.reading import Watched
+from aff_runtime.app.setup.words.reading import Watched
 
 PERIOD_S = 0.02
 SPEED_M_S = 1.016

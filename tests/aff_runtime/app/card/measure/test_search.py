@@ -12,7 +12,7 @@ from aff_runtime.app.card.evidence import CheckedSite, Try
 from aff_runtime.app.card.figures import Verdict
 from aff_runtime.app.card.measure import proof, search
 from aff_runtime.app.card.measure.search import Candidate, End
-from aff_runtime.app.commission.search import search as run_search
+from aff_runtime.app.commission.card.search import search as run_search
 from aff_runtime.app.link.settings_answer import SettingsAnswer, Version
 from aff_runtime.base.errors import RefusedError
 from aff_runtime.config.loader import load_recorded_site, load_site

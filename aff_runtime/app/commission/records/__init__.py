@@ -1,0 +1,3 @@
+"""Work on what the service recorded: refining, and a line over weeks."""
+
+__all__ = ["maintenance_jobs", "refine_jobs"]

@@ -1,0 +1,3 @@
+"""`setup` on Modbus: each quantity is found among registers by what its display shows."""
+
+__all__ = ["steps"]
