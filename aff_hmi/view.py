@@ -40,6 +40,11 @@ WHY_FROM = {STARTING: "facts", GONE: "hmi"}
 NOT_IN_THE_WAY = (GONE, STARTING, State.ACTIVE.name, State.ARMED.name)
 GOES_OUT = (State.ACTIVE, State.FADING)
 NO_ANSWER = N_("no service answers; whether a correction goes out is not known here")
+OTHER_RELEASE = N_(
+    "the service is of another release than this screen; whether a correction goes out is not "
+    "known here"
+)
+ONE_RELEASE = N_("install both of one release; until then ask `aff-runtime status`")
 FIND_IT = N_("ask `aff-runtime status`; start it, or see its log: journalctl -u aff-runtime")
 DOUBT = N_("the service does not believe it: stuck, no number, or out of range")
 _IMPLAUSIBLE = re.compile(
@@ -199,11 +204,17 @@ def _doubted(seen: Observed, layout: Layout, blocked: str) -> Iterator[str]:
         yield "speed"
 
 
+def why_gone(seen: Observed) -> tuple[str, str]:
+    """Return why nothing is heard of the service, and what to do, to be put into a language."""
+    return (OTHER_RELEASE, ONE_RELEASE) if seen.other_protocol else (NO_ANSWER, FIND_IT)
+
+
 def _why(
     seen: Observed, state: str, blocked: str, say: Say, standing: Mapping[str, str]
 ) -> tuple[str, str]:
     if state == GONE:
-        return say(NO_ANSWER), say(FIND_IT)
+        why, to_do = why_gone(seen)
+        return say(why), say(to_do)
     if state == STARTING and seen.facts is not None and not seen.facts.status.control_pid:
         why = say(N_("the control process has ended; it comes back idle"))
         return why, say(N_("see the log; then arm again"))

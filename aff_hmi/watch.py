@@ -43,6 +43,7 @@ class Observed:
     unread : ticks of the ring that were overwritten before they were read here.
     events : (code, argument, age in s), the newest first.
     trouble : why there is no door, in words.
+    other_protocol : of a service that opens its door and is of another release; 0 of none.
     clock_step_s : by which the wall clock was set lately; 0 when it was not.
     certificate_s : until the first certificate of this screen ends; None without any.
     """
@@ -57,6 +58,7 @@ class Observed:
     unread: int = 0
     events: tuple[tuple[int, float, float], ...] = ()
     trouble: str = ""
+    other_protocol: int = 0
     clock_step_s: float = 0.0
     certificate_s: float | None = None
 
@@ -103,6 +105,7 @@ class Watch:
         self._door: DoorClient | None = None
         self._retry_ns = 0
         self._trouble = ""
+        self._other_protocol = 0
         self._facts: Facts | None = None
         self._facts_ns = 0
         self._ring: RingReader | None = None
@@ -148,6 +151,7 @@ class Watch:
                 for code, argument, t_ns in reversed(self._events)
             ),
             trouble=self._trouble,
+            other_protocol=self._other_protocol,
         )
 
     def close(self) -> None:
@@ -162,13 +166,14 @@ class Watch:
         try:
             self._door = DoorClient(self._path)
         except AffError as error:
-            self._trouble = str(error)
+            self._trouble, self._other_protocol = str(error), 0
 
     def _hear(self, door: DoorClient, now_ns: int) -> None:
         while (message := door.receive()) is not None:
             match message:
                 case Hello(protocol=protocol):
-                    if protocol != PROTOCOL:
+                    self._other_protocol = 0 if protocol == PROTOCOL else protocol
+                    if self._other_protocol:
                         raise WireError(f"the service speaks protocol {protocol}, not {PROTOCOL}")
                     self._trouble = ""
                 case RingPassed(descriptor=descriptor):

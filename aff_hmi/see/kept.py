@@ -24,7 +24,7 @@ from aff_hmi.see.store import Store
 from aff_hmi.see.trend_part import GROUPS, WINDOW_WORDS, group_name
 from aff_hmi.see.trend_rows import SCHEMA as TREND_SCHEMA
 from aff_hmi.see.trends import Trends
-from aff_hmi.view import FIND_IT, GONE, NO_ANSWER, state_of
+from aff_hmi.view import GONE, state_of, why_gone
 from aff_hmi.watch import News, Observed
 from aff_hmi.words import N_, Say, say_in
 from aff_runtime.app.hand.bucket import Bucket
@@ -37,14 +37,6 @@ from aff_runtime.base.signals import State
 LOOK_NS = 450_000_000
 FRESH_S = 0.7
 ALARMS, ROLLS = "alarms", "rolls"
-NO_SERVICE = Condition(
-    key="SERVICE",
-    rank=RANK[Priority.MEDIUM],
-    name="SERVICE",
-    text=NO_ANSWER,
-    to_do=FIND_IT,
-    delay_s=5.0,
-)
 PEOPLE = {
     "login": N_("logged in"),
     LOGIN_REFUSED: N_("a login was refused"),
@@ -173,7 +165,7 @@ class Kept:
         is_fresh = seen.writer_lives and seen.tick_age_s is not None
         conditions = conditions_of(seen, state)
         self.book.look(
-            (*conditions, NO_SERVICE) if state == GONE else conditions,
+            (*conditions, _no_service(seen)) if state == GONE else conditions,
             is_known=is_fresh and seen.tick_age_s < FRESH_S,  # type: ignore[operator]
             is_active=state == State.ACTIVE.name,
         )
@@ -217,3 +209,12 @@ class Kept:
         """Period of the control cycle, s; NaN before it is known."""
         site = self._seen.site
         return site.cycle_s if site is not None else math.nan
+
+
+def _no_service(seen: Observed) -> Condition:
+    """Return the alarm that nothing is heard of the service, by whatever reason."""
+    why, to_do = why_gone(seen)
+    medium = RANK[Priority.MEDIUM]
+    return Condition(
+        key="SERVICE", rank=medium, name="SERVICE", text=why, to_do=to_do, delay_s=5.0
+    )

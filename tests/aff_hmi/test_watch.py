@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from aff_hmi.recent_window import WINDOW_S, RecentWindow
+from aff_hmi.view import FIND_IT, NO_ANSWER, ONE_RELEASE, OTHER_RELEASE, why_gone
 from aff_hmi.watch import RETRY_NS, Watch
+from aff_runtime.app.door.messages import PROTOCOL
 from tests.aff_runtime.app.door.stand import Stand
 
 
@@ -103,6 +105,24 @@ def test_a_door_that_closes_is_told_and_knocked_at_again(
     watch.poll()
     assert watch.seen().trouble == ""
     again.close()
+
+
+def test_a_service_of_another_release_is_not_told_as_none(
+    stand: Stand, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("aff_hmi.watch.PROTOCOL", PROTOCOL + 1)  # the screen is the newer one
+    watch = Watch(stand.path, stand.clock)
+    for _ in range(3):  # knocking again says no other thing
+        watch.poll()
+        stand.round(stand.ring)
+        watch.poll()
+        seen = watch.seen()
+        assert (seen.other_protocol, why_gone(seen)) == (PROTOCOL, (OTHER_RELEASE, ONE_RELEASE))
+        stand.clock.advance_ns(RETRY_NS)
+    stand.door.close()
+    watch.poll()
+    assert why_gone(watch.seen()) == (NO_ANSWER, FIND_IT)
+    watch.close()
 
 
 def test_rms_needs_a_full_window_and_is_that_of_a_sine() -> None:
