@@ -6,7 +6,7 @@ from aff_runtime.app.setup.asking.draft import FoundWord
 from aff_runtime.app.setup.text.site_text import site_text
 from aff_runtime.config.loader import load_site
 from sim_plant.refine.records.run_site import run_site
-from tests.aff_runtime.app.setup.test_site_text import DRAFT
+from tests.aff_runtime.app.setup.text.test_site_text import DRAFT
 from tests.lockstep.known_response import ROOT
 
 
