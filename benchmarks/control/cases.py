@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from benchmarks.control.lines import ALL_FIVE, FILM_SHARE, FPM_M_S, INCH_M, Hidden, nominal, spoilt
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared.declaration import Declaration
 
 ON_S = 10.0
 ECCENTRIC_M = 0.0003

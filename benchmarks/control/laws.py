@@ -25,7 +25,7 @@ from benchmarks.control.printed import PrintedLaw
 from benchmarks.control.rivals_blocks import AngleBlocks
 from benchmarks.control.rivals_filtered import FxLms
 from benchmarks.control.rivals_repetitive import Repetitive
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared.declaration import Declaration
 
 ORDERS = 24
 FILM_MEMORY_S = 2.0

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 from pathlib import Path
 
-from sim_plant.line.declaration import Declaration, EffectEntry, LoadCell, SpanEntry
-from sim_plant.line.load import load_declaration
+from sim_plant.line.declared.declaration import Declaration, EffectEntry, LoadCell, SpanEntry
+from sim_plant.line.reading.load import load_declaration
 
 SPIKE_READINGS = 400
 ROOT = Path(__file__).resolve().parents[2]

@@ -17,12 +17,12 @@ from aff_runtime.core.law import ActuatorLaw, Inputs
 from aff_runtime.core.params import RollParams, SiteParams
 from aff_runtime.core.phase import RollPhase
 from benchmarks.control.lines import SPIKE_READINGS, Hidden, with_hidden
-from sim_plant.line.build import cell_sensors
-from sim_plant.line.declaration import Declaration, Roller
-from sim_plant.line.kernel import log_frame, run_frames, step_frame
-from sim_plant.line.log_layout import LogLayout
+from sim_plant.line.arrays.build import cell_sensors
+from sim_plant.line.declared.declaration import Declaration, Roller
+from sim_plant.line.equations.kernel import log_frame, run_frames, step_frame
+from sim_plant.line.equations.log_layout import LogLayout
 from sim_plant.line.open import make_line
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 
 Array = npt.NDArray[np.float64]
 CHANNELS = (

@@ -11,7 +11,7 @@ from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.fleet.example import FIRST_DAY, GROWTH, grown
 from sim_plant.fleet.findings import Finding, findings_of
 from sim_plant.fleet.refine_look import LookResult
-from sim_plant.line.declaration import EffectEntry
+from sim_plant.line.declared.declaration import EffectEntry
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.verdict import Verdict
 

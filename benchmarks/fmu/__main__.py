@@ -24,7 +24,7 @@ from benchmarks.fmu.measure import (
 from sim_plant.base.shipped import shipped
 from sim_plant.export.binary import compiler
 from sim_plant.export.fmu import settled_line
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "results" / "fmu.md"
 LINES = ("euclid", "euclid_ripple", "film", "coater")

@@ -13,9 +13,9 @@ from benchmarks.fmu.imported import Imported
 from sim_plant.base.arrays import Array
 from sim_plant.base.effects import Effect, Value
 from sim_plant.export.fmu import export_line, write_fmu
-from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.locations import candidate_locations
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.arrays.locations import candidate_locations
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
+from sim_plant.line.running.simulation import LineSimulation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

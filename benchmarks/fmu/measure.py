@@ -23,8 +23,8 @@ from benchmarks.fmu.beside import (
 from benchmarks.fmu.imported import Imported
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.export.fmu import settled_line
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.declared.declaration import Declaration
+from sim_plant.line.running.simulation import LineSimulation
 
 SAMPLES, ROUNDS = 2000, 9
 

@@ -13,7 +13,7 @@ from benchmarks.control.laws import drive_in
 from benchmarks.control.lines import FPM_M_S, INCH_M, nominal, spoilt, with_hidden
 from benchmarks.control.lines import Hidden as OnTheLine
 from benchmarks.control.lockstep import run
-from sim_plant.line.declaration import Declaration, LoadCell
+from sim_plant.line.declared.declaration import Declaration, LoadCell
 
 WEBS = {
     # EA (N), density (kg/m3), thickness (m)

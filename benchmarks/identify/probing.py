@@ -23,9 +23,9 @@ from aff_runtime.core.response import Provenance, Response
 from benchmarks.control.lines import Hidden
 from benchmarks.control.lockstep import CHANNELS, LineColumns, rolls_of, settled_line
 from benchmarks.identify.drawn import DrawnLine
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.frequency import response
-from sim_plant.line.kernel import log_frame, step_frame
+from sim_plant.line.declared.declaration import Declaration
+from sim_plant.line.equations.kernel import log_frame, step_frame
+from sim_plant.line.linear.frequency import response
 
 CYCLE_S = 0.005
 LARGEST_M_S, LARGEST_N = 0.03, 10.0

@@ -16,7 +16,7 @@ from benchmarks.campaign.make import declared_for
 from benchmarks.campaign.record import simulate, write_line, write_record
 from benchmarks.campaign.stage import stage
 from benchmarks.intervals.draws import true_numbers
-from sim_plant.line.load import load_line
+from sim_plant.line.reading.load import load_line
 from sim_plant.refine.confirm import RecordWithTwin
 from sim_plant.refine.fit.gauss_newton import Fit, nominal_fit
 from sim_plant.refine.fit.objective import Objective, declared_objective

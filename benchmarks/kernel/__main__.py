@@ -17,8 +17,8 @@ from benchmarks.runtime.facts import FactRow, Section, machine
 from benchmarks.runtime.page import markdown, text
 from sim_plant.lanes import library
 from sim_plant.lanes.side_by_side import SideBySide
-from sim_plant.line.load import load_declaration
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.reading.load import load_declaration
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.refine.model.cases_in_lanes import attempt, simulated
 from sim_plant.refine.model.twin import Case, Twin
 

@@ -18,11 +18,11 @@ from scipy.integrate import solve_ivp
 from benchmarks.runtime.facts import FactRow, Section
 from sim_plant.base.arrays import Array, LineArrays, LineState
 from sim_plant.base.jit import compiled
-from sim_plant.line.kernel import Work, measure, rk4, run_drives, run_loops, slope
-from sim_plant.line.layout import Layout
-from sim_plant.line.load import load_declaration
+from sim_plant.line.equations.kernel import Work, measure, rk4, run_drives, run_loops, slope
+from sim_plant.line.equations.layout import Layout
 from sim_plant.line.open import make_line
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.reading.load import load_declaration
+from sim_plant.line.running.simulation import LineSimulation
 
 LINE = Path(__file__).resolve().parents[2] / "config" / "lines" / "euclid_ripple.yaml"
 SIMULATED_S = 0.5

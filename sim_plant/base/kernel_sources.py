@@ -6,19 +6,7 @@ import hashlib
 from pathlib import Path
 
 _ROOT = Path(__file__).parent.parent
-_PATTERNS = (
-    "base/arrays.py",
-    "elements/*.py",
-    "geometry/lookup.py",
-    "line/changing_numbers.py",
-    "line/derivative.py",
-    "line/kernel.py",
-    "line/layout.py",
-    "line/log_layout.py",
-    "line/moved_bodies.py",
-    "line/spliced_spans.py",
-    "line/warm_spans.py",
-)
+_PATTERNS = ("base/arrays.py", "elements/*.py", "geometry/lookup.py", "line/equations/*.py")
 
 
 def kernel_sources() -> list[Path]:

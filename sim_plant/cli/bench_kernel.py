@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration, LoadCell
-from sim_plant.line.load import load_declaration
+from sim_plant.line.declared.declaration import Declaration, LoadCell
 from sim_plant.line.open import make_line
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.reading.load import load_declaration
+from sim_plant.line.running.simulation import LineSimulation
 
 LINES = Path(__file__).resolve().parents[2] / "config" / "lines"
 REPEATS = 40

@@ -32,7 +32,7 @@ def register(subparsers: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 def run(arguments: argparse.Namespace) -> int:
     """Settle the line and write the file."""
     from sim_plant.export.fmu import export_line, settled_line, write_fmu  # noqa: PLC0415
-    from sim_plant.line.load import load_declaration  # noqa: PLC0415 (heavy imports)
+    from sim_plant.line.reading.load import load_declaration  # noqa: PLC0415 (heavy imports)
 
     out = arguments.out or Path(arguments.line.name).with_suffix(".fmu")
     if out.suffix != ".fmu":

@@ -15,7 +15,7 @@ from sim_plant.cli.output import say
 
 if TYPE_CHECKING:
     from aff_runtime.base.refinement import RecordLacks
-    from sim_plant.line.load import LineFile
+    from sim_plant.line.reading.load import LineFile
     from sim_plant.refine.report.outcome import Outcome, RefineRequest
     from sim_plant.refine.without_line.verdict import RecordVerdict
 
@@ -105,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Refine; 0 whatever the verdict, 2 when an input cannot be judged."""
     # small products only: threads of the linear algebra wait for each other more than they work
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    from sim_plant.line.load import line_in, read_source  # noqa: PLC0415 - heavy imports
+    from sim_plant.line.reading.load import line_in, read_source  # noqa: PLC0415 - heavy imports
 
     plan = plan_of(arguments)
     source = read_source(plan.line)  # a file that cannot be read is refused before the rest loads

@@ -32,8 +32,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Simulate and write; the columns are the declaration's channels and the references."""
     import numpy as np  # noqa: PLC0415 (heavy imports only when used)
 
-    from sim_plant.line.load import load_declaration  # noqa: PLC0415
     from sim_plant.line.open import make_line  # noqa: PLC0415
+    from sim_plant.line.reading.load import load_declaration  # noqa: PLC0415
     from sim_plant.line.record_file import read_columns, write_columns  # noqa: PLC0415
 
     if not 0.0 < arguments.duration <= 86400.0:

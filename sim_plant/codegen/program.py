@@ -11,7 +11,7 @@ from sim_plant.codegen.sources import Source, is_compiled, source_of
 from sim_plant.codegen.statements import write_block
 from sim_plant.codegen.target import RECORDS, STRUCTS, EntryPoint, Target
 from sim_plant.codegen.translation import Function
-from sim_plant.line import kernel
+from sim_plant.line.equations import kernel
 
 PASSES = 12
 """Kinds settle in two or three passes over a function."""

@@ -19,10 +19,10 @@ from sim_plant.codegen.kinds import (
     Struct,
     TranslationError,
 )
-from sim_plant.line import kernel
-from sim_plant.line.kernel import Work
-from sim_plant.line.layout import Layout
-from sim_plant.line.log_layout import LogLayout
+from sim_plant.line.equations import kernel
+from sim_plant.line.equations.kernel import Work
+from sim_plant.line.equations.layout import Layout
+from sim_plant.line.equations.log_layout import LogLayout
 
 RECORDS: dict[str, np.dtype[Any]] = {
     name: getattr(records, name)

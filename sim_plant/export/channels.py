@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from sim_plant.export.variable import quoted
-from sim_plant.line.channels import Channel
-from sim_plant.line.declaration import CarriagePosition, DriveSpeed, LoadCell, RollAngle
-from sim_plant.line.declared_bodies import section_of
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.declared.declaration import CarriagePosition, DriveSpeed, LoadCell, RollAngle
+from sim_plant.line.declared.declared_bodies import section_of
+from sim_plant.line.running.channels import Channel
+from sim_plant.line.running.simulation import LineSimulation
 
 WEB_LEFT = "web_left_m"
 

@@ -16,10 +16,10 @@ from sim_plant.export.binary import binary_folder, compile_binary, compiler
 from sim_plant.export.description import LICENCE, Model, Version, build_description, description
 from sim_plant.export.interface import Interface, interface_of
 from sim_plant.export.line_data import line_data, line_variables
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.fastest_mode import fastest_mode
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.line.open import make_line
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.rest.fastest_mode import fastest_mode
+from sim_plant.line.running.simulation import LineSimulation
 
 C_FILES = Path(__file__).parent / "c"
 SHARED = ("forms.h", "line.h", "stepping.h", "saved.h")

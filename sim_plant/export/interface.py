@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from sim_plant.export.channels import WEB_LEFT, OutputChannel, output_channels
 from sim_plant.export.parameters import parameters_of
 from sim_plant.export.variable import Variable, quoted
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,7 +11,7 @@ from sim_plant.base.arrays import LineArrays, LineState
 from sim_plant.codegen.target import RECORD_FIELDS
 from sim_plant.export.c_text import c_bound, c_string
 from sim_plant.export.interface import Interface
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 
 SHAPES = {"shape_h_m": "SHAPE_H", "shape_dh_m": "SHAPE_DH", "shape_rho_m": "SHAPE_RHO"}
 OWN = (

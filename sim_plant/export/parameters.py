@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from sim_plant.base.arrays import UNWIND
 from sim_plant.export.variable import Variability, Variable, quoted
-from sim_plant.line.build import cell_sensors
-from sim_plant.line.declared_bodies import section_of
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.arrays.build import cell_sensors
+from sim_plant.line.declared.declared_bodies import section_of
+from sim_plant.line.running.simulation import LineSimulation
 
 SETTLE_S = 40.0
 """As ``LineSimulation.settle`` has it."""

@@ -14,8 +14,8 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.yaml_places import SafeLoader
 from sim_plant.base.shipped import shipped
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.load import read_source
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
+from sim_plant.line.reading.load import read_source
 from sim_plant.refine.example import simulated, write_table
 from sim_plant.refine.model.hypotheses import Hypothesis, all_hypotheses
 

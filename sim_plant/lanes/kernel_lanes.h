@@ -1,6 +1,6 @@
 /* Made from the compiled functions of sim_plant by sim_plant.codegen; not by hand. */
 
-#define SOURCE "8f97c8186236c29b" /* of the files it was made from */
+#define SOURCE "ab554082708e9501" /* of the files it was made from */
 
 /* LANES lines side by side: one vector of doubles, or of integers, for each number of a line.
    Built several times, with other LANES and other instructions; see setup.py. */
@@ -1320,10 +1320,10 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
     rho_b = choose_floats(lanes_, each_float(t10_), rho_b);
     length = choose_floats(lanes_, each_float(t10_), length);
     const int64_t t11_ = INT64_C(8);
-    integers broken72_ = each_bool(false);
+    integers broken50_ = each_bool(false);
     for (int64_t n12_ = 0; n12_ < t11_; n12_++) {
-        integers skipped72_ = each_bool(false);
-        const integers on13_ = lanes_ & ~broken72_ & ~skipped72_;
+        integers skipped50_ = each_bool(false);
+        const integers on13_ = lanes_ & ~broken50_ & ~skipped50_;
         if (!any(on13_)) break;
         const group_FFF t14_ = k_body_at(radius_a, a->sigma, a->shape_row, p->shape_h_m, p->shape_dh_m, p->shape_rho_m, theta_a, angle);
         p_a = choose_floats(on13_, t14_.part0, p_a);
@@ -1339,9 +1339,9 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
         const integers t17_ = ((integers)(absolutes(residual) < each_float(1e-13)));
         const integers on18_ = on13_ & t17_;
         if (any(on18_)) {
-            broken72_ |= on18_;
+            broken50_ |= on18_;
         }
-        const integers on19_ = on13_ & ~broken72_ & ~skipped72_;
+        const integers on19_ = on13_ & ~broken50_ & ~skipped50_;
         if (any(on19_)) {
             bend = choose_floats(on19_, (((b->sigma * rho_b) - (a->sigma * rho_a)) - residual), bend);
             turn = choose_floats(on19_, ((-residual) / length), turn);
@@ -1356,9 +1356,9 @@ static inline void k_span_contacts(const LineArrays * p, const Layout * lay, flo
                 const group_FF t23_ = k_turned_on(p_b, dh_b, rho_b, (b->sigma * turn));
                 p_b = choose_floats(on21_, t23_.part0, p_b);
                 dh_b = choose_floats(on21_, t23_.part1, dh_b);
-                broken72_ |= on21_;
+                broken50_ |= on21_;
             }
-            const integers on24_ = on19_ & ~broken72_ & ~skipped72_;
+            const integers on24_ = on19_ & ~broken50_ & ~skipped50_;
             if (any(on24_)) {
                 angle = choose_floats(on24_, (angle + turn), angle);
             }
@@ -1882,10 +1882,10 @@ static inline void k_shafts(const LineArrays * p, const Layout * lay, float_lane
     floats motor_inertia = {0};
     floats full = {0};
     const int64_t t1_ = p->drives.n;
-    integers broken298_ = each_bool(false);
+    integers broken276_ = each_bool(false);
     for (int64_t d = 0; d < t1_; d++) {
-        integers skipped298_ = each_bool(false);
-        const integers on2_ = ~broken298_ & ~skipped298_;
+        integers skipped276_ = each_bool(false);
+        const integers on2_ = ~broken276_ & ~skipped276_;
         if (!any(on2_)) break;
         drive = (&p->drives.at[d]);
         k = choose_integers(on2_, each_int(drive->body[0]), k);
@@ -1894,9 +1894,9 @@ static inline void k_shafts(const LineArrays * p, const Layout * lay, float_lane
         const integers on4_ = on2_ & t3_;
         if (any(on4_)) {
             scatter_floats(on4_, dy.at, choose_integers(on4_, (lay->omega + k), each_int(INT64_C(0))), (gather_floats(dy.at, choose_integers(on4_, (lay->omega + k), each_int(INT64_C(0)))) + motor));
-            skipped298_ |= on4_;
+            skipped276_ |= on4_;
         }
-        const integers on5_ = on2_ & ~broken298_ & ~skipped298_;
+        const integers on5_ = on2_ & ~broken276_ & ~skipped276_;
         if (any(on5_)) {
             rate = choose_floats(on5_, (y.at[(lay->motor + d)] - gather_floats(y.at, choose_integers(on5_, (lay->omega + k), each_int(INT64_C(0))))), rate);
             through = choose_floats(on5_, k_shaft_torque(drive->shaft_stiffness_N_m, drive->shaft_damping_N_m_s, drive->shaft_backlash_rad, y.at[(lay->twist + d)], rate), through);

@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from sim_plant.base.arrays import CHANGE, CHANGEABLE, RIPPLE, Array, LineArrays, LineState, Records
 from sim_plant.geometry.table import DEFAULT_POINTS
-from sim_plant.line.kernel import Work
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.equations.kernel import Work
+from sim_plant.line.running.simulation import LineSimulation
 
 SHARED_STATE = ("counters", "time_s")
 """Of the state: one for all lanes."""

@@ -10,9 +10,9 @@ import numpy as np
 from sim_plant.base.arrays import Array, LineArrays, LineState
 from sim_plant.base.c_arrays import c_array, c_struct
 from sim_plant.lanes.packing import SHARED_STATE, PackedLines, Words, space, together
-from sim_plant.line.kernel import Work
-from sim_plant.line.references import References
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.equations.kernel import Work
+from sim_plant.line.running.references import References
+from sim_plant.line.running.simulation import LineSimulation
 
 _ARRAY_AXES = {name: 2 if name.startswith("shape_") else 1 for name in LineArrays._fields}
 _STATE_AXES = {

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from sim_plant.line.build import build_arrays, timing_of
-from sim_plant.line.corrections import apply_corrections
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.fastest_mode import ACCURATE_STEP, fastest_mode, substeps_for
-from sim_plant.line.load import load_declaration
-from sim_plant.line.simulation import LineSimulation
-from sim_plant.line.with_effects import apply_effects
+from sim_plant.line.arrays.build import build_arrays, timing_of
+from sim_plant.line.arrays.corrections import apply_corrections
+from sim_plant.line.arrays.with_effects import apply_effects
+from sim_plant.line.declared.declaration import Declaration
+from sim_plant.line.reading.load import load_declaration
+from sim_plant.line.rest.fastest_mode import ACCURATE_STEP, fastest_mode, substeps_for
+from sim_plant.line.running.simulation import LineSimulation
 
 
 def make_line(

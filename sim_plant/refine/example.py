@@ -10,9 +10,9 @@ import yaml
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.effects import eccentric_roller
-from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.load import Source, line_in
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
+from sim_plant.line.reading.load import Source, line_in
 
 HIDDEN = EffectEntry(
     effect=eccentric_roller.EFFECT.name,

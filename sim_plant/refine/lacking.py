@@ -10,7 +10,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from aff_runtime.base.refinement import Lacking, RecordLacks
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.refine.model.record_match import record_caveats, twin_of
 from sim_plant.refine.model.run_caveats import (
     lines_of,

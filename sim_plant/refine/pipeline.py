@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.load import LineFile
+from sim_plant.line.declared.declaration import Declaration
+from sim_plant.line.reading.load import LineFile
 from sim_plant.refine.confirm import RecordWithTwin, confirmed, judge
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.fit.start_angles import with_effects_as_the_record_begins

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from sim_plant.base.arrays import RIPPLE, Array, LineArrays
-from sim_plant.line.build import build_arrays, timing_of
-from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.load import load_declaration
-from sim_plant.line.simulation import LineSimulation
-from sim_plant.line.with_effects import apply_effects
+from sim_plant.line.arrays.build import build_arrays, timing_of
+from sim_plant.line.arrays.with_effects import apply_effects
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
+from sim_plant.line.reading.load import load_declaration
+from sim_plant.line.running.simulation import LineSimulation
 
 DECLARATION = Path(__file__).resolve().parents[2] / "config" / "lines" / "euclid.yaml"
 FPM_M_S = 0.00508

@@ -11,7 +11,7 @@ import numpy as np
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.base.order_tracking import order_amplitudes
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.reproduce.euclid import TENSION_N, set_torque, times
 
 Readings = Mapping[str, float]

@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from sim_plant.base.arrays import Array
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 
 ComplexArray = npt.NDArray[np.complex128]
 

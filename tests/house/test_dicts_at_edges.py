@@ -28,7 +28,7 @@ EDGES = {
     "aff_runtime/telemetry/header.py": "JSON of the ring, YAML of a run",
     "sim_plant/base/jit.py": "keyword arguments of numba",
     "sim_plant/cli/tell.py": "JSON for scripts",
-    "sim_plant/line/declaration.py": "YAML of a line file",
+    "sim_plant/line/declared/declaration.py": "YAML of a line file",
     "sim_plant/pytest_plugin/web_line.py": "JSON of the control socket",
     "sim_plant/refine/records/child.py": "JSON of the record reader",
     "sim_plant/refine/records/in_child.py": "JSON of the record reader",

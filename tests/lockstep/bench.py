@@ -30,7 +30,7 @@ from aff_runtime.loop.ports import Advice
 from aff_runtime.safety.guard import Guard
 from aff_runtime.safety.params import GuardParams
 from sim_plant.line import open_line
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.servers.faults import parse_fault
 from sim_plant.servers.map_file import load_plc_map
 from sim_plant.servers.plc import Plc

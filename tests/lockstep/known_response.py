@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
-from sim_plant.line.frequency import response
-from sim_plant.line.load import load_declaration
+from sim_plant.line.linear.frequency import response
+from sim_plant.line.reading.load import load_declaration
 
 ROOT = Path(__file__).parents[2]
 LINE = ROOT / "config" / "lines" / "euclid_ripple.yaml"

@@ -15,7 +15,7 @@ from aff_runtime.core.probe.probe import Probe, ProbeResult, Stage
 from aff_runtime.core.response import Provenance, Response
 from aff_runtime.loop.messages import Arm, Swap
 from aff_runtime.loop.ports import Advice
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from tests.lockstep.bench import Bench, Setup
 from tests.lockstep.known_response import LINE, ROOT
 

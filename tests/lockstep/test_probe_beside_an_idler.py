@@ -19,8 +19,8 @@ from aff_runtime.loop.messages import Arm, Bypass, Swap
 from aff_runtime.loop.ports import Advice
 from sim_plant.base.order_tracking import order_amplitudes, reduction_dB
 from sim_plant.demo.loop.drawn import Files, Hidden, write_files
-from sim_plant.line.frequency import response
-from sim_plant.line.load import load_declaration
+from sim_plant.line.linear.frequency import response
+from sim_plant.line.reading.load import load_declaration
 from tests import quick_yaml
 from tests.lockstep.bench import Bench, Setup
 from tests.lockstep.known_response import CYCLE_S, CYCLES_ON_THE_WAY

@@ -10,7 +10,7 @@ import pytest
 
 from aff_runtime.config.loader import load_site
 from aff_runtime.loop.messages import Arm
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.report.aff_block import write_block
 from tests import quick_yaml
 from tests.lockstep.known_response import ROOT

@@ -21,7 +21,7 @@ from benchmarks.rows import read_row, write_row
 from sim_plant.base import worker_pool
 from sim_plant.cli.main import main
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.line.open import make_line
 from sim_plant.refine.model.simulation_pool import SimulationPool
 from sim_plant.refine.model.twin import Case

@@ -17,7 +17,7 @@ from asammdf import MDF
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
-from sim_plant.line.load import load_declaration, read_source
+from sim_plant.line.reading.load import load_declaration, read_source
 from sim_plant.line.record_file import read_columns
 from sim_plant.line.yaml_file import load_yaml
 from sim_plant.refine.records import limits, mdf_table, parquet_table, text_table

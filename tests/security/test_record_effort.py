@@ -10,7 +10,7 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base import yaml_edit
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.line.record_file import LONGEST_LINE, read_columns
 from sim_plant.refine.records.sanity import even_grid
 from sim_plant.refine.records.text_table import text_table

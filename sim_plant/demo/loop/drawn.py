@@ -18,9 +18,9 @@ from sim_plant.base.shipped import shipped
 from sim_plant.demo.loop.further_words import show_further
 from sim_plant.demo.wires import SITES, wire_up
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.load import load_declaration
-from sim_plant.line.locations import candidate_locations, zones
+from sim_plant.line.arrays.locations import candidate_locations, zones
+from sim_plant.line.declared.declaration import Declaration
+from sim_plant.line.reading.load import load_declaration
 
 LINE = shipped("lines/euclid.yaml")
 IDLER = "eccentric_roller"

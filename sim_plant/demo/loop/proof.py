@@ -12,7 +12,7 @@ from sim_plant.base.order_tracking import reduction_dB
 from sim_plant.demo.loop.drawn import angle_of
 from sim_plant.demo.loop.session import Story, first_order
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.confirm import RecordWithTwin
 from sim_plant.refine.judge.holdout import evaluate
 from sim_plant.refine.model.effect_at import EffectAt

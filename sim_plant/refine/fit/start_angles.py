@@ -13,7 +13,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.declaration import EffectEntry
+from sim_plant.line.declared.declaration import EffectEntry
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.roll_synchronisation import shifts_in_step
 from sim_plant.refine.fit.turning import Turning, has_start_angle, turns_with, with_turned

@@ -11,7 +11,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.lanes.library import Lanes, fitting
 from sim_plant.lanes.packing import make_of
 from sim_plant.lanes.side_by_side import SideBySide
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.refine.model.twin import Case, Twin, seen_by
 
 Job = tuple[int, Case]

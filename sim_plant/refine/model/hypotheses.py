@@ -15,10 +15,10 @@ from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Demand, Effect, Value
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.effects.onset import HOLD_S
-from sim_plant.line.build import build_arrays, timing_of
-from sim_plant.line.corrections import declared_numbers
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.locations import candidate_locations, places_of
+from sim_plant.line.arrays.build import build_arrays, timing_of
+from sim_plant.line.arrays.corrections import declared_numbers
+from sim_plant.line.arrays.locations import candidate_locations, places_of
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.nuisances import tolerance_of

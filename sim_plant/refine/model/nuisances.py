@@ -5,8 +5,8 @@ from __future__ import annotations
 import fnmatch
 from dataclasses import dataclass
 
-from sim_plant.line.corrections import declared_numbers
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.arrays.corrections import declared_numbers
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from sim_plant.base.effects import Effect
 from sim_plant.effects.catalogue import CATALOGUE
-from sim_plant.line.build import build_arrays, cell_sensors, timing_of
-from sim_plant.line.corrections import declared_numbers
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.locations import candidate_locations, places_of
+from sim_plant.line.arrays.build import build_arrays, cell_sensors, timing_of
+from sim_plant.line.arrays.corrections import declared_numbers
+from sim_plant.line.arrays.locations import candidate_locations, places_of
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.refine.model.hypotheses import Hypothesis, hypothesis
 from sim_plant.refine.model.nuisances import Nuisance
 

@@ -8,8 +8,14 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration, DriveSpeed, LoadCell, RollAngle, RollRadius
-from sim_plant.line.load import load_declaration
+from sim_plant.line.declared.declaration import (
+    Declaration,
+    DriveSpeed,
+    LoadCell,
+    RollAngle,
+    RollRadius,
+)
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.run_match import APPLIED
 from sim_plant.refine.model.run_state import at_run, word_steps

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from aff_runtime.base.runs.window import run_window
-from sim_plant.line.declaration import Declaration, LoadCell
+from sim_plant.line.declared.declaration import Declaration, LoadCell
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.run_match import SPEED_REF
 from sim_plant.refine.model.site_match import driven_roller

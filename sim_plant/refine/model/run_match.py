@@ -9,7 +9,7 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration, LoadCell
+from sim_plant.line.declared.declaration import Declaration, LoadCell
 from sim_plant.refine.model.site_match import channels_of, driven_roller, tension_references
 from sim_plant.refine.model.speed_stand_in import stand_in_speed
 from sim_plant.refine.records.recording import Recording, RunFacts

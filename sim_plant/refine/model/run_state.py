@@ -9,7 +9,13 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration, DriveSpeed, RollAngle, RollRadius, Sensor
+from sim_plant.line.declared.declaration import (
+    Declaration,
+    DriveSpeed,
+    RollAngle,
+    RollRadius,
+    Sensor,
+)
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recording import Recording
 

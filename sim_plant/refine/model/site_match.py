@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Mapping
 
-from sim_plant.line.declaration import (
+from sim_plant.line.declared.declaration import (
     CarriagePosition,
     Declaration,
     DriveSpeed,

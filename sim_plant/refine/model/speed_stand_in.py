@@ -16,8 +16,8 @@ import numpy as np
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration, DriveSpeed, RollAngle
-from sim_plant.line.laws import draws
+from sim_plant.line.declared.declaration import Declaration, DriveSpeed, RollAngle
+from sim_plant.line.declared.laws import draws
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.records.run_activity import box_mean, ramps

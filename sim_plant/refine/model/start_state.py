@@ -12,9 +12,9 @@ import itertools
 from dataclasses import dataclass
 from typing import Literal
 
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.simulation import LineSimulation
-from sim_plant.line.start import add_torque
+from sim_plant.line.declared.declaration import Declaration
+from sim_plant.line.rest.start import add_torque
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.refine.criteria.criteria import CRITERIA
 
 

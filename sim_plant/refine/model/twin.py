@@ -13,20 +13,20 @@ from sim_plant.base.arrays import Array
 from sim_plant.base.effects import Value
 from sim_plant.effects.shape_rows import add_mean, add_shape
 from sim_plant.geometry.shapes import orders
-from sim_plant.line.build import build_arrays, timing_of
-from sim_plant.line.corrections import apply_corrections
-from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.fastest_mode import (
+from sim_plant.line.arrays.build import build_arrays, timing_of
+from sim_plant.line.arrays.corrections import apply_corrections
+from sim_plant.line.arrays.with_effects import apply_effects
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
+from sim_plant.line.open import make_line
+from sim_plant.line.rest.fastest_mode import (
     ACCURATE_STEP,
     STABLE_STEP,
     FastestMode,
     fastest_mode,
     substeps_for,
 )
-from sim_plant.line.open import make_line
-from sim_plant.line.references import References
-from sim_plant.line.simulation import LineSimulation
-from sim_plant.line.with_effects import apply_effects
+from sim_plant.line.running.references import References
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.start_state import StartOffset
 

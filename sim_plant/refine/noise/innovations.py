@@ -11,7 +11,7 @@ from scipy.linalg import solve_toeplitz
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import CarriagePosition, RollAngle, RollRadius
+from sim_plant.line.declared.declaration import CarriagePosition, RollAngle, RollRadius
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.noise.drift import drift_standard_deviations, drift_whitened, slow_terms

@@ -11,7 +11,7 @@ import yaml
 
 from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.declaration import Declaration, EffectEntry
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.site_match import site_name
 from sim_plant.refine.records.recording import Recording

@@ -8,8 +8,8 @@ from typing import Any
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.base.yaml_edit import with_keys
-from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.load import LineFile, load_declaration
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
+from sim_plant.line.reading.load import LineFile, load_declaration
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.plain import plain

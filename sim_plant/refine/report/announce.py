@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.nuisances import declared_nuisances, effective_radius_of
 from sim_plant.refine.records.recording import Recording

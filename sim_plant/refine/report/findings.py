@@ -9,9 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from sim_plant.base.effects import Value
-from sim_plant.line.build import cell_sensors
-from sim_plant.line.corrections import declared_numbers, value_of
-from sim_plant.line.declaration import RollAngle
+from sim_plant.line.arrays.build import cell_sensors
+from sim_plant.line.arrays.corrections import declared_numbers, value_of
+from sim_plant.line.declared.declaration import RollAngle
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import Hypothesis

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.load import LineFile
+from sim_plant.line.declared.declaration import Declaration
+from sim_plant.line.reading.load import LineFile
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.site_edit import Proposal

@@ -14,7 +14,7 @@ from aff_runtime.base.printable import printable
 from aff_runtime.base.units import UnitError, read_number
 from sim_plant.base.plain_file import read_plain_text
 from sim_plant.base.yaml_edit import lost_comments, with_keys
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.line.yaml_file import LONGEST_BYTES, parse_yaml
 from sim_plant.refine.model.site_match import channels_of, driven_roller, site_name
 from sim_plant.refine.records.run_site import RunSite, run_site

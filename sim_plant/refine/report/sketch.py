@@ -14,9 +14,9 @@ from matplotlib.patches import Circle
 from sim_plant.base.arrays import Array
 from sim_plant.base.svg import as_written, svg
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.build import cell_sensors
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.locations import places_of, zones
+from sim_plant.line.arrays.build import cell_sensors
+from sim_plant.line.arrays.locations import places_of, zones
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.verdict import Verdict
 

@@ -12,9 +12,9 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import Array
 from sim_plant.geometry.shapes import MAX_ORDER, Shape
 from sim_plant.geometry.tangent import Body, common_tangent
-from sim_plant.line.build import build_arrays, timing_of
-from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.with_effects import apply_effects
+from sim_plant.line.arrays.build import build_arrays, timing_of
+from sim_plant.line.arrays.with_effects import apply_effects
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.records.recording import Recording
 

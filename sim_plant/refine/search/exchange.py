@@ -12,8 +12,8 @@ import numpy as np
 
 from sim_plant.base.effects import Effect
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.locations import bridles, candidate_locations
+from sim_plant.line.arrays.locations import bridles, candidate_locations
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit, gauss_newton_fit
 from sim_plant.refine.fit.objective import Objective

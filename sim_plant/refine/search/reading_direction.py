@@ -15,9 +15,9 @@ import numpy as np
 from scipy.signal import butter, sosfiltfilt
 
 from sim_plant.base.arrays import Array
-from sim_plant.line.build import cell_sensors
-from sim_plant.line.declaration import Declaration, DriveSpeed
-from sim_plant.line.locations import zones
+from sim_plant.line.arrays.build import cell_sensors
+from sim_plant.line.arrays.locations import zones
+from sim_plant.line.declared.declaration import Declaration, DriveSpeed
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.line.build import cell_sensors
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.arrays.build import cell_sensors
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.search.unknown_event import zone_of
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.line.declaration import Declaration, RollAngle
-from sim_plant.line.locations import zones
+from sim_plant.line.arrays.locations import zones
+from sim_plant.line.declared.declaration import Declaration, RollAngle
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import Objective

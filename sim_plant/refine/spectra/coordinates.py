@@ -10,7 +10,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.base.signatures import Frequency, Orders
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.model.twin import Case, Twin

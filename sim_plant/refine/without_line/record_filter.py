@@ -14,8 +14,8 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.printable import printable
 from sim_plant.base.arrays import Array
 from sim_plant.base.plain_file import read_plain
-from sim_plant.line.load import Source
-from sim_plant.line.sections import Name
+from sim_plant.line.declared.sections import Name
+from sim_plant.line.reading.load import Source
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.noise.innovations import whitening_filter
 from sim_plant.refine.records.limits import FILE_BYTES

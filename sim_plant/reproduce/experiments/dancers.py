@@ -8,9 +8,9 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.elements.pendulum_dancer import span_lever
-from sim_plant.line import accumulator_section, dancer_section
-from sim_plant.line.accumulator_section import Accumulator, rest_lift_N
-from sim_plant.line.dancer_section import (
+from sim_plant.line.alone import accumulator_section, dancer_section
+from sim_plant.line.alone.accumulator_section import Accumulator, rest_lift_N
+from sim_plant.line.alone.dancer_section import (
     Dancer,
     DancerWeb,
     LinearDancer,

@@ -8,8 +8,8 @@ from functools import cache, partial
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.line.frequency import response as frequency_response
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.linear.frequency import response as frequency_response
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, bars, draw
 from sim_plant.reproduce.entry import (
     ClaimRow,

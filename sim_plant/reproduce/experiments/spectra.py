@@ -7,7 +7,7 @@ import numpy as np
 from sim_plant.base.arrays import Array, LineArrays
 from sim_plant.effects.shape_rows import add_shape
 from sim_plant.geometry.shapes import orders
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import ClaimRow, Disagreement, Experiment, Result, row_of_claim
 from sim_plant.reproduce.euclid import (

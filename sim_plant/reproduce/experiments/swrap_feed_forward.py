@@ -7,7 +7,7 @@ from functools import cache, partial
 import numpy as np
 
 from sim_plant.base.arrays import Array
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import (
     ClaimRow,

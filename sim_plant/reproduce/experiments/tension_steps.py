@@ -6,7 +6,7 @@ import numpy as np
 
 from sim_plant.base.arrays import Array
 from sim_plant.identify.validation import norms
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond, row_of_claim
 from sim_plant.reproduce.euclid import FPM_M_S, INCH_M, LBF_N, effect, open_euclid, times

@@ -6,7 +6,7 @@ import numpy as np
 
 from sim_plant.base.arrays import LineArrays
 from sim_plant.elements.web_climate import mass_per_length
-from sim_plant.line.climate_section import WarmSpan, pull_N, simulate
+from sim_plant.line.alone.climate_section import WarmSpan, pull_N, simulate
 from sim_plant.reproduce.drawing import Panel, draw
 from sim_plant.reproduce.entry import Disagreement, Experiment, Result, beyond
 from sim_plant.reproduce.euclid import FPM_M_S, open_euclid, steady, times

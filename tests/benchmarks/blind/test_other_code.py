@@ -13,7 +13,7 @@ from benchmarks.blind.effects import Hidden, outline, tangents
 from benchmarks.blind.line import CELLS, NAMES, SPEEDS, WEBS, WOUND_N, centres, declaration
 from benchmarks.blind.machine import Scatter, Told, machine, simulate
 from benchmarks.blind.table import TABLE
-from sim_plant.line.declaration import Declaration, EffectEntry
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
 
 ROWS = 4400

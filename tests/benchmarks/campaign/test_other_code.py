@@ -14,7 +14,7 @@ from benchmarks.campaign.machine import machine_of
 from benchmarks.campaign.make import floors
 from benchmarks.campaign.record import References, simulate
 from benchmarks.campaign.stage import rms, with_faults
-from sim_plant.line.declaration import Declaration, EffectEntry
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
 
 SAMPLES = 2400

@@ -30,8 +30,8 @@ from benchmarks.control.report import page
 from benchmarks.control.scores import order_amplitudes, ratio_dB, score_transient
 from benchmarks.control.verdicts import beaten, targets
 from sim_plant.geometry.wound_mass import WoundMass, gravity_torque_N_m
-from sim_plant.line.declaration import LoadCell
-from sim_plant.line.load import consistency
+from sim_plant.line.declared.declaration import LoadCell
+from sim_plant.line.reading.load import consistency
 
 CYCLE_S = 0.005
 

@@ -12,7 +12,7 @@ from benchmarks.fleet.scored import Scored, fate_of, in_order
 from sim_plant.fleet.example import GROWTH
 from sim_plant.fleet.findings import write_parquet
 from sim_plant.fleet.refine_look import LookResult
-from sim_plant.line.declaration import EffectEntry
+from sim_plant.line.declared.declaration import EffectEntry
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.verdict import (
     Ambiguity,

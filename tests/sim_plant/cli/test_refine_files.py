@@ -13,7 +13,7 @@ from asammdf import MDF, Signal
 from benchmarks.campaign.line import declaration
 from sim_plant.cli.main import main
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.line.open import make_line
 from sim_plant.refine.records.read import read_record
 from tests import quick_yaml

@@ -12,8 +12,8 @@ import pytest
 
 from sim_plant.base.arrays import Array, LineArrays, copy_state
 from sim_plant.base.c_arrays import c_array, c_struct
-from sim_plant.line.kernel import Work, run_frames
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.equations.kernel import Work, run_frames
+from sim_plant.line.running.simulation import LineSimulation
 
 EXACT = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
 """With contraction a product and a sum would round once where the kernel rounds twice."""

@@ -12,7 +12,7 @@ from sim_plant.base.kernel_sources import kernel_hash, kernel_sources
 from sim_plant.codegen.__main__ import LANES_C
 from sim_plant.codegen.write import lanes_source
 from sim_plant.lanes import library
-from sim_plant.line import derivative, kernel
+from sim_plant.line.equations import derivative, kernel
 from tests.sim_plant.codegen.compiling import compiled_library
 
 LANES = 4

@@ -12,11 +12,11 @@ from sim_plant.base.arrays import Array
 from sim_plant.base.effects import Effect, Value
 from sim_plant.codegen.write import scalar_source
 from sim_plant.effects.catalogue import CATALOGUE
-from sim_plant.line.declaration import EffectEntry
-from sim_plant.line.load import load_declaration
-from sim_plant.line.locations import candidate_locations
+from sim_plant.line.arrays.locations import candidate_locations
+from sim_plant.line.declared.declaration import EffectEntry
 from sim_plant.line.open import make_line
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.reading.load import load_declaration
+from sim_plant.line.running.simulation import LineSimulation
 from tests.sim_plant.codegen.compiling import (
     EXACT,
     compiled_library,

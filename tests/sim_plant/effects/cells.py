@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sim_plant.base.order_tracking import order_amplitudes
-from sim_plant.line.declaration import EffectEntry
+from sim_plant.line.declared.declaration import EffectEntry
 from tests.sim_plant.effects.running import SPEED_M_S, effect, run, span
 
 EXCITER = effect("eccentric_roller", "R6", cos_m=2e-4)

@@ -10,8 +10,8 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.effects import Effect, Parameter
 from sim_plant.base.signatures import Frequency, Orders
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
-from sim_plant.line.corrections import declared_numbers
-from sim_plant.line.locations import candidate_locations
+from sim_plant.line.arrays.corrections import declared_numbers
+from sim_plant.line.arrays.locations import candidate_locations
 from sim_plant.refine.model.parameter_effects import equivalents
 from tests.each_case import each_case
 from tests.sim_plant.effects.running import effect, euclid, run

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.corrections import changeable_numbers, value_of
+from sim_plant.line.arrays.corrections import changeable_numbers, value_of
 from tests.sim_plant.effects.running import SPEED_M_S, TENSION_N, effect, euclid, line, run
 
 SAMPLE_S, FROM_S, ROWS = 0.005, 0.5, 200

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.changing_numbers import level
+from sim_plant.line.equations.changing_numbers import level
 from tests.each_case import each_case
 from tests.sim_plant.effects.running import effect, euclid, line, run, span
 

@@ -9,8 +9,8 @@ import gzip
 import numpy as np
 import pytest
 
-from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from sim_plant.line.reading.load import load_declaration
 from tests import quick_yaml
 from tests.sim_plant.effects.running import effect
 from tests.sim_plant.line.conftest import line_records  # noqa: F401 - a fixture

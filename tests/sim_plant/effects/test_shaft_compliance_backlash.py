@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from sim_plant.line.derivative import roll_inertia
-from sim_plant.line.fastest_mode import fastest_mode
+from sim_plant.line.equations.rolls import roll_inertia
 from sim_plant.line.open import make_line
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.rest.fastest_mode import fastest_mode
+from sim_plant.line.running.simulation import LineSimulation
 from tests.sim_plant.effects.running import effect, line
 from tests.sim_plant.line.lines import declared, with_effect, with_rolls
 

@@ -11,7 +11,7 @@ from sim_plant.effects.out_of_round_roll import KINDS, named
 from sim_plant.effects.shape_rows import add_gravity_moment
 from sim_plant.elements.contact import body_at
 from sim_plant.geometry.roll_profiles import flat_spot
-from sim_plant.line.build import build_arrays, timing_of
+from sim_plant.line.arrays.build import build_arrays, timing_of
 from tests.sim_plant.line.lines import declared
 
 LINE = declared("euclid")

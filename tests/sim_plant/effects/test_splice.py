@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.splice import EFFECT
-from sim_plant.line.spliced_spans import on_wrap
+from sim_plant.line.equations.spliced_spans import on_wrap
 from tests.each_case import each_case
 from tests.sim_plant.effects.running import (
     SPEED_M_S,

@@ -1,6 +1,6 @@
 import pytest
 
-from sim_plant.line.locations import zones
+from sim_plant.line.arrays.locations import zones
 from tests.sim_plant.effects.running import (
     at_rest,
     drawn_tension_N,

@@ -11,10 +11,10 @@ from aff_runtime.base.errors import PlantError
 from sim_plant.base.arrays import LineArrays
 from sim_plant.base.effects import Effect, Parameter, Value
 from sim_plant.effects.catalogue import CATALOGUE
-from sim_plant.line.build import build_arrays, timing_of
-from sim_plant.line.declaration import EffectEntry
-from sim_plant.line.locations import candidate_locations
-from sim_plant.line.with_effects import apply_effects
+from sim_plant.line.arrays.build import build_arrays, timing_of
+from sim_plant.line.arrays.locations import candidate_locations
+from sim_plant.line.arrays.with_effects import apply_effects
+from sim_plant.line.declared.declaration import EffectEntry
 from tests.each_case import each_case
 from tests.sim_plant.effects.running import effect, euclid
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from sim_plant.base.effects import Value
 from sim_plant.effects.catalogue import CATALOGUE
-from sim_plant.line.declaration import Declaration, EffectEntry
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.model.effect_at import EffectAt

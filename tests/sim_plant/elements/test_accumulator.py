@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim_plant.line.accumulator_section import Accumulator, rates, rest_lift_N, simulate
-from sim_plant.line.dancer_section import phasor
+from sim_plant.line.alone.accumulator_section import Accumulator, rates, rest_lift_N, simulate
+from sim_plant.line.alone.dancer_section import phasor
 
 V, EPS_UP, V_OUT, HEIGHT = 2.0, 0.004, 2.004, 1.5
 A = Accumulator(EA_N=9300.0, strain_upstream=EPS_UP, spans=10, mass_kg=200.0, damping_N_s_m=500.0)

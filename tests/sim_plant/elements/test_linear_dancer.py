@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_plant.line.dancer_section import (
+from sim_plant.line.alone.dancer_section import (
     DancerWeb,
     LinearDancer,
     phasor,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sim_plant.elements.pendulum_dancer import span_lever
-from sim_plant.line.dancer_section import (
+from sim_plant.line.alone.dancer_section import (
     DancerWeb,
     PendulumDancer,
     phasor,

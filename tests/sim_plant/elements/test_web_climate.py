@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from sim_plant.elements.web_climate import exchange_rate, free_strain, mass_per_length
-from sim_plant.line.climate_section import WarmSpan, pull_N, rates, simulate
-from sim_plant.line.dancer_section import phasor
+from sim_plant.line.alone.climate_section import WarmSpan, pull_N, rates, simulate
+from sim_plant.line.alone.dancer_section import phasor
 
 V, EPS_UP = 1.0, 0.005
 V_OUT = V * 1.004

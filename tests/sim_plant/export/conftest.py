@@ -18,7 +18,7 @@ def fmu(
     """Return an FMU of the line; both versions are made of one source."""
     from benchmarks.fmu.beside import exported
     from sim_plant.export.fmu import settled_line
-    from sim_plant.line.load import load_declaration
+    from sim_plant.line.reading.load import load_declaration
 
     def make(folder: Path) -> None:
         exported(folder / "euclid.fmu", settled_line(load_declaration(LINE_FILE)), request.param)

@@ -16,8 +16,8 @@ from sim_plant.export.c_text import c_string
 from sim_plant.export.fmu import Export, export_line, settled_line
 from sim_plant.export.units import UNITS
 from sim_plant.export.variable import quoted
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.load import load_declaration
+from sim_plant.line.declared.declaration import Declaration
+from sim_plant.line.reading.load import load_declaration
 
 LINES = Path(__file__).parents[3] / "config" / "lines"
 LINE = load_declaration(LINES / "euclid.yaml")

@@ -13,7 +13,7 @@ from sim_plant.base.effects import Effect
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.export.binary import compiler
 from sim_plant.export.fmu import export_line, settled_line, write_fmu
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 
 pytest.importorskip("fmpy", reason="FMPy, of the extra dev, runs the FMUs")
 from fmpy import simulate_fmu

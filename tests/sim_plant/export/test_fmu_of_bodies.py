@@ -10,7 +10,7 @@ import pytest
 
 from sim_plant.export.binary import compiler
 from sim_plant.export.fmu import export_line, settled_line
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 
 pytest.importorskip("fmpy", reason="FMPy, of the extra dev, runs the FMUs")
 from fmpy.validation import validate_fmu

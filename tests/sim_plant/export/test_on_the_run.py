@@ -14,10 +14,10 @@ from sim_plant.base.arrays import Array
 from sim_plant.export.binary import compiler
 from sim_plant.export.description import OPTIONS
 from sim_plant.export.fmu import settled_line
-from sim_plant.line.declaration import EffectEntry
-from sim_plant.line.kernel import measure, run_frames
-from sim_plant.line.load import load_declaration
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.declared.declaration import EffectEntry
+from sim_plant.line.equations.kernel import measure, run_frames
+from sim_plant.line.reading.load import load_declaration
+from sim_plant.line.running.simulation import LineSimulation
 
 pytest.importorskip("fmpy", reason="FMPy, of the extra dev, runs the FMUs")
 from fmpy.fmi1 import FMICallException

@@ -14,8 +14,8 @@ from sim_plant.identify.idler_friction import (
     rollers_between_cells,
     steady_stretches,
 )
-from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from sim_plant.line.reading.load import load_declaration
 
 LINE = load_declaration(Path(__file__).parents[3] / "config" / "lines" / "euclid.yaml")
 C, B, RADIUS = 0.017219, 0.0001429, 0.0381

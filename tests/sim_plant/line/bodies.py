@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from sim_plant.line.declaration import Declaration
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.declared.declaration import Declaration
+from sim_plant.line.running.simulation import LineSimulation
 from tests.sim_plant.line.lines import declared, exact_line
 
 SPEED_M_S, TENSION_N = 2.0, 90.0

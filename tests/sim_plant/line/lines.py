@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 
-from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.load import load_declaration
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.reading.load import load_declaration
+from sim_plant.line.running.simulation import LineSimulation
 
 ROOT = Path(__file__).resolve().parents[3]
 LINES = ROOT / "config" / "lines"

@@ -5,8 +5,8 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.elements.carriage import CREEP_M_S, buffer_force, friction_force
-from sim_plant.line.load import consistency
-from sim_plant.line.operating_point import steady_line
+from sim_plant.line.reading.load import consistency
+from sim_plant.line.rest.operating_point import steady_line
 from tests.sim_plant.line.bodies import (
     SPEED_M_S,
     TENSION_N,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from sim_plant.line.reading.load import load_declaration
 from tests.lockstep.known_response import ROOT
 
 TICK_S = 0.001

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_plant.line.frequency import response
+from sim_plant.line.linear.frequency import response
 from tests.sim_plant.line.bodies import SPEED_M_S, TENSION_N, coater, exact_coater
 
 FREQUENCIES_Hz = np.array([0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.6, 2.5, 4.0, 6.0, 8.0])

@@ -13,8 +13,8 @@ import re
 
 import numpy as np
 
-from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from sim_plant.line.reading.load import load_declaration
 from tests import quick_yaml
 
 ALLOWED = 1.2

@@ -6,7 +6,7 @@ import pytest
 from sim_plant.effects.shape_rows import add_shape
 from sim_plant.geometry.shapes import orders
 from sim_plant.geometry.tangent import Body, common_tangent
-from sim_plant.line import derivative
+from sim_plant.line.equations import derivative
 from tests.sim_plant.line.lines import declared, exact_line
 
 SPAN = 4

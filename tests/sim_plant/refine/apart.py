@@ -19,9 +19,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
-from sim_plant.line.declaration import LoadCell
-from sim_plant.line.load import load_declaration
+from sim_plant.line.declared.declaration import LoadCell
 from sim_plant.line.open import make_line
+from sim_plant.line.reading.load import load_declaration
 from tests.sim_plant.refine.run_cases import FAST_M_S, RAMP_S, SLOW_M_S, STEP_N
 
 SERVICE = ("unwind_tension_N", "pullroll_tension_N", "line_speed_m_s", "swrap_follower_speed_m_s")

@@ -25,7 +25,7 @@ import numpy as np
 from sim_plant.base.order_tracking import order_amplitudes, reduction_dB
 from sim_plant.demo.loop.drawn import IDLER, angle_of
 from sim_plant.demo.loop.proof import MOST_OF_FLOOR, TARGET_DB, model_errors
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.report.aff_block import aff_blocks
 from sim_plant.refine.report.site_edit import FILE, SiteFile, proposed
 from sim_plant.refine.report.verdict import Verdict

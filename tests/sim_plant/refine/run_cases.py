@@ -31,8 +31,8 @@ from sim_plant.cli.main import main as sim_plant
 from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
 from sim_plant.demo.loop.drawn import Files as Loop
 from sim_plant.demo.loop.further_words import REFERENCE, WORDS
-from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.report.verdict import Verdict
 from tests import quick_yaml
 from tests.doubles.recorded_run import Files, RecordedRun

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.fit.gauss_newton import Fit
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.model.effect_at import EffectAt

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared.declaration import Declaration
 from tests.sim_plant.effects.running import effect
 from tests.sim_plant.effects.tracing import traced
 from tests.sim_plant.line.lines import declared

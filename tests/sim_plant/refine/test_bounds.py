@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
-from sim_plant.line.build import build_arrays, timing_of
-from sim_plant.line.load import load_declaration
+from sim_plant.line.arrays.build import build_arrays, timing_of
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.model.hypotheses import all_hypotheses, hypothesis
 from sim_plant.refine.search.screening import linear_candidate
 from tests.each_case import each_case

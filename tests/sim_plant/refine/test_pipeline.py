@@ -11,9 +11,9 @@ from aff_runtime.base.refinement import Summary
 from benchmarks.campaign.line import declaration
 from sim_plant.cli.main import main
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line import load
-from sim_plant.line.declaration import Declaration
+from sim_plant.line.declared.declaration import Declaration
 from sim_plant.line.open import make_line
+from sim_plant.line.reading import load
 from tests import quick_yaml
 
 ROWS = 1200

@@ -7,7 +7,7 @@ import pytest
 
 from aff_runtime.config.loader import load_site
 from sim_plant.demo.loop.drawn import IDLER, drawn, write_files
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.records.read import read_record
 from sim_plant.refine.report.verdict import ChannelRms, UnknownFinding

@@ -9,7 +9,7 @@ import pytest
 
 from sim_plant.cli.main import main
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_match import run_on_line
 from sim_plant.refine.model.twin import Added, Case

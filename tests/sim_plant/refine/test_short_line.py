@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.declaration import Declaration, EffectEntry
-from sim_plant.line.load import load_declaration, load_line
+from sim_plant.line.declared.declaration import Declaration, EffectEntry
 from sim_plant.line.open import make_line
+from sim_plant.line.reading.load import load_declaration, load_line
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit, nominal_fit
 from sim_plant.refine.fit.objective import declared_objective
 from sim_plant.refine.judge.holdout import evaluate

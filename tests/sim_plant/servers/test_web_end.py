@@ -10,7 +10,7 @@ import pytest
 from aff_runtime.base.signals import StateBits, Status
 from benchmarks.control.lines import nominal
 from sim_plant.line.open import make_line
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.servers.control import ControlSocket
 from sim_plant.servers.plant import Plant
 from sim_plant.servers.plc import Plc

@@ -5,8 +5,8 @@ import pytest
 from aff_runtime.base.errors import PlantError
 from sim_plant.demo.loop.drawn import IDLER, LINE, Hidden, drawn, write_files
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.load import load_declaration
 from sim_plant.line.open import make_line
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.criteria.criteria import CRITERIA
 from tests import quick_yaml
 

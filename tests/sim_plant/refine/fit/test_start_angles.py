@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim_plant.line.declaration import EffectEntry
-from sim_plant.line.load import load_declaration
+from sim_plant.line.declared.declaration import EffectEntry
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.fit.start_angles import with_effects_as_the_record_begins
 from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
 from tests.sim_plant.refine.small import formula_twin, line_with

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim_plant.lanes import library
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.fit.start_states import changes_by_starts, shown_directions, with_start_state
 from sim_plant.refine.model import cases_in_lanes
 from sim_plant.refine.model.cases_in_lanes import attempt, simulated

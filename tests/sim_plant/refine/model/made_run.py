@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.records.recording import Recording, RunFacts
 from sim_plant.refine.records.run_activity import Activity
 from sim_plant.refine.records.run_site import RunActuator, RunSite

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sim_plant.lanes import library
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.model import cases_in_lanes
 from sim_plant.refine.model.cases_in_lanes import attempt, simulated
 from sim_plant.refine.model.twin import Case, Twin

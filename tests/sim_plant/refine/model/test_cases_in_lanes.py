@@ -12,8 +12,8 @@ from sim_plant.base.arrays import Array
 from sim_plant.base.effects import Effect
 from sim_plant.effects.catalogue import CATALOGUE
 from sim_plant.lanes import library
-from sim_plant.line.load import load_declaration
-from sim_plant.line.locations import candidate_locations
+from sim_plant.line.arrays.locations import candidate_locations
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.model import cases_in_lanes
 from sim_plant.refine.model.cases_in_lanes import attempt, in_groups, simulated
 from sim_plant.refine.model.simulation_pool import SimulationPool

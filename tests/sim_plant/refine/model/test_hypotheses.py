@@ -8,7 +8,7 @@ import pytest
 
 from sim_plant.base.effects import Demand
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.model.hypotheses import all_hypotheses, hypothesis, onset_hypotheses
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")

@@ -6,8 +6,8 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
-from sim_plant.line.declaration import DriveSpeed, RollAngle, RollRadius
-from sim_plant.line.load import load_declaration
+from sim_plant.line.declared.declaration import DriveSpeed, RollAngle, RollRadius
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.model.record_match import (
     declaration_for,
     record_caveats,

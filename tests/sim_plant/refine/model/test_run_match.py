@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from aff_runtime.base.errors import PlantError
-from sim_plant.line.simulation import LineSimulation
+from sim_plant.line.running.simulation import LineSimulation
 from sim_plant.refine.model.record_match import twin_of
 from sim_plant.refine.model.run_caveats import run_caveats
 from sim_plant.refine.model.run_match import mean_over_row, run_on_line

@@ -7,7 +7,7 @@ import pytest
 
 from sim_plant.base.signatures import Frequency
 from sim_plant.effects.catalogue import BY_NAME, CATALOGUE
-from sim_plant.line.locations import candidate_locations
+from sim_plant.line.arrays.locations import candidate_locations
 from sim_plant.refine.fit.turning import turns_with
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.turned import turned

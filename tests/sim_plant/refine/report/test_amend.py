@@ -9,8 +9,8 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.declaration import EffectEntry
-from sim_plant.line.load import load_line
+from sim_plant.line.declared.declaration import EffectEntry
+from sim_plant.line.reading.load import load_line
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.amend import HEAD, write_amended

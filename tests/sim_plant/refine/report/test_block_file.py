@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from aff_runtime.config.loader import load_site
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.report.aff_block import site_name, write_block
 from tests import quick_yaml
 from tests.each_case import each_case

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.load import load_line
+from sim_plant.line.reading.load import load_line
 from sim_plant.refine.judge.holdout import Evaluation
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.model.hypotheses import hypothesis

@@ -10,7 +10,7 @@ from aff_runtime.base.errors import PlantError
 from aff_runtime.base.units import accepted_units, plain, read_number
 from aff_runtime.config.diff import diff_sites, may_apply_while_active
 from aff_runtime.config.loader import load_site
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.report.aff_block import AffBlock
 from sim_plant.refine.report.site_edit import SiteFile, proposed
 from tests.parameter_records import CONFIG

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.model.effect_at import EffectAt
 from sim_plant.refine.report.sketch import Marks, marks_of_verdict, sketch, web_path_m
 from sim_plant.refine.report.verdict import Ambiguity, UnknownFinding

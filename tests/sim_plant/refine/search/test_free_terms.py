@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sim_plant.effects.catalogue import BY_NAME
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.free_terms import explained_by_free_term, free_term_basis
 from sim_plant.refine.search.unexplained import Unknown

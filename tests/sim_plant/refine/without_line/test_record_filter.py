@@ -7,7 +7,7 @@ import pytest
 
 from aff_runtime.base.errors import PlantError
 from sim_plant.cli.main import main
-from sim_plant.line.load import read_source
+from sim_plant.line.reading.load import read_source
 from sim_plant.refine.report.outcome import RefineRequest
 from sim_plant.refine.without_line.pipeline import refine_records
 from sim_plant.refine.without_line.record_filter import read_stamped, record_declaration_in

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from sim_plant.line.load import read_source
+from sim_plant.line.reading.load import read_source
 from sim_plant.refine.without_line.general.judging import judge
 from sim_plant.refine.without_line.general.search import search
 from sim_plant.refine.without_line.record_filter import (

@@ -15,7 +15,7 @@ from aff_runtime.app.report.watching.store import Store
 from aff_runtime.base.runs.table import read_table
 from aff_runtime.base.runs.window import RunWindow
 from aff_runtime.base.signals import State
-from sim_plant.line.load import load_declaration
+from sim_plant.line.reading.load import load_declaration
 from sim_plant.servers.extra_words import ExtraWords
 from tests.aff_runtime.app.report.watching.made_store import hour
 from tests.doubles.recorded_run import LINE_FILE, RecordedRun, files
