@@ -107,13 +107,19 @@ def confirmed(
     workers: int,
     progress: Progress,
 ) -> Claimed:
-    """Return what the record held out confirms: all is withdrawn that it refutes or imitates."""
+    """Return what the record held out confirms: all is withdrawn that it refutes or imitates.
+
+    In its place nothing is unknown where that record shows no more than noise.
+    """
     said: tuple[str, ...] = ()
     against = refutation(selection, evaluation)
     if against:
         said = (not_confirmed(selection, judged.record, against),)
         progress(said[0])
+        unknown = selection.unknown
         selection, evaluation = withdrawn(selection), as_declared(evaluation)
+        if not leaves_much(evaluation):
+            selection = replace(selection, unknown=unknown)
     alone = without_imitated_lines(judged, selection, evaluation, workers, progress)
     sized = without_sizeless(judged, alone.selection, alone.evaluation, workers, progress)
     claimed = without_imitations(

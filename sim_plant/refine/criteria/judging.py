@@ -29,7 +29,8 @@ class JudgeCriteria:
         "1",
         "a record shows a response if its slope on it is this close to 1, chance included",
         "a response that is there has slope 1, one that is not 0; at 1 - 0.5 and 1 + 0.5 the "
-        "effect takes no power away, or lacks a third of its response's size, 1/9 of its power",
+        "effect takes no power away, or lacks a third of its response's size, 1/9 of its power; "
+        "below 1 - 0.5, where chance alone is less than 0.5, the record lacks it",
     )
     slope_sd: float = criterion(
         2.0, "standard deviations", "of that slope which count as chance", "95 %"

@@ -21,15 +21,20 @@ def refuted(evaluation: Evaluation) -> bool:
     """Return whether the effects found are not there in a record held out.
 
     They leave most of what it shows, and it does not show their response: where it does, the rest
-    is something else, which only this record has. Where an event's moment was fitted on this
-    record the slope test of ``shows`` proves nothing: among so many moments some one gives a
-    slope near 1 by chance. Refuted too where the line does not run there with them (``after`` is
-    not finite), as some profiles cannot lie on a smaller roll: the simulation breaks down.
+    is something else, which only this record has. Or it ``lacks`` their response, however little
+    there is to explain: declared numbers estimated anew with the effects may explain it all.
+    Where an event's moment was fitted on this record a slope proves nothing: among so many
+    moments some one gives a slope near 1 by chance. Refuted too where the line does not run there
+    with them (``after`` is not finite), as some profiles cannot lie on a smaller roll: the
+    simulation breaks down.
     """
     if not np.isfinite(evaluation.rms_amended).all():
         return True
-    there = not evaluation.moments and shows(evaluation, evaluation.corrected)
-    return leaves_most(evaluation) and not there
+    if evaluation.moments:
+        return leaves_most(evaluation)
+    if lacks(evaluation, evaluation.corrected):
+        return True
+    return leaves_most(evaluation) and not shows(evaluation, evaluation.corrected)
 
 
 def shows_something_else(evaluation: Evaluation) -> bool:
@@ -60,15 +65,32 @@ def shows(evaluation: Evaluation, without: Array) -> bool:
     whatever the record has: the number of blocks that count, (sum p)^2 / sum(p^2) with p the
     power of r per block, is ``slope_fewest_blocks`` at least  [Kish 1965].
     """
+    slope, sd = _slope(evaluation, without)
+    return abs(slope - 1.0) + JUDGE.slope_sd * sd < JUDGE.slope_off
+
+
+def lacks(evaluation: Evaluation, without: Array) -> bool:
+    """Return whether a record has not half of the response of some effects, and could tell.
+
+    However little they explain: what took no power away from a record held out took none from
+    those fitted either, but a chance of theirs. ``without``, b and s as of ``shows``; equation:
+    b < 1 - ``slope_off`` and ``slope_sd`` s < ``slope_off``.
+    """
+    slope, sd = _slope(evaluation, without)
+    return slope < 1.0 - JUDGE.slope_off and JUDGE.slope_sd * sd < JUDGE.slope_off
+
+
+def _slope(evaluation: Evaluation, without: Array) -> tuple[float, float]:
+    """Return the slope of a record on a response and its standard deviation, inf if not known."""
     y = in_floors(evaluation, evaluation.measured - without)
     response = in_floors(evaluation, evaluation.amended - without)
     shares = _sums(response**2)
     power = float(np.sum(shares))
     if not power**2 > JUDGE.slope_fewest_blocks * float(np.sum(shares**2)):
-        return False
+        return 0.0, np.inf
     slope = float(np.sum(response * y)) / power
     sd = float(np.linalg.norm(_sums(response * (y - slope * response)))) / power
-    return abs(slope - 1.0) + JUDGE.slope_sd * sd < JUDGE.slope_off
+    return slope, sd
 
 
 def judged_channels(evaluation: Evaluation) -> npt.NDArray[np.bool_]:

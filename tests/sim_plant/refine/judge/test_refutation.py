@@ -175,6 +175,27 @@ def test_a_response_of_another_size_is_not_that_of_the_effect(size):
     assert not shows(there, there.declared)
 
 
+def with_share(share, response, seed):
+    """Return an evaluation of a record that has this share of the response, and noise."""
+    bare = in_record(response, 0.0, seed)
+    return replace(bare, measured=bare.measured + share * (bare.amended - bare.declared))
+
+
+@each_case("seed", range(5))
+@each_case(
+    ("share", "is_refuted"), [(0.0, True), (0.2, True), (0.8, False), (1.0, False), (1.7, False)]
+)
+def test_a_small_response_that_a_record_could_show_and_lacks_is_refuted(share, is_refuted, seed):
+    """Half a percent of the power beyond noise that lets a record be asked what is left of it."""
+    small = 0.1 * SINE
+    assert refuted(with_share(share, small, seed)) is is_refuted
+
+
+@each_case("seed", range(5))
+def test_the_absence_of_a_response_that_chance_hides_refutes_nothing(seed):
+    assert not refuted(with_share(0.0, 0.03 * SINE, seed))
+
+
 def test_a_response_too_small_to_tell_is_not_shown():
     """Of 400 sets of noise, alone, none shows it; where it is, some of a good size do."""
     small = [in_record(0.02 * SINE, DRIFT, seed) for seed in range(400)]
