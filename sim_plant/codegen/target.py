@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any, get_type_hints
 
 import numpy as np
@@ -61,6 +62,12 @@ MATRICES = ("shape_h_m", "shape_dh_m", "shape_rho_m", "delay_m_s", "contacts", "
 """Fields of the named tuples that are arrays of two axes; the others have one."""
 
 
+@cache
+def _fields_of(struct: str) -> dict[str, type]:
+    """Return the fields of a named tuple by name; a translation asks a thousand times."""
+    return get_type_hints(STRUCTS[struct])
+
+
 @dataclass(frozen=True, kw_only=True)
 class EntryPoint:
     """A function that others call: its arrays by number of axes, and which differ by lane."""
@@ -98,7 +105,7 @@ class Target:
 
     def struct_field(self, struct: str, name: str) -> Kind:
         """Return what a field of a named tuple is; TranslationError for an unknown one."""
-        hint = get_type_hints(STRUCTS[struct]).get(name)
+        hint = _fields_of(struct).get(name)
         if hint is None:
             raise TranslationError(f"{struct} has no field {name}")
         if hint in (int, float):

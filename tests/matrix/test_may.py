@@ -232,13 +232,14 @@ def test_there_is_a_way_into_every_state() -> None:
 
 # a probe takes the place of a law that fails, and would work; no screen begins one beside that
 OF_THE_LAW = ("!law", "!lazy", "!nan")
+# a sweep below comes by every state, each by other faults
 EVERY_CELL = pytest.mark.parametrize(
     ("state", "fault", "spec"), CELLS, ids=lambda one: getattr(one, "name", one)
 )
 
 
 @EVERY_CELL
-@pytest.mark.sweep(every=11)
+@pytest.mark.sweep(every=19)
 def test_what_may_says_of_arm_is_what_the_service_answers(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:
@@ -263,7 +264,7 @@ def test_what_may_says_of_arm_is_what_the_service_answers(
 
 
 @EVERY_CELL
-@pytest.mark.sweep(every=13)
+@pytest.mark.sweep(every=23)
 def test_what_may_says_of_probe_is_what_comes_of_it(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:
@@ -286,7 +287,7 @@ def test_what_may_says_of_probe_is_what_comes_of_it(
 
 
 @EVERY_CELL
-@pytest.mark.sweep(every=13)
+@pytest.mark.sweep(every=25)
 def test_bypass_is_never_refused_and_always_done(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:
@@ -300,7 +301,7 @@ def test_bypass_is_never_refused_and_always_done(
 
 
 @EVERY_CELL
-@pytest.mark.sweep(every=13)
+@pytest.mark.sweep(every=26)
 def test_what_may_says_of_shadow_is_what_comes_of_it(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:
@@ -329,7 +330,7 @@ def test_what_may_says_of_shadow_is_what_comes_of_it(
 
 
 @EVERY_CELL
-@pytest.mark.sweep(every=13)
+@pytest.mark.sweep(every=29)
 def test_what_may_says_of_forgetting_is_what_the_service_answers(
     bench: ServiceBench, state: State, fault: str, spec: str
 ) -> None:

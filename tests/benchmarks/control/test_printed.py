@@ -14,14 +14,14 @@ GRID_HZ = [0.4 * 1.3**k for k in range(10)]
 
 
 def outcome(law_kind, plant, order, *, gain=0.0):
-    """Ripple after 40 s as a share of before; the unwind turns at 0.8 Hz."""
+    """Ripple after 25 s as a share of before; the unwind turns at 0.8 Hz."""
     block = BlockParams(roll="unwind", orders=(order,), settle_s=10.0, amp_limit=LIMIT)
     actuator = replace(with_blocks(block), law=law_kind)
     line = Line(plant(), {("unwind", order): 2.0 + 0j}, omega=5.0)
     law = Controller(
         site(actuator), {"unwind": measured(plant().at, GRID_HZ)}, laws=with_printed(gain)
     )
-    line.run(law, 40.0)
+    line.run(law, 25.0)
     return rms(line.run(law, 2.5)) / (2.0 / 2**0.5)
 
 

@@ -185,7 +185,7 @@ SPOILT = {
 
 @pytest.mark.parametrize("ending", ["csv", "parquet", "mf4"])
 @pytest.mark.parametrize("what", list(SPOILT))
-@pytest.mark.sweep(every=8)
+@pytest.mark.sweep(every=7)
 def test_a_spoilt_record_is_refused_with_its_place_and_nothing_is_written(
     columns, line_file, tmp_path, capsys, what, ending
 ):

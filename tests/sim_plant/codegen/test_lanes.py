@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from sim_plant.base.kernel_sources import kernel_hash, kernel_sources
+from sim_plant.codegen import write
 from sim_plant.codegen.__main__ import LANES_C
 from sim_plant.codegen.write import lanes_source
 from sim_plant.lanes import library
@@ -17,6 +18,8 @@ from tests.sim_plant.codegen.compiling import compiled_library
 
 LANES = 4
 """Enough for the plain build of any machine."""
+PRELUDE = Path(write.__file__).with_name("prelude_lanes.h")
+"""Its mathematics; that the kernel's source begins with it: below."""
 WAVES = """
 #define APPLY(name) void apply_##name(floats *x, int64_t n) \\
     { for (int64_t i = 0; i < n; i++) x[i] = lanes_##name(x[i]); }
@@ -33,7 +36,7 @@ def mathematics(tmp_path_factory: pytest.TempPathFactory) -> ctypes.CDLL:
     folder = tmp_path_factory.mktemp("lanes")
     return compiled_library(
         folder,
-        lanes_source() + WAVES,
+        PRELUDE.read_text() + WAVES,  # without the kernel, which takes two seconds
         "-std=gnu11",
         "-O0",  # the numbers are the same, and it compiles in a fifth of the time
         "-ffp-contract=off",
@@ -55,6 +58,7 @@ def applied(mathematics: ctypes.CDLL, name: str, values: np.ndarray) -> np.ndarr
 
 def test_the_c_that_is_built_was_made_from_the_kernel_as_it_is() -> None:
     assert LANES_C.read_text() == lanes_source(), "run: python -m sim_plant.codegen"
+    assert PRELUDE.read_text().strip() in lanes_source()
 
 
 def test_the_hash_covers_every_file_with_a_function_of_the_kernel() -> None:

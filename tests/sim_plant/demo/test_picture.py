@@ -43,10 +43,10 @@ def row(roll, order, before_N, after_N):
     )
 
 
-@pytest.fixture
-def drawn(tmp_path):
+@pytest.fixture(scope="module")
+def drawn(tmp_path_factory):
     """Return the picture of ripple that ends when the output is armed, and its bars."""
-    path = tmp_path / "picture.svg"
+    path = tmp_path_factory.mktemp("picture") / "picture.svg"
     rows = [row("unwind", 1, 2.0, 0.5), row("unwind", 3, 1.0, 0.0), row("other", 7, 9.0, 9.0)]
     write_picture(session(lambda t: 90.0 + np.where(t < ARMED_S, np.sin(t), 0.0)), rows, path)
     return path.read_text(encoding="utf-8")

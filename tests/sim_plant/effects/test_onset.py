@@ -34,8 +34,8 @@ def test_after_the_moment_drag_is_what_it_is_when_it_was_always_there() -> None:
 
 
 def test_warmth_that_stays_is_warmth_that_was_always_there() -> None:
-    there = run(effect("thermal_strain", "pull_roll_zone", strain=3e-4), seconds=60.0)
-    came = run(effect("thermal_strain", "pull_roll_zone", strain=3e-4, from_s=2.0), seconds=60.0)
+    there = run(effect("thermal_strain", "pull_roll_zone", strain=3e-4), seconds=40.0)
+    came = run(effect("thermal_strain", "pull_roll_zone", strain=3e-4, from_s=2.0), seconds=40.0)
     assert came["span_tension_N"][-200:] == pytest.approx(there["span_tension_N"][-200:], abs=0.08)
     first = round(1.9 / SAMPLE_S)
     assert span_N(there, "R15-pull_roll")[first] < span_N(came, "R15-pull_roll")[first] - 0.5
@@ -43,7 +43,7 @@ def test_warmth_that_stays_is_warmth_that_was_always_there() -> None:
 
 def test_warmth_that_ends_leaves_the_line_as_it_was() -> None:
     warm = effect("thermal_strain", "pull_roll_zone", strain=3e-4, from_s=2.0, hold_s=3.0)
-    made, plain = run(warm, seconds=60.0), run(seconds=60.0)
+    made, plain = run(warm, seconds=40.0), run(seconds=40.0)
     gone = span_N(made, "R15-pull_roll") - span_N(plain, "R15-pull_roll")
     assert gone.min() < -0.5
     assert abs(gone[-200:]).max() < 0.02

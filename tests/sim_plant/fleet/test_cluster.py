@@ -43,17 +43,35 @@ def test_results_come_with_their_numbers_and_jobs_are_taken_when_there_is_room()
             list(cluster.run([-1]))
 
 
-def test_a_killed_process_is_done_again_and_one_that_never_answers_is_told(tmp_path):
+@pytest.fixture
+def at_hand():
+    """A scheduler with one worker, both in this process; yield its address."""
+    from distributed import LocalCluster
+
+    with LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    ) as made:
+        yield made.scheduler_address
+
+
+def test_a_killed_process_is_done_again_and_one_that_never_answers_is_told(at_hand, tmp_path):
     said = []
     with Cluster(
-        jobs.killed_at_first, 1, limit_s=LONG_S, name=lambda _: "the job", tell=said.append
+        jobs.killed_at_first,
+        0,
+        scheduler=at_hand,
+        limit_s=LONG_S,
+        name=lambda _: "the job",
+        tell=said.append,
     ) as cluster:
         assert list(cluster.run([tmp_path])) == [(0, 1)]
     assert said == ["the job: its process ended by signal 9; it is done again"]
-    with Cluster(jobs.long_and_not_alone, 1, limit_s=0.2, name=lambda _: "it") as cluster:
+    with Cluster(
+        jobs.long_and_not_alone, 0, scheduler=at_hand, limit_s=0.1, name=lambda _: "it"
+    ) as cluster:
         ((number, lost),) = cluster.run([tmp_path / "pid"])
     assert (number, type(lost)) == (0, LostJobError)
-    assert "it: every try was lost, its last process took longer than 0.2 s" in str(lost)
+    assert "it: every try was lost, its last process took longer than 0.1 s" in str(lost)
 
 
 @pytest.mark.long  # quick: on a cluster of ours, above

@@ -10,7 +10,7 @@ from sim_plant.geometry.tangent import Body, common_tangent
 from tests.sim_plant.geometry.brute_force import line_distance_m, placed, taut_string
 from tests.sim_plant.geometry.pairs import PAIRS, POINTS, TAU, Pair, derivative, integral
 
-DENSE = np.linspace(0.0, 2.0 * np.pi, 1 << 18, endpoint=False)
+DENSE = np.linspace(0.0, 2.0 * np.pi, 1 << 17, endpoint=False)
 IDENTITY_TOLERANCE = 1e-6
 
 

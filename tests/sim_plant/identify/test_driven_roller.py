@@ -44,15 +44,21 @@ def test_closed_form_speed_obeys_the_torque_balance() -> None:
     np.testing.assert_allclose(J * slope, 1.0 - C - B * middle, atol=1e-6)
 
 
-def test_parameters_come_back_within_one_and_five_percent_and_intervals_cover(clean: Run) -> None:
-    fits = [fit_driven_roller([noisy(clean, seed)]) for seed in range(100)]
+@pytest.mark.parametrize(
+    ("count", "least"), [(20, 15), pytest.param(100, 90, marks=pytest.mark.long)]
+)
+def test_parameters_come_back_within_one_and_five_percent_and_intervals_cover(
+    clean: Run, count: int, least: int
+) -> None:
+    """Of 20 intervals that cover nine times in ten, 15 do in 99 of 100 such draws."""
+    fits = [fit_driven_roller([noisy(clean, seed)]) for seed in range(count)]
     for fit in fits:
         assert fit.inertia_kg_m2.value == pytest.approx(J, rel=0.01)
         assert fit.constant_N_m.value == pytest.approx(C, rel=0.05)
         assert fit.viscous_N_m_s.value == pytest.approx(B, rel=0.05)
-    assert sum(fit.inertia_kg_m2.covers(J) for fit in fits) >= 90
-    assert sum(fit.constant_N_m.covers(C) for fit in fits) >= 90
-    assert sum(fit.viscous_N_m_s.covers(B) for fit in fits) >= 90
+    assert sum(fit.inertia_kg_m2.covers(J) for fit in fits) >= least
+    assert sum(fit.constant_N_m.covers(C) for fit in fits) >= least
+    assert sum(fit.viscous_N_m_s.covers(B) for fit in fits) >= least
 
 
 def test_intervals_are_not_wide_for_nothing(clean: Run) -> None:

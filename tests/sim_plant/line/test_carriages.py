@@ -202,8 +202,8 @@ def test_unstretched_length_is_conserved_while_dancer_and_accumulator_move():
 
     start, wrapped, phi, strain = held(), 0.0, circles(line, y)[1], ends()
     drift, more = [], []
-    for k in range(800):
-        line.step({"travel_accumulator_m_s": 0.03 * min(1.0, k / 200), "line_speed_ref_m_s": 2.1})
+    for k in range(400):
+        line.step({"travel_accumulator_m_s": 0.06 * min(1.0, k / 200), "line_speed_ref_m_s": 2.1})
         now, turned = ends(), circles(line, y)[1]
         mean = 1.0 + 0.5 * (now + strain)
         inner = sigma[1:-1] * radius[1:-1] * np.diff(turned - phi) / mean[:-1]

@@ -20,7 +20,7 @@ def runs():
     """Each drive in turn under a multisine of 20 s: the second period of every channel."""
     found = {}
     for drive in PLACES:
-        line = exact_coater(settle_s=20.0)
+        line = exact_coater(settle_s=5.0)
         t = np.arange(round(2 * PERIOD_S / line.sample_time_s)) * line.sample_time_s
         correction = np.zeros_like(t)
         for k, frequency in enumerate(FREQUENCIES_Hz):

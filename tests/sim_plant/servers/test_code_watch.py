@@ -34,7 +34,7 @@ int aff_plc_scan(struct aff_plc_scan *scan)
     return 0;
 }
 """
-LOOKS_OFTEN = "from sim_plant.servers import code_watch; code_watch.LOOK_S = 0.1"
+LOOKS_OFTEN = "from sim_plant.servers import code_watch; code_watch.LOOK_S = 0.02"
 BEGINS_NOT = CODE.replace("begin(void) {", "begin(void) { for (volatile int at = 0;;) at++; ")
 
 

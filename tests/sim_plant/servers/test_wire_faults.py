@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 from contextlib import suppress
 from dataclasses import replace
+from functools import cache
 
 import pytest
 
@@ -88,6 +89,7 @@ def test_a_fault_of_modbus_changes_what_a_client_gets(tmp_path, fault, udp):
     assert seen[0] != seen[1]
 
 
+@cache
 def frames_of(wire: str, fault: Fault | None) -> list[object]:
     """What the runtime hears in 0.2 s of a correction at work."""
     bench = MatrixBench(wire)

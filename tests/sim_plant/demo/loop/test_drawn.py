@@ -1,5 +1,7 @@
 """What the demo hides: drawn by its seed, in the plant's file alone, and of a size that shows."""
 
+from functools import cache
+
 import pytest
 
 from aff_runtime.base.errors import PlantError
@@ -11,6 +13,14 @@ from sim_plant.refine.criteria.criteria import CRITERIA
 from tests import quick_yaml
 
 SEEDS = range(1, 9)
+
+
+@pytest.fixture(autouse=True, scope="module")
+def opened_once():
+    """Read the shipped line once: two hundred draws are of the same."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sim_plant.demo.loop.drawn.load_declaration", cache(load_declaration))
+        yield
 
 
 def test_another_seed_is_another_case_and_the_same_seed_the_same():

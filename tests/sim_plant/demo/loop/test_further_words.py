@@ -80,7 +80,9 @@ def test_another_wire_is_refused(wire, text, tmp_path):
         _files(tmp_path, wire)
 
 
-@pytest.mark.parametrize(("wire", "words"), [("modbus", WORDS), ("can", SIGNALS)])
+@pytest.mark.parametrize(
+    ("wire", "words"), [("modbus", WORDS), pytest.param("can", SIGNALS, marks=pytest.mark.long)]
+)  # quick of CAN: both name the same signals, and the bytes of a frame, above
 def test_what_the_service_records_of_them_is_what_the_plant_measured(wire, words, tmp_path):
     files = _files(tmp_path, wire)
     made = Files(

@@ -21,7 +21,8 @@ def test_a_service_without_a_recorder_is_told_so():
         kill_recorder(os.getpid())
 
 
-@pytest.mark.parametrize("lost", [0, 40])
+# quick of 0: refine/records/test_lossy_recorder.py, in time
+@pytest.mark.parametrize("lost", [pytest.param(0, marks=pytest.mark.long), 40])
 def test_what_a_killed_recorder_cost_is_told_by_the_rows(tmp_path, lost):
     ring = RingWriter(["time_s", "tick"], meta=RunMeta(start_ns=1), capacity=CAPACITY)
     reader = RingReader(ring.open_for_readers())

@@ -39,6 +39,7 @@ def beyond(row: Parameter) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize(("row", "name"), BOUNDED, ids=lambda x: getattr(x, "name", x))
+@pytest.mark.sweep(every=4)
 def test_a_number_beyond_the_catalogues_bounds_is_refused_and_the_bounds_are_not(row, name):
     place, parameter = candidate_locations(declared("euclid"), row)[0], row.accepts[name]
     for value in beyond(parameter):

@@ -1,6 +1,7 @@
 """Turned further on: what a body did later, from the start; the line says where it stood."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -31,16 +32,22 @@ TRIED = [
 ]
 
 
+NAMES = [c for c in CHANNELS if c.endswith(("_N", "_speed_rad_s", "_speed_m_s"))]
+
+
+@cache
+def simulated(*effects):
+    """Return tensions and speeds of rollers with effects, and the angles of bodies, rad."""
+    run = TWIN.line(Case(effects=effects, quick=False))
+    run.settle(Case().settle_s, quiet=True)
+    out = run.simulate(TWIN.speed_m_s, TWIN.tension_N, {})
+    return np.stack([out[name] for name in NAMES]), out["body_angle_rad"]
+
+
 def response(*effects):
     """Return what effects add to tensions and speeds of rollers, and the angles of bodies, rad."""
-    out = {}
-    for added in (effects, ()):
-        run = TWIN.line(Case(effects=added, quick=False))
-        run.settle(Case().settle_s, quiet=True)
-        out[bool(added)] = run.simulate(TWIN.speed_m_s, TWIN.tension_N, {})
-    names = [c for c in CHANNELS if c.endswith(("_N", "_speed_rad_s", "_speed_m_s"))]
-    added = np.stack([out[True][name] - out[False][name] for name in names])
-    return added, out[True]["body_angle_rad"]
+    with_them, angles = simulated(*effects)
+    return with_them - simulated()[0], angles
 
 
 def started(effect, place):

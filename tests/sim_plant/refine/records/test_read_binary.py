@@ -154,6 +154,7 @@ def test_an_invalidated_mdf_sample_is_a_missing_value(tmp_path):
         read_record(path)
 
 
+@pytest.mark.usefixtures("in_this_process")
 @pytest.mark.parametrize("name", ["r.parquet", "r.mf4"])
 def test_a_file_of_something_else_is_refused(tmp_path, name):
     (tmp_path / name).write_bytes(b"time_s,unwind_tension_N\n" * 50)

@@ -19,9 +19,9 @@ from sim_plant.refine.records.run_windows import unbroken_windows
 from tests.aff_runtime.app.card.measure.recorded import recorded, steady
 from tests.aff_runtime.app.fake_plc import READY_STATUS
 
-SPLICES_S = ((25.0, 28.0), (40.0, 43.0))
-"""Pieces of 25 s, 12 s (no record), and 37 s."""
-END_S = 80.0
+SPLICES_S = ((21.0, 22.0), (30.0, 31.0))
+"""Pieces of 21 s, 8 s (no record), and 24 s."""
+END_S = 55.0
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def spans(paths):
 
 def test_every_piece_that_is_long_enough_is_a_window_in_its_order(run):
     found = spans(unbroken_windows(run))
-    assert found == [pytest.approx((0.0, 25.0), abs=0.03), pytest.approx((43.0, 80.0), abs=0.03)]
+    assert found == [pytest.approx((0.0, 21.0), abs=0.03), pytest.approx((31.0, 55.0), abs=0.03)]
 
 
 def test_the_longest_piece_is_the_record_that_it_was(run):
@@ -59,13 +59,13 @@ def test_the_longest_piece_is_the_record_that_it_was(run):
 
 
 def test_a_window_without_a_break_is_itself(run):
-    window = f"{run}@1..24"
+    window = f"{run}@0.5..21"
     found = [read_record(path).sha256 for path in unbroken_windows(window)]
     assert found == [read_record(window).sha256]
 
 
 def test_a_window_without_a_record_is_left_to_be_refused(run):
-    window = f"{run}@26..39"
+    window = f"{run}@22..30"
     assert unbroken_windows(window) == [window]
 
 
@@ -74,7 +74,7 @@ def test_of_too_many_pieces_the_longest_are_taken(run, monkeypatch):
     monkeypatch.setattr(
         "sim_plant.refine.records.run_windows.CRITERIA", replace(CRITERIA, records=records)
     )
-    assert spans(unbroken_windows(run)) == [pytest.approx((43.0, 80.0), abs=0.03)]
+    assert spans(unbroken_windows(run)) == [pytest.approx((31.0, 55.0), abs=0.03)]
 
 
 def test_the_command_says_which_records_it_takes(run, tmp_path, capsys):
@@ -105,11 +105,11 @@ def test_a_run_that_cannot_be_used_is_named_beside_what_the_others_lack(run, tmp
 def test_before_the_work_the_ends_of_a_window_and_a_site_file_of_another_line_are_named(
     run, tmp_path, capsys
 ):
-    words = [str(shipped("lines/euclid.yaml")), f"{run}@43..95", "--lacking"]
+    words = [str(shipped("lines/euclid.yaml")), f"{run}@31..95", "--lacking"]
     words += ["--out", str(tmp_path), "--site"]
     assert main(["refine", *words, str(shipped("film.yaml"))]) == 0
     out = capsys.readouterr().out
-    assert "nothing is recorded from 80.0 s to 95 s, where it ends" in out
+    assert "nothing is recorded from 55.0 s to 95 s, where it ends" in out
     assert "--site film.yaml: this site file is of line Film, the runs are of Euclid" in out
     assert main(["refine", *words, str(shipped("lines/euclid.yaml"))]) == 2
     assert "expected the site file of the service" in capsys.readouterr().err

@@ -104,6 +104,13 @@ def undrawn(monkeypatch):
     monkeypatch.setattr(f"{room}.spectrum", lambda *_, **__: "")
 
 
+@pytest.fixture
+def unsaved(monkeypatch):
+    """Leave a frame of each figure: to write the figures takes most of a page's time."""
+    monkeypatch.setattr("sim_plant.refine.report.plots.svg", lambda *_, **__: "<svg></svg>")
+    monkeypatch.setattr("sim_plant.refine.report.sketch.svg", lambda *_, **__: "<svg></svg>")
+
+
 @pytest.fixture(scope="module")
 def drawn_page(tmp_path_factory):
     """The page of one effect that was found, with all its figures."""
@@ -177,7 +184,7 @@ def test_a_number_outside_its_tolerance_is_marked_and_told(tmp_path, undrawn, sh
     assert ("web.EA_N +" in next_of(one, facts_of(one))) is is_outside
 
 
-def test_without_an_effect_a_page_has_one_curve_and_nothing_amended(tmp_path, drawn_page):
+def test_without_an_effect_a_page_has_one_curve_and_nothing_amended(tmp_path, drawn_page, unsaved):
     page = page_of(outcome(tmp_path))
     assert "amended" not in page
     assert "<th>before</th>" not in page
@@ -203,7 +210,7 @@ def test_what_begins_with_a_step_of_a_reference_is_told_as_that(tmp_path, time_s
     assert all("begins with a step of the tension reference" in text for text in said)
 
 
-def test_what_begins_is_shown_in_its_record(tmp_path, monkeypatch):
+def test_what_begins_is_shown_in_its_record(tmp_path, monkeypatch, unsaved):
     monkeypatch.setattr("sim_plant.refine.report.parts_shown.overlay", lambda *_, **__: ("", ""))
     onset = RecordOfOnset(
         moment=Moment(record="a.csv", time_s=12.5), evaluation=evaluation((1, 1, 1))

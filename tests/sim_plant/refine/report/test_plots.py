@@ -31,6 +31,7 @@ def test_what_begins_is_shown_a_quarter_into_its_part_of_the_record():
 
 def test_without_an_amended_line_one_curve_and_one_map_are_drawn(monkeypatch):
     drawn, marks = [], []
+    monkeypatch.setattr("sim_plant.refine.report.plots.svg", lambda *_, **__: "<svg></svg>")
     monkeypatch.setattr(
         "matplotlib.axes.Axes.plot", lambda _axis, *_, label, **__: drawn.append(label)
     )

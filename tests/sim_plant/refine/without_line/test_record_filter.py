@@ -32,7 +32,7 @@ def smooth(rng, size, width):
     return np.convolve(rng.standard_normal(size + width - 1), np.ones(width) / width, "valid")
 
 
-def write_belt(path, seed, speed, wavenumber=1.6, amplitude=0.4, size=12000):
+def write_belt(path, seed, speed, wavenumber=1.6, amplitude=0.4, size=6000):
     rng = np.random.default_rng(seed)
     belt = speed + 2.0 * smooth(rng, size, 100)
     travel = np.cumsum(belt) * 0.01

@@ -13,7 +13,7 @@ from sim_plant.refine.without_line.general.findings import findings
 from sim_plant.refine.without_line.general.judging import judge
 from sim_plant.refine.without_line.general.search import search
 
-SIZE = 4000
+SIZE = 2500
 STEP_S = 0.01
 NOISE = 0.1
 
