@@ -51,7 +51,7 @@ def test_a_nip_on_a_roll_that_grows_and_one_without_a_radius_are_refused(
 def test_refine_finds_it_at_its_roller_with_the_radius_of_the_nip(among: tuple[str, ...]) -> None:
     """Ground 0.06 mm too large, so no radius that is tried is its own."""
     hidden = {"nip_radius_m": 0.04003, "amplitude_N": 20.0, "angle_rad": 0.7}
-    found = traced(effect("nip_pulse", "pull_roll", **hidden), among)
+    found = traced(effect("nip_pulse", "pull_roll", **hidden), among, settle_s=4.0)
     assert found.places == (EffectAt("nip_pulse", "pull_roll"),)
     assert (found.ambiguous, found.unknown) == (((),), ())
     (numbers,) = found.numbers

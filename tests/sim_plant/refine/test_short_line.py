@@ -23,10 +23,21 @@ from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.search.profile_detail import joint_refit
 from sim_plant.refine.search.selection import AcceptedEffect, Selection
 from tests import quick_yaml
+from tests.sim_plant.effects.tracing import settling
 
 LINE_FILE = Path(__file__).parents[3] / "config/lines/euclid.yaml"
 SAMPLES = 1200
 STEP_S = 0.01
+
+
+SETTLE_S = 6.0
+
+
+@pytest.fixture(autouse=True, scope="module")
+def settled_shortly():
+    """Let the models run as long before their record as the line did before the true one."""
+    with settling(SETTLE_S):
+        yield
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +57,7 @@ def record(line):
     speed = np.interp(np.arange(SAMPLES), [0, 600, 800, 1200], [0.9, 0.9, 1.2, 1.2])
     tension = np.full(SAMPLES, 88.9644)
     run = make_line(guilty, seed=3, speed_m_s=0.9, tension_N=88.9644)
-    run.settle(20.0)
+    run.settle(SETTLE_S)
     out = run.simulate(speed, tension)
     columns = {"line_speed_ref_m_s": speed, "tension_ref_N": tension}
     columns |= {s.channel: out[s.channel] for s in line.sensors}

@@ -54,6 +54,12 @@ def run(request, tmp_path_factory):
     return run.end()
 
 
+@pytest.fixture(scope="module")
+def whole_record(run):
+    """The record of the whole run, read once; nobody writes to it."""
+    return read_record(run)
+
+
 @pytest.fixture(scope="module", params=[0, LOST_ROWS], ids=["in time", "too late"])
 def killed(request, run, tmp_path_factory):
     """The same rows through a ring to a recorder that is killed, and to the one that follows.
@@ -115,8 +121,10 @@ def _taken(report):
     return report.rows + report.rows_lost
 
 
-def test_what_was_written_before_is_a_record_and_it_says_that_its_end_is_missing(run, killed):
-    whole, cut = read_record(run), read_record(killed[2])
+def test_what_was_written_before_is_a_record_and_it_says_that_its_end_is_missing(
+    whole_record, killed
+):
+    whole, cut = whole_record, read_record(killed[2])
     assert any("the recorder did not end by itself" in text for text in cut.findings)
     assert cut.duration_s == pytest.approx(KILLED_S, abs=0.05)
     for name, values in cut.columns.items():
@@ -139,9 +147,11 @@ def test_the_one_that_follows_goes_on_in_the_same_run_and_says_what_was_lost(run
     )
 
 
-def test_the_record_is_the_same_as_without_a_death_or_what_is_behind_the_hole(run, killed):
+def test_the_record_is_the_same_as_without_a_death_or_what_is_behind_the_hole(
+    whole_record, killed
+):
     folder, lost, _ = killed
-    whole, record = read_record(run), read_record(folder)
+    whole, record = whole_record, read_record(folder)
     first_s = KILLED_S + lost * STEP_S if lost else 0.0
     assert record.duration_s == pytest.approx(END_S - first_s, abs=0.05)
     if not lost:
@@ -207,9 +217,11 @@ def test_a_full_disk_costs_the_rows_of_its_time_and_the_recorder_says_how_many(s
     assert segments <= 2  # not one more for every try
 
 
-def test_the_run_is_a_record_on_both_sides_of_the_hole_and_says_what_it_lost(run, short_of_disk):
+def test_the_run_is_a_record_on_both_sides_of_the_hole_and_says_what_it_lost(
+    whole_record, short_of_disk
+):
     folder, _, _ = short_of_disk
-    whole, later = read_record(run), read_record(folder)
+    whole, later = whole_record, read_record(folder)
     assert later.duration_s == pytest.approx(END_S - ROOM_S, abs=BUFFERED_ROWS * STEP_S)
     (lost,) = [text for text in later.findings if "rows were refused by the disk" in text]
     assert int(lost.split()[0]) == pytest.approx((ROOM_S - FULL_S) / STEP_S, abs=BUFFERED_ROWS)
