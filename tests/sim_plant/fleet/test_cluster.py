@@ -45,13 +45,13 @@ def test_results_come_with_their_numbers_and_jobs_are_taken_when_there_is_room()
 
 @pytest.fixture
 def at_hand():
-    """A scheduler with one worker, both in this process; yield its address."""
+    """A scheduler with one worker, both in this process."""
     from distributed import LocalCluster
 
     with LocalCluster(
         n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
     ) as made:
-        yield made.scheduler_address
+        yield made
 
 
 def test_a_killed_process_is_done_again_and_one_that_never_answers_is_told(at_hand, tmp_path):
@@ -59,7 +59,7 @@ def test_a_killed_process_is_done_again_and_one_that_never_answers_is_told(at_ha
     with Cluster(
         jobs.killed_at_first,
         0,
-        scheduler=at_hand,
+        scheduler=at_hand.scheduler_address,
         limit_s=LONG_S,
         name=lambda _: "the job",
         tell=said.append,
@@ -67,7 +67,11 @@ def test_a_killed_process_is_done_again_and_one_that_never_answers_is_told(at_ha
         assert list(cluster.run([tmp_path])) == [(0, 1)]
     assert said == ["the job: its process ended by signal 9; it is done again"]
     with Cluster(
-        jobs.long_and_not_alone, 0, scheduler=at_hand, limit_s=0.1, name=lambda _: "it"
+        jobs.long_and_not_alone,
+        0,
+        scheduler=at_hand.scheduler_address,
+        limit_s=0.1,
+        name=lambda _: "it",
     ) as cluster:
         ((number, lost),) = cluster.run([tmp_path / "pid"])
     assert (number, type(lost)) == (0, LostJobError)
@@ -130,24 +134,20 @@ def scheduler(tmp_path):
         process.wait()
 
 
-def test_a_first_worker_is_awaited_with_a_word_and_then_works(scheduler):
-    said, started = [], []
+def test_a_first_worker_is_awaited_with_a_word_and_then_works(at_hand, monkeypatch):
+    monkeypatch.setattr("sim_plant.fleet.cluster.SOON_S", 0.2)
+    at_hand.scale(0)
+    said = []
 
     def tell(text):
         said.append(text)
-        worker = [sys.executable, "-m", "distributed.cli.dask_worker", scheduler]
-        words = [*worker, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
-        started.append(subprocess.Popen(words, stderr=subprocess.DEVNULL))
+        at_hand.scale(1)
 
-    try:
-        with Cluster(jobs.half, 0, scheduler=scheduler, limit_s=LONG_S, tell=tell) as cluster:
-            assert list(cluster.run([3])) == [(0, 1.5)]
-    finally:
-        for process in started:
-            process.kill()
-            process.wait()
+    address = at_hand.scheduler_address
+    with Cluster(jobs.half, 0, scheduler=address, limit_s=LONG_S, tell=tell) as cluster:
+        assert list(cluster.run([3])) == [(0, 1.5)]
     (text,) = said
-    assert f"{scheduler} has no worker yet; a first one is awaited for 120 s" in text
+    assert f"{address} has no worker yet; a first one is awaited for 120 s" in text
 
 
 def test_a_worker_that_never_comes_is_said_with_what_to_do(scheduler, monkeypatch):

@@ -160,9 +160,16 @@ def test_a_killed_host_takes_its_plants_along_tells_the_test_and_another_follows
             told()
     other = WebLine(host, LineSetup())
     assert host._process.pid != process.pid
+    other.step()
+    other.close()
+
+
+@pytest.mark.long  # a third host; quick: a killed one, above
+def test_a_host_that_was_killed_between_two_lines_is_missed_before_anything_is_asked(host):
+    other = WebLine(host, LineSetup())
     os.kill(host._process.pid, signal.SIGKILL)
     host._process.wait(PATIENCE_s)
-    line = WebLine(host, LineSetup())  # the loss is seen before anything is asked
+    line = WebLine(host, LineSetup())
     with pytest.raises(PlantError, match="is no line of this host"):
         other.close()
     line.step()

@@ -8,9 +8,11 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
+from sim_plant.pytest_plugin import plugin
 from sim_plant.servers.faults import Fault, parse_fault
 
 pytestmark = [pytest.mark.wire, pytest.mark.processes, pytest.mark.timeout(300)]
@@ -160,6 +162,18 @@ def test_what_goes_wrong_is_told_and_no_process_stays(beside):
     assert not _processes_of(folder)
 
 
+def test_a_declaration_is_looked_for_from_where_pytest_was_called(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    given = SimpleNamespace(web_line=Path("mine.yaml"))
+    config = SimpleNamespace(option=given, getoption=lambda _: given.web_line)
+    with pytest.raises(pytest.UsageError, match=r"mine\.yaml: no such file"):
+        plugin.pytest_configure(config)
+    (tmp_path / "mine.yaml").touch()
+    plugin.pytest_configure(config)
+    assert given.web_line == tmp_path / "mine.yaml"
+
+
+@pytest.mark.long  # quick: the same refusal, above
 def test_a_declaration_that_is_not_there_is_refused_before_any_test(tmp_path):
     done = _pytest(tmp_path, "--web-line", "none.yaml")
     assert done.returncode == pytest.ExitCode.USAGE_ERROR

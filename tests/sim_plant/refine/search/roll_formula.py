@@ -1,7 +1,11 @@
 """A line of one roll: what its orders do to a tension, by a formula."""
 
-import numpy as np
+from contextlib import contextmanager
 
+import numpy as np
+import pytest
+
+from sim_plant.effects import out_of_round_roll
 from sim_plant.effects.catalogue import BY_NAME
 from sim_plant.effects.out_of_round_roll import profile
 from tests.sim_plant.refine.small import LINE
@@ -13,6 +17,25 @@ SPEED_RAD_S = np.linspace(4.0, 8.0, SAMPLES)
 """At one speed alone a delay is an angle."""
 TURN_RAD = 0.01 * np.cumsum(SPEED_RAD_S)
 DEFAULTS = {name: row.default for name, row in ROLL.accepts.items()}
+
+
+COARSE = 2048
+"""Points of an outline: enough for the orders here, in an eighth of the time."""
+
+
+@contextmanager
+def coarse_outlines():
+    """Make profiles of fewer points, and forget them at the end."""
+
+    def forget():
+        out_of_round_roll._at_angle_0.cache_clear()
+        out_of_round_roll._profile.cache_clear()
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sim_plant.geometry.roll_profiles._POINTS", COARSE)
+        forget()
+        yield
+    forget()
 
 
 def tension(case):

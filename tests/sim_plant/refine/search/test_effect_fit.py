@@ -17,6 +17,7 @@ from tests.sim_plant.refine.search.roll_formula import (
     ROLL,
     SAMPLES,
     SPEED_RAD_S,
+    coarse_outlines,
     tension,
 )
 from tests.sim_plant.refine.small import fit_of, formula_twin, objective_of, white
@@ -25,6 +26,12 @@ NAMES = ("size_m", "angle_rad", "smoothing_rad")
 FLAT = hypothesis(ROLL, "unwind", (("shape", "flat"), ("finest_order", 64.0)), NAMES)
 DELAY = hypothesis(BY_NAME["loop_delay"], "unwind")
 TRUE_RAD, DELAY_S = 3.0, 0.05
+
+
+@pytest.fixture(autouse=True, scope="module")
+def outlines():
+    with coarse_outlines():
+        yield
 
 
 def fit_at(objective, angle_rad):

@@ -6,7 +6,14 @@ from sim_plant.effects.out_of_round_roll import profile
 from sim_plant.refine.fit.gauss_newton import gauss_newton_fit
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.search.profile_name import with_best_name, without_unpaid_orders
-from tests.sim_plant.refine.search.roll_formula import DEFAULTS, RADIUS_M, ROLL, SAMPLES, tension
+from tests.sim_plant.refine.search.roll_formula import (
+    DEFAULTS,
+    RADIUS_M,
+    ROLL,
+    SAMPLES,
+    coarse_outlines,
+    tension,
+)
 from tests.sim_plant.refine.small import fit_of, formula_twin, objective_of, white
 
 FINEST = ("finest_order", 64.0)
@@ -17,6 +24,12 @@ NAMES = FLATTENED.names
 BUMP = hypothesis(
     ROLL, "unwind", (("shape", "asym"), FINEST), ("size_m", "rise_rad", "fall_rad", "angle_rad")
 )
+
+
+@pytest.fixture(autouse=True, scope="module")
+def outlines():
+    with coarse_outlines():
+        yield
 
 
 @pytest.fixture(scope="module")
