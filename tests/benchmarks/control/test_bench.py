@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,7 @@ from benchmarks.control.laws import (
 from benchmarks.control.lines import ALL_FIVE, INCH_M, Hidden, nominal, spoilt, with_hidden
 from benchmarks.control.lockstep import Recording, run
 from benchmarks.control.memory import ROUND_TICKS, Eventful, footprint
+from benchmarks.control.nominal_loop import RADII_M, nominal_loop
 from benchmarks.control.report import page
 from benchmarks.control.scores import order_amplitudes, ratio_dB, score_transient
 from benchmarks.control.verdicts import beaten, targets
@@ -239,8 +241,10 @@ def test_back_after_a_transient_is_counted_in_turns():
 
 @pytest.mark.parametrize("law", ["blocks", "shape"])
 @pytest.mark.sweep(every=2)
-def test_no_container_of_a_law_grows_whatever_happens(law):
+def test_no_container_of_a_law_grows_whatever_happens(law, monkeypatch):
     """What hangs on the law, and its bytes, after N and after 2 N ticks of events."""
+    two = partial(nominal_loop, radii_m=(RADII_M[0], RADII_M[-1]))  # of six: any P does
+    monkeypatch.setattr("benchmarks.control.laws.nominal_loop", two)
     blocks = plain_blocks("tyvek", CYCLE_S, 4, 6.0)
     line = Eventful(shape_law("tyvek", orders=4) if law == "shape" else blocks)
     wish = np.zeros(ROUND_TICKS)

@@ -15,7 +15,7 @@ from sim_plant.base.c_arrays import c_array, c_struct
 from sim_plant.line.equations.kernel import Work, run_frames
 from sim_plant.line.running.simulation import LineSimulation
 
-EXACT = ("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
+EXACT = ("-std=c99", "-O1", "-ffp-contract=off", "-Wall", "-Wextra", "-Werror")
 """With contraction a product and a sum would round once where the kernel rounds twice."""
 
 

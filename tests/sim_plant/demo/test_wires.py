@@ -14,7 +14,10 @@ from sim_plant.servers.map_file import load_plc_map
 
 
 # the DBC's word of what is applied carries 0.2047 m/s
-@pytest.mark.parametrize(("wire", "limit_m_s"), [("modbus", 0.3), ("can", 0.2), ("canopen", 0.3)])
+@pytest.mark.parametrize(
+    ("wire", "limit_m_s"),
+    [("modbus", 0.3), ("can", 0.2), pytest.param("canopen", 0.3, marks=pytest.mark.long)],
+)
 def test_another_limit_stands_on_both_sides_and_nothing_else_changes(wire, limit_m_s, tmp_path):
     (tmp_path / "plain").mkdir()
     plain = load_site(wire_up(wire, shipped(SITES[wire]), tmp_path / "plain").site)

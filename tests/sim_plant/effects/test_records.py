@@ -47,7 +47,8 @@ def worst_ratio(folder, name, effects):  # type: ignore[no-untyped-def]
     """Return the largest residual over noise floor among tensions and speeds, from 20 s on."""
     declared = load_declaration(folder / f"{name}.yaml").model_copy(update={"effects": effects})
     with gzip.open(folder / f"{name}.csv.gz", "rt") as stream:
-        rows = np.genfromtxt(stream, delimiter=",", names=True)
+        names = stream.readline().strip().split(",")
+        rows = dict(zip(names, np.loadtxt(stream, delimiter=",").T, strict=True))
     speed, tension = rows["line_speed_ref_m_s"], rows["tension_ref_N"]
     model = make_line(declared, seed=None, speed_m_s=speed[0], tension_N=tension[0])
     model.settle(10.0)

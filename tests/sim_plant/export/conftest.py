@@ -18,7 +18,7 @@ def fmu(
     """Return an FMU of the line; both versions are made of one source.
 
     The quick one compiles in a third of the time; its numbers are the same, and those of the
-    kernel at -O2 too (``codegen/test_scalar.py``). The long one has the options that users get.
+    kernel at -O1 too (``codegen/test_scalar.py``). The long one has the options that users get.
     """
     from benchmarks.fmu.beside import exported
     from sim_plant.export import binary

@@ -26,7 +26,8 @@ def replayed(folder, name):
     """Record minus model from 20 s on, model and noise floor per channel."""
     line = load_declaration(folder / f"{name}.yaml")
     with gzip.open(folder / f"{name}.csv.gz", "rt") as stream:
-        rows = np.genfromtxt(stream, delimiter=",", names=True)
+        names = stream.readline().strip().split(",")
+        rows = dict(zip(names, np.loadtxt(stream, delimiter=",").T, strict=True))
     speed, tension = rows["line_speed_ref_m_s"], rows["tension_ref_N"]
     model = make_line(line, seed=None, speed_m_s=float(speed[0]), tension_N=float(tension[0]))
     model.settle(4.0)

@@ -39,9 +39,21 @@ def result() -> Result:
 EXPERIMENT = Experiment(identity="2.7", chapter=2, title="A title", where="Fig. 2.7", run=result)
 
 
-@pytest.fixture
-def page(tmp_path: Path) -> str:
-    path = write_gallery([Done(EXPERIMENT, EXPERIMENT.run())], tmp_path)
+@pytest.fixture(scope="module")
+def done() -> Done:
+    return Done(EXPERIMENT, EXPERIMENT.run())
+
+
+@pytest.fixture(scope="module")
+def folder(done: Done, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("gallery")
+    write_gallery([done], made)
+    return made
+
+
+@pytest.fixture(scope="module")
+def page(folder: Path) -> str:
+    (path,) = folder.glob("*.html")
     return path.read_text(encoding="utf-8")
 
 
@@ -56,23 +68,23 @@ def test_page_shows_claim_number_verdict_and_reason(page: str) -> None:
         assert text in page
 
 
-def test_twin_is_plain_json(page: str, tmp_path: Path) -> None:
-    twin = json.loads((tmp_path / "reproduction.json").read_text(encoding="utf-8"))
+def test_twin_is_plain_json(folder: Path) -> None:
+    twin = json.loads((folder / "reproduction.json").read_text(encoding="utf-8"))
     assert twin[0]["id"] == "2.7"
     assert twin[0]["rows"][0]["ours"] == 1.98
     assert twin[0]["rows"][1]["ours"] is None
     assert [g["within"] for g in twin[0]["disagreements"]] == [True, False]
 
 
-def test_table_escapes_bars_and_names_broken_promises() -> None:
-    text = markdown([Done(EXPERIMENT, EXPERIMENT.run())])
+def test_table_escapes_bars_and_names_broken_promises(done: Done) -> None:
+    text = markdown([done])
     assert "| peak \\| height | 2.0 N | 1.98 N | agree | <measured> |" in text
     assert "1e-08 m BROKEN" in text
     assert "1 agree, 0 disagree," in text
 
 
-def test_the_same_data_draw_the_same_figure() -> None:
-    assert result().figures == result().figures
+def test_the_same_data_draw_the_same_figure(done: Done) -> None:
+    assert result().figures == done.result.figures
 
 
 def test_an_unknown_name_is_refused_with_the_list() -> None:

@@ -11,11 +11,18 @@ from sim_plant.line.declared.declaration import EffectEntry
 from sim_plant.line.reading.load import load_declaration
 from sim_plant.refine.fit.start_angles import with_effects_as_the_record_begins
 from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
+from tests.sim_plant.effects.tracing import settling
 from tests.sim_plant.refine.small import formula_twin, line_with
 
 LINE = load_declaration(Path(__file__).parents[4] / "config/lines/euclid.yaml")
 SAMPLES = 1500
 CHANNELS = modelled_channels(LINE, [s.channel for s in LINE.sensors])
+
+
+@pytest.fixture(autouse=True, scope="module")
+def settled_shortly():
+    with settling(4.0):
+        yield
 
 
 def twin(*entries):

@@ -13,6 +13,7 @@ from sim_plant.refine.fit.turning import turns_with
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.turned import turned
 from sim_plant.refine.model.twin import Added, Case, Twin, modelled_channels
+from tests.sim_plant.effects.tracing import settling
 from tests.sim_plant.refine.small import LINE
 
 CHANNELS = modelled_channels(LINE, [sensor.channel for sensor in LINE.sensors])
@@ -33,6 +34,12 @@ TRIED = [
 
 
 NAMES = [c for c in CHANNELS if c.endswith(("_N", "_speed_rad_s", "_speed_m_s"))]
+
+
+@pytest.fixture(autouse=True, scope="module")
+def settled_shortly():
+    with settling(8.0):
+        yield
 
 
 @cache
