@@ -283,6 +283,7 @@ def test_the_watchdog_s_trips_stay_at_the_end_of_their_range() -> None:
 
 
 @pytest.mark.parametrize("seed", range(6))
+@pytest.mark.sweep(every=3)
 def test_block_and_simulated_plc_agree_on_random_runs(seed: int) -> None:
     dice = random.Random(seed)
     both = Both()
@@ -332,7 +333,7 @@ MUTANTS = (
 
 
 @pytest.mark.parametrize("mutant", MUTANTS, ids=lambda pair: pair[1][:30] or pair[0][:30])
-@pytest.mark.sweep(every=4)
+@pytest.mark.sweep(every=6)
 def test_every_rule_of_the_block_is_missed_when_it_is_gone(
     mutant: tuple[str, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -240,7 +240,7 @@ def test_a_refusal_that_only_the_plc_sees_reaches_the_runtime() -> None:
 @pytest.mark.parametrize("spec", ["mute:0.05", "!stall:0.05", "lose=10:1"])
 @pytest.mark.parametrize("sample_s", [0.005, 0.010])
 @pytest.mark.parametrize("wire", ["modbus", "can", "canopen"])
-@pytest.mark.sweep(every=8)
+@pytest.mark.sweep(every=11)
 def test_a_pause_of_50_ms_and_a_tenth_of_the_frames_trip_nobody(
     wire: str, sample_s: float, spec: str
 ) -> None:

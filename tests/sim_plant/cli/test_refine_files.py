@@ -183,7 +183,9 @@ SPOILT = {
 }
 
 
-@pytest.mark.parametrize("ending", ["csv", "parquet", "mf4"])
+@pytest.mark.parametrize(
+    "ending", ["csv", "parquet", pytest.param("mf4", marks=pytest.mark.long)]
+)  # quick of MDF4: refine/records/test_read_binary.py
 @pytest.mark.parametrize("what", list(SPOILT))
 @pytest.mark.sweep(every=7)
 def test_a_spoilt_record_is_refused_with_its_place_and_nothing_is_written(

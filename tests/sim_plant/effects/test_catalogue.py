@@ -145,7 +145,7 @@ def test_an_effect_that_is_a_declared_number_names_one_that_the_line_has(row: Ef
 
 
 @pytest.mark.parametrize(("row", "name"), LINEAR, ids=lambda x: getattr(x, "name", x))
-@pytest.mark.sweep(every=3)
+@pytest.mark.sweep(every=5)
 def test_a_parameter_called_linear_moves_the_record_in_proportion(
     row: Effect,
     name: str,

@@ -34,8 +34,8 @@ def test_after_the_moment_drag_is_what_it_is_when_it_was_always_there() -> None:
 
 
 def test_warmth_that_stays_is_warmth_that_was_always_there() -> None:
-    there = run(effect("thermal_strain", "pull_roll_zone", strain=3e-4), seconds=40.0)
-    came = run(effect("thermal_strain", "pull_roll_zone", strain=3e-4, from_s=2.0), seconds=40.0)
+    there = run(effect("thermal_strain", "pull_roll_zone", strain=3e-4), seconds=60.0)
+    came = run(effect("thermal_strain", "pull_roll_zone", strain=3e-4, from_s=2.0), seconds=60.0)
     assert came["span_tension_N"][-200:] == pytest.approx(there["span_tension_N"][-200:], abs=0.08)
     first = round(1.9 / SAMPLE_S)
     assert span_N(there, "R15-pull_roll")[first] < span_N(came, "R15-pull_roll")[first] - 0.5

@@ -72,6 +72,7 @@ def one_of(row: Effect, name: str, share: float, *, other: bool) -> EffectEntry:
 
 @pytest.mark.parametrize("other", [False, True], ids=["alike", "otherwise"])
 @pytest.mark.parametrize(("row", "name"), STRENGTHS, ids=lambda x: getattr(x, "name", x))
+@pytest.mark.sweep(every=3)
 def test_neither_of_two_effects_at_one_place_is_lost(row: Effect, name: str, other: bool) -> None:
     one, two = one_of(row, name, 1.0, other=False), one_of(row, name, 0.5, other=other)
     said = ""

@@ -11,6 +11,7 @@ from tests.sim_plant.effects.running import (
 
 
 @pytest.mark.parametrize("factor", [0.85, 1.2])
+@pytest.mark.sweep(every=2)
 def test_the_draw_zone_holds_the_tension_of_its_draw_and_the_new_modulus(factor: float) -> None:
     channels = at_rest(effect("web_modulus", "web", factor=factor), seconds=70.0)
     expected_N = drawn_tension_N(channels, factor * euclid().web.EA_N)

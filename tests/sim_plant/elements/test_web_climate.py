@@ -53,6 +53,7 @@ def test_mass_is_conserved_while_density_changes() -> None:
 
 
 @pytest.mark.parametrize("frequency_Hz", [0.05, 0.2, 1.0])
+@pytest.mark.sweep(every=3)
 def test_tension_follows_the_oven_as_the_transfer_function_says(frequency_Hz: float) -> None:
     # T/oven = -EA alpha (1/tau) / (s + v/L + 1/tau): strain stays, free strain moves
     s = 2j * np.pi * frequency_Hz

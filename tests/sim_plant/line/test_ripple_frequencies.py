@@ -35,6 +35,7 @@ def strongest_Hz(values, sample_time_s, around_Hz):
         ("swrap_follower", "pullroll_tension_N", 8.0, 1.052),
     ],
 )
+@pytest.mark.sweep(every=2)
 def test_ripple_turns_with_its_roll_at_200_FPM(place, channel, unwind_in, expected_Hz):
     line = with_rolls(declared("euclid"), unwind_in * INCH_M)
     line = with_effect(line, "eccentric_roller", place, eccentricity_m=5e-4)

@@ -41,6 +41,7 @@ def test_eccentric_swrap_makes_hardly_any_harmonics() -> None:
 @pytest.mark.parametrize(
     ("web", "angles_deg"), [("tyvek", (37, -21, -45, -69)), ("pe", (30, -60, -95, -117))]
 )
+@pytest.mark.sweep(every=2)
 def test_plant_phase_at_the_rolls_orders(web: str, angles_deg: tuple[float, ...]) -> None:
     found = [np.degrees(np.angle(-response(web).at(n * 0.39789))) for n in (1, 2, 3, 4)]
     np.testing.assert_allclose(found, angles_deg, atol=6.0)

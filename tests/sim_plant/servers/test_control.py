@@ -248,6 +248,7 @@ class Rolls(FakeLine):
 
 @pytest.mark.parametrize("clear_after", [0, 1, 50, 190])
 @pytest.mark.parametrize("command", ["clear", "clear splice", "fault splice:0.01"])
+@pytest.mark.sweep(every=5)
 def test_rolls_whose_splice_is_over_before_they_are_on_never_come(clear_after, command):
     plant = Plant(Rolls(), Plc(default_map()))
     socket_ = ControlSocket(None, plant, dict)

@@ -34,6 +34,7 @@ def measured(drive: str, channel: str, speed_m_s: float):
         ("swrap_follower", "swrap_follower_speed_m_s", 200),
     ],
 )
+@pytest.mark.sweep(every=2)
 def test_simulated_response_matches_the_linear_model_at_15_frequencies(drive, channel, speed_FPM):
     speed = speed_FPM * FPM_M_S
     model = response(declared("euclid"), drive, channel, FREQUENCIES_Hz, speed)

@@ -58,6 +58,7 @@ def transient(line, healthy):
 
 
 @pytest.mark.parametrize(("effect", "location", "parameters"), STANDING)
+@pytest.mark.sweep(every=2)
 def test_an_effect_that_stands_still_makes_no_transient(effect, location, parameters, healthy):
     assert transient(started([(effect, location, parameters)]), healthy) < LEAST_N
 

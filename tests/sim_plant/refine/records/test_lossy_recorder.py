@@ -60,7 +60,11 @@ def whole_record(run):
     return read_record(run)
 
 
-@pytest.fixture(scope="module", params=[0, LOST_ROWS], ids=["in time", "too late"])
+# quick of rows lost: demo/loop/test_recorder_kill.py; of a hole in a record: test_run_record.py
+TOO_LATE = pytest.param(LOST_ROWS, id="too late", marks=pytest.mark.long)
+
+
+@pytest.fixture(scope="module", params=[pytest.param(0, id="in time"), TOO_LATE])
 def killed(request, run, tmp_path_factory):
     """The same rows through a ring to a recorder that is killed, and to the one that follows.
 

@@ -143,6 +143,7 @@ def test_a_correction_that_is_off_when_the_record_begins_was_off_before():
 
 
 @pytest.mark.parametrize("age", [2.0, -1.0])
+@pytest.mark.sweep(every=2)
 def test_a_part_of_a_long_run_has_the_corrections_of_the_whole(tmp_path, age):
     table, _ = switched(60.0, [(8.0, 55.0)])
     table["plc_applied_swrap_follower_m_s"] *= np.nan

@@ -35,6 +35,7 @@ def test_a_run_without_its_line_speed_says_that_no_ramp_is_looked_for(tmp_path, 
 
 
 @pytest.mark.parametrize(("delay_ms", "from_s"), [(500, 0.495), (15_000, None), (60_000, None)])
+@pytest.mark.sweep(every=2)
 def test_where_no_row_tells_what_acted_no_piece_is_taken(tmp_path, delay_ms, from_s):
     """A tick of 5 ms sends at once what acts ``delay_ms`` after: so long no one knows it."""
     columns, _ = switched(25.0, [(0.0, 25.0)])

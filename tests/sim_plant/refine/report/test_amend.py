@@ -36,7 +36,9 @@ def amended(line, folder, found=FOUND, stated=None):
     return write_amended(line, folder, found, [RECORD], "sim-plant refine", verdict_with(), stated)
 
 
-@pytest.mark.parametrize("name", ["euclid.yaml", "euclid_ripple.yaml"])
+@pytest.mark.parametrize(
+    "name", ["euclid.yaml", pytest.param("euclid_ripple.yaml", marks=pytest.mark.long)]
+)
 def test_only_what_was_found_is_new_in_a_shipped_line_file(tmp_path, name):
     line = load_line(LINE_FILE.with_name(name))
     text = amended(line, tmp_path).read_text()

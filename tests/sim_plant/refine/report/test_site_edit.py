@@ -32,6 +32,7 @@ def added(before, after):
 
 
 @pytest.mark.parametrize("name", SITES)
+@pytest.mark.sweep(every=3)
 def test_an_idler_goes_to_the_actuator_of_its_zone_and_every_comment_stays(tmp_path, name):
     site = site_file(tmp_path, name)
     found = proposed(site, [AffBlock(roll="R6", orders=(1,))], LINE)

@@ -50,7 +50,7 @@ def test_a_push_that_reaches_two_channels_is_odd_in_its_band(shares):
     assert (found.from_Hz, found.to_Hz) == pytest.approx((2.5, 5.0))
 
 
-@pytest.mark.parametrize("faster", [1, 2, 10])
+@pytest.mark.parametrize("faster", [1, 2, pytest.param(10, marks=pytest.mark.long)])
 def test_bands_are_frequencies_whatever_the_sample_rate(faster):
     """A push at 0.3 to 0.6 Hz is that of tolerances, at 3 to 4.5 Hz it is odd."""
     samples, step_s = faster * SAMPLES, STEP_S / faster

@@ -47,6 +47,7 @@ def test_columns_are_orthonormal():
 
 
 @pytest.mark.parametrize("order", [1, 3, 8])
+@pytest.mark.sweep(every=3)
 def test_a_roll_that_is_unknown_takes_all_its_orders_at_any_growth_with_speed(order):
     basis = free_term_basis([angle(4.0)], AXES)
     wave = SPEED**2 * np.cos(order * ANGLES[0] + 0.7)

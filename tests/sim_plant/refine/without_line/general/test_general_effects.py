@@ -176,6 +176,7 @@ def test_a_shift_between_records_is_found_to_a_hundredth_of_a_sample(late):
     assert shift.before_rms > 2.0 * shift.after_rms
 
 
+@pytest.mark.long  # quick: a shift between records
 def test_a_delay_common_to_all_records_is_found_where_a_gain_alone_explains():
     found, _ = traced([delayed(1, 2.6), delayed(2, 2.6)], delayed(3, 2.6))
     numbers = found["channel_shift"].numbers
