@@ -9,7 +9,7 @@ import pytest
 from tests.fuzz.source import Source, mutations
 from tests.fuzz.targets import TARGETS
 
-RUNS = {"canopen": 12, "eds_text": 12, "dbc_text": 40, "site_file": 40}
+RUNS = {"canopen": 12, "eds_text": 12, "dbc_text": 40, "can_ticks": 40, "site_file": 40}
 ALWAYS_TRUE = {"modbus_words", "can_command", "can_ticks"}  # any bytes are a use of these
 
 

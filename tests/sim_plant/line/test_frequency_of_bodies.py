@@ -1,5 +1,7 @@
 """Small signals of a line with dancer, oven and accumulator: kernel beside the linear model."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -15,23 +17,24 @@ PLACES = {
 }
 
 
-@pytest.fixture(scope="module")
-def runs():
-    """Each drive in turn under a multisine of 20 s: the second period of every channel."""
-    found = {}
-    for drive in PLACES:
-        line = exact_coater(settle_s=5.0)
-        t = np.arange(round(2 * PERIOD_S / line.sample_time_s)) * line.sample_time_s
-        correction = np.zeros_like(t)
-        for k, frequency in enumerate(FREQUENCIES_Hz):
-            phase = np.pi * k * k / FREQUENCIES_Hz.size
-            correction += AMPLITUDE_M_S * np.cos(2.0 * np.pi * frequency * t + phase)
-        rows = line.simulate(
-            np.full(t.size, SPEED_M_S), np.full(t.size, TENSION_N), {drive: correction}
-        )
-        half = t.size // 2
-        found[drive] = t[half:], correction[half:], {k: v[half:] for k, v in rows.items()}
-    return found
+BETWEEN = "infeed"
+"""Of three drives; quick are the first and the last, between which all bodies are."""
+
+
+@cache
+def run_of(drive):
+    """The drive under a multisine of 20 s: the second period of every channel."""
+    line = exact_coater(settle_s=5.0)
+    t = np.arange(round(2 * PERIOD_S / line.sample_time_s)) * line.sample_time_s
+    correction = np.zeros_like(t)
+    for k, frequency in enumerate(FREQUENCIES_Hz):
+        phase = np.pi * k * k / FREQUENCIES_Hz.size
+        correction += AMPLITUDE_M_S * np.cos(2.0 * np.pi * frequency * t + phase)
+    rows = line.simulate(
+        np.full(t.size, SPEED_M_S), np.full(t.size, TENSION_N), {drive: correction}
+    )
+    half = t.size // 2
+    return t[half:], correction[half:], {k: v[half:] for k, v in rows.items()}
 
 
 def phasors(values, t):
@@ -49,10 +52,15 @@ def phasors(values, t):
 
 
 @pytest.mark.parametrize(
-    ("drive", "channel"), [(drive, name) for drive, names in PLACES.items() for name in names]
+    ("drive", "channel"),
+    [
+        pytest.param(drive, name, marks=pytest.mark.long if drive == BETWEEN else ())
+        for drive, names in PLACES.items()
+        for name in names
+    ],
 )
-def test_simulated_response_matches_the_linear_model(drive, channel, runs):
-    t, correction, rows = runs[drive]
+def test_simulated_response_matches_the_linear_model(drive, channel):
+    t, correction, rows = run_of(drive)
     measured = phasors(rows["true_" + channel], t) / phasors(correction, t)
     model = response(coater(), drive, channel, FREQUENCIES_Hz, SPEED_M_S)
     largest = np.abs(model).max()

@@ -99,6 +99,7 @@ def fitted(line, record):
     return near, nominal, right, wrong, judged
 
 
+@pytest.mark.long  # quick: a nip is measured, effects/test_nip_pulse.py
 def test_the_effect_is_measured_and_the_rest_is_noise(fitted):
     objective, nominal, right, _, _ = fitted
     cos_m, sin_m = right.values[0]
@@ -108,11 +109,13 @@ def test_the_effect_is_measured_and_the_rest_is_noise(fitted):
     assert right.cost == pytest.approx(objective.expected_cost, rel=0.08)
 
 
+@pytest.mark.long  # quick: the right one is told, effects/test_nip_pulse.py
 def test_another_effect_elsewhere_explains_less(fitted):
     _, nominal, right, wrong, _ = fitted
     assert right.cost < wrong.cost < nominal.cost
 
 
+@pytest.mark.long  # quick: judge/test_frequencies.py
 def test_errors_fall_to_the_floor(fitted):
     judged = fitted[-1]
     at = judged.channels.index("unwind_speed_rad_s")
@@ -141,6 +144,7 @@ def test_declared_numbers_estimated_anew_are_in_the_error_after(line, record):
     assert shifted.rms_amended[at] > plain.rms_amended[at]
 
 
+@pytest.mark.long  # quick: report/test_amend.py
 def test_the_amended_line_is_read_back_with_effect_and_provenance(fitted, record, tmp_path):
     _, nominal, right, _, judged = fitted
     accepted = AcceptedEffect(
