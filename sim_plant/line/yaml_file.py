@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import deepcopy
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -32,6 +34,9 @@ LONGEST_SCALAR = 20_000
 """Characters of one value."""
 LONGEST_NUMBER = 100
 """Characters of a number; its cost grows with their square."""
+
+_KEPT = 4
+"""Texts of which what was parsed is kept."""
 
 _NUMBERS = ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float")
 _BOUNDS = Bounds(depth=DEEPEST, events=2 * MOST_VALUES, characters=LONGEST_SCALAR)
@@ -103,6 +108,13 @@ def _words(error: YamlTextError) -> str:
 
 
 def _parsed(text: str) -> tuple[Any, Places]:
+    data, places = _parsed_once(text)
+    return deepcopy(data), dict(places)
+
+
+@lru_cache(maxsize=_KEPT)
+def _parsed_once(text: str) -> tuple[Any, Places]:
+    """Return what `_parsed` gives copies of: a command reads its line file several times."""
     root = compose(text, _BOUNDS)
     if root is None:
         return None, {}

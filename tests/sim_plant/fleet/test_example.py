@@ -41,7 +41,7 @@ def test_a_stopped_example_goes_on_and_says_what_each_line_hides(
     monkeypatch.setattr(example, "DURATION_S", 0.5)
     lines, runs = tmp_path / "lines", tmp_path / "runs"
     said: list[str] = []
-    hidden = example.write_fleet(2, 1, lines, runs, said.append)
+    hidden = example.write_fleet(1, 1, lines, runs, said.append)
     records = sorted(path.name for path in (runs / "line0001").glob("*.csv.gz"))
     assert records == ["2026-09-28_a.csv.gz", "2026-09-28_b.csv.gz"]
     assert said == [f"{name}: {what or 'healthy'}" for name, what in hidden.items()]
@@ -49,7 +49,7 @@ def test_a_stopped_example_goes_on_and_says_what_each_line_hides(
     first, *others = sorted(whole)
     first.unlink()
     stamps = {path: path.stat().st_mtime_ns for path in others}
-    assert example.write_fleet(2, 1, lines, runs, said.append) == hidden
+    assert example.write_fleet(1, 1, lines, runs, said.append) == hidden
     assert first.exists()
     assert {path: path.stat().st_mtime_ns for path in others} == stamps
 
