@@ -15,7 +15,8 @@ from sim_plant.geometry.convex_hull import Points, shape_of_points
 from sim_plant.geometry.extrema import radius_cubic
 from sim_plant.geometry.shapes import Floats, Shape
 
-_POINTS = 16384
+POINTS = 16384
+"""Of an outline, before its hull."""
 BULGE_HALF_WIDTH_RAD = np.radians(30.0)
 ASYMMETRIC_RISE_RAD = np.radians(45.0)
 ASYMMETRIC_FALL_RAD = np.radians(30.0)
@@ -32,7 +33,7 @@ def flat_spot(depth_m: float, radius_m: float, angle_rad: float = 0.0) -> Shape:
     if not 0.0 <= depth_m < radius_m:
         raise PlantError(f"flat spot depth must be within 0..{radius_m} m, got {depth_m} m")
     half_angle = np.arccos(1.0 - depth_m / radius_m)
-    round_part = np.linspace(half_angle, 2.0 * np.pi - half_angle, _POINTS)
+    round_part = np.linspace(half_angle, 2.0 * np.pi - half_angle, POINTS)
     outline = (radius_m * np.exp(1j * round_part)).astype(np.complex128)
     return shape_of_points(outline).turned(angle_rad)
 
@@ -77,7 +78,7 @@ def from_extrema(extrema: Sequence[tuple[float, float]]) -> Shape:
     PlantError
         When there are fewer than two extrema, or angles repeat, or a radius is not positive.
     """
-    angles = np.linspace(0.0, 2.0 * np.pi, _POINTS, endpoint=False)
+    angles = np.linspace(0.0, 2.0 * np.pi, POINTS, endpoint=False)
     radius, _ = radius_cubic(extrema, angles)
     return shape_of_points(radius * np.exp(1j * angles))
 
@@ -108,17 +109,17 @@ def insert_outline(inner_radius_m: float, flat_length_m: float, thickness_m: flo
     """Return the outline of the wooden insert, x + j y, ccw, flat side up (4.40 corrected)."""
     half_flat = 0.5 * flat_length_m
     top = inner_radius_m + thickness_m
-    side = np.linspace(0.0, 0.5 * np.pi, _POINTS // 4)
+    side = np.linspace(0.0, 0.5 * np.pi, POINTS // 4)
     x_side = (inner_radius_m - half_flat) * np.cos(side)
     right = half_flat + x_side + 1j * top * np.sin(side)
     left = -half_flat - x_side + 1j * top * np.sin(side)
-    below = inner_radius_m * np.exp(1j * np.linspace(np.pi, 2.0 * np.pi, _POINTS // 2))
+    below = inner_radius_m * np.exp(1j * np.linspace(np.pi, 2.0 * np.pi, POINTS // 2))
     return np.concatenate([right, left[::-1], below])
 
 
 def _bump(height_m: float, radius_m: float, rise_rad: float, fall_rad: float) -> Shape:
     """Return a round roll whose radius rises by ``height_m`` to angle 0 and falls again."""
-    angles = np.linspace(-np.pi, np.pi, _POINTS, endpoint=False)
+    angles = np.linspace(-np.pi, np.pi, POINTS, endpoint=False)
     inside = np.where(angles < 0.0, 1.0 + angles / rise_rad, 1.0 - angles / fall_rad)
     share: Floats = np.clip(inside, 0.0, 1.0)
     radius = radius_m + height_m * share * share * (3.0 - 2.0 * share)
@@ -127,5 +128,5 @@ def _bump(height_m: float, radius_m: float, rise_rad: float, fall_rad: float) ->
 
 def _circle_points() -> Points:
     """Return dense points of the unit circle."""
-    points: Points = np.exp(2j * np.pi * np.arange(_POINTS) / _POINTS)
+    points: Points = np.exp(2j * np.pi * np.arange(POINTS) / POINTS)
     return points

@@ -32,7 +32,7 @@ def coarse_outlines():
         out_of_round_roll._profile.cache_clear()
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("sim_plant.geometry.roll_profiles._POINTS", COARSE)
+        patch.setattr("sim_plant.geometry.roll_profiles.POINTS", COARSE)
         forget()
         yield
     forget()
