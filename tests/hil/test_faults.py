@@ -133,6 +133,12 @@ def test_a_killed_runtime_leaves_the_plc_to_take_it_to_zero(line: LiveLine):
 
     _kill_and_judge(line, kill_all)
     assert line.at_plant("status")["counts"]["watchdog_trips"] > trips
+
+
+# quick: app/test_service.py, its start in FAULT with zero on the wire
+@pytest.mark.long
+def test_a_runtime_started_anew_corrects_nothing_before_an_operators_edge(line: LiveLine):
+    """After all that was killed above."""
     _comes_back_at_zero(line)
 
 

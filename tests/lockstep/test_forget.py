@@ -18,7 +18,8 @@ from tests.lockstep.bench import SITE, Bench, Setup
 from tests.lockstep.known_response import ROOT
 from tests.parameter_records import record_of
 
-LEARN_S = 6.0  # two passes of the iterative law at 200 FPM and a full roll, and a half
+LEARN_S = {"blocks": 2.5, "shape": 2.5, "iterative": 6.0}
+"""Of the last one two passes at 200 FPM and a full roll, and a half."""
 BOTH = {"unwind", "swrap_follower"}
 Learned = Mapping[str, Mapping[tuple[str, int], complex]]
 
@@ -51,7 +52,7 @@ class Service:
         self.law = self.bench.law
         self.keeper = ShapeKeeper(record_of(site), tell=lambda *_: None, keep=lambda *_: None)
         self.bench.run(2.0)
-        self.bench.arm(LEARN_S)
+        self.bench.arm(LEARN_S[law])
         self.bench.say(Bypass())
         self.bench.run(1.0)
         assert self.bench.guard.quiet

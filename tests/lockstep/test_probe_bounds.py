@@ -47,6 +47,7 @@ def probing(folder: Path, settings: str, seconds: float) -> tuple[Bench, Probe]:
         ("line_speed_ref_m_s", 1.1, "", "the line speed went from 1.02 to"),
     ],
 )
+@pytest.mark.sweep(every=2)  # the speed on a line of its own: core/probe/test_choosing.py
 def test_who_moves_the_line_in_the_middle_of_a_probe_ends_it(
     tmp_path: Path, reference: str, times: float, bound: str, said: str
 ) -> None:
@@ -69,6 +70,8 @@ def test_who_moves_the_line_in_the_middle_of_a_probe_ends_it(
     assert zero_after_s(bench.applied, begun_s) <= WITHDRAWN_S + PLC_S
 
 
+# quick: its size in core/probe/test_choosing.py, zero after a kill in test_probe_kills.py
+@pytest.mark.long
 def test_a_first_probe_begins_at_a_sixteenth_of_its_bound_and_dies_at_zero(tmp_path: Path) -> None:
     bench, probe = probing(tmp_path, "", 16.0)
     assert probe.stage is Stage.RISING, probe.reason

@@ -109,6 +109,7 @@ def test_time_and_memory_end_in_words_and_the_limits_are_put_back(
 
 
 @pytest.mark.parametrize("command", ["check", "map", "probe-map"])
+@pytest.mark.sweep(every=3)
 @pytest.mark.usefixtures("quick")
 def test_a_dbc_that_takes_its_reader_long_ends_the_command_in_words(
     command: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

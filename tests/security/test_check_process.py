@@ -32,6 +32,7 @@ from aff_runtime.base.errors import ConfigError
 from tests.aff_runtime.config.shipped import edited
 from tests.doubles.virtual_clock import VirtualClock
 from tests.processes import until
+from tests.security.learned_files import CheckInProcess
 
 pytestmark = pytest.mark.processes
 
@@ -101,8 +102,9 @@ validate.main(sys.argv[1:])
     assert found.findings == (str(MEMORY_BYTES), str(PROCESSOR_S), "1000")
 
 
+# quick, of one of them: app/supervisor/test_validation.py
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["euclid.yaml", "euclid_can.yaml", "euclid_canopen.yaml"])
-@pytest.mark.sweep(every=3)
 def test_every_shipped_site_is_checked_well_within_the_bounds(name: str) -> None:
     assert load_parameters(ROOT / "config" / name).parameters is not None
 
@@ -187,7 +189,10 @@ def _under_way(edits: EditSession) -> int:
     return check.pid
 
 
-def test_an_edit_saved_while_the_service_starts_is_taken_like_any_other(tmp_path: Path) -> None:
+def test_an_edit_saved_while_the_service_starts_is_taken_like_any_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(edit_session, "Validation", CheckInProcess)
     path = edited(tmp_path)
     watch = FileWatch([path])
     first = check_result(path)
@@ -197,9 +202,10 @@ def test_an_edit_saved_while_the_service_starts_is_taken_like_any_other(tmp_path
     pending = Pending(VirtualClock())
     edits = EditSession(cast(Processes, running), pending, path, first, watch=watch)
 
-    until("the edit is seen", lambda: edits.step() is None and edits.is_busy)
-    until("the edit is taken", lambda: edits.step() is None and not edits.is_busy)
-    assert running.parameters.site_text == path.read_text()
+    text = path.read_text()
+    until(
+        "the edit is taken", lambda: edits.step() is None and running.parameters.site_text == text
+    )
 
 
 def test_the_service_looks_at_its_file_before_the_check_reads_it(

@@ -16,7 +16,8 @@ from aff_runtime.base.clock import MonotonicClock
 from tests.aff_runtime.app.service_run import ServiceRun
 from tests.processes import until
 
-pytestmark = pytest.mark.wire
+# quick, at the door itself: test_door.py; a service with one who looks in: app/test_service.py
+pytestmark = [pytest.mark.long, pytest.mark.wire]
 KEPT = ("state", "config_hash", "control_pid", "line", "probing")
 
 

@@ -8,6 +8,7 @@ import json
 import os
 import re
 import secrets
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -26,7 +27,7 @@ from aff_runtime.base.clock import MonotonicClock
 from aff_runtime.base.errors import RefusedError
 from sim_plant.demo.wires import free_port
 from tests.aff_runtime.app.service_run import ROOT, ServiceRun
-from tests.processes import until
+from tests.processes import forked, kill, until
 
 pytestmark = pytest.mark.wire
 PASSWORD = "tension, 90 N"
@@ -93,14 +94,10 @@ def test_it_arms_and_takes_back_as_the_console_does(service: ServiceRun) -> None
     assert service.said(f"audit {late.audit} {verify(path).newest[:12]}")
 
 
-KILLED = """
-import sys, os, signal
-from pathlib import Path
-from aff_runtime.app.hand.client import HandClient
-client = HandClient(Path(sys.argv[1]))
-client._socket.send(sys.argv[2].encode())
-os.kill(os.getpid(), signal.SIGKILL)
-"""
+def say_and_die(path: Path, said: str) -> None:
+    """Send what is no whole message, and be killed."""
+    HandClient(path)._socket.send(said.encode())
+    kill(os.getpid())
 
 
 @pytest.mark.parametrize("said", ['{"say": "com', '{"say":"notice"}', "x"])
@@ -109,7 +106,8 @@ def test_a_screen_that_is_killed_in_the_middle_changes_nothing(
 ) -> None:
     before = service.status()
     path = service.runtime_dir / "hand.sock"
-    subprocess.run([sys.executable, "-c", KILLED, str(path), said], check=False)
+    _, ended = os.waitpid(forked(lambda: say_and_die(path, said)), 0)
+    assert ended == signal.SIGKILL
     tick = service.status()["signals"]["tick"]
     until("20 ticks", lambda: service.status()["signals"]["tick"] > tick + 20)
     after = service.status()
@@ -201,4 +199,18 @@ def test_a_press_in_a_browser_reaches_the_line_and_the_audit(service: ServiceRun
     assert [row["why"] for row in rows if row["what"] == PRESS_REFUSED][-2:] == [
         *("arm: no hand", "arm: guard")
     ]
+    assert verify(audit_of(service)).wrong == ""
+
+
+def test_a_signal_that_ends_the_service_is_named_and_so_is_the_zero(service: ServiceRun) -> None:
+    """The last one: there is no service any more."""
+    began = service.log.stat().st_size
+    service.process.terminate()
+    assert service.process.wait(10) == 0
+    words = service.tell_plc("words")
+    assert words[3] == words[8] == 0
+    said = service.log.read_bytes()[began:].decode()
+    assert "SIGTERM" in said
+    assert "stopped; the correction reached zero" in said
+    assert "bypassed, or a probe has ended" not in said
     assert verify(audit_of(service)).wrong == ""

@@ -12,6 +12,7 @@ from aff_runtime.base.events import BY_NAME
 from aff_runtime.base.signals import State, StateBits
 from sim_plant.servers.modbus_device import ModbusDevice
 from sim_plant.servers.plant import THIRD_M_S
+from tests.drawn import drawn
 from tests.matrix.bench import SAMPLE_S, MatrixBench
 from tests.security.behaving_plc import FOREIGN, RAMPS, TICK_MS, Line, Plc, Spans
 
@@ -44,7 +45,7 @@ def told_after_s(bench: MatrixBench, *, most_s: float = TOLD_S) -> float:
 
 @pytest.mark.parametrize("wire", WIRES)
 @pytest.mark.parametrize("phase_s", [0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.2, 1.4])
-@pytest.mark.sweep(every=5)
+@pytest.mark.sweep(every=8)
 def test_in_active_it_is_told_within_300_ms_and_ours_fades_and_latches(
     wire: str, phase_s: float
 ) -> None:
@@ -61,6 +62,7 @@ def test_in_active_it_is_told_within_300_ms_and_ours_fades_and_latches(
 
 
 @pytest.mark.parametrize("wire", WIRES)
+@pytest.mark.sweep(every=3)
 def test_in_bypass_it_is_told_by_alarm_event_and_refusal_to_arm_while_it_lasts(wire: str) -> None:
     bench = working(wire)
     bench.bypass()
@@ -82,6 +84,7 @@ def test_in_bypass_it_is_told_by_alarm_event_and_refusal_to_arm_while_it_lasts(w
 
 
 @pytest.mark.parametrize("wire", WIRES)
+@pytest.mark.sweep(every=3)
 def test_without_the_word_it_is_as_it_was_before_there_was_one(wire: str) -> None:
     """What the word is there for: the web moves, and nobody knows."""
     bench = working(wire, applied=False)
@@ -181,7 +184,7 @@ def lines(draw: st.DrawFn) -> Line:
     )
 
 
-@settings(deadline=None, max_examples=15, suppress_health_check=list(HealthCheck))
+@drawn(quick=5, long=100, without=list(HealthCheck))
 @given(lines())
 def test_a_plc_that_behaves_is_never_accused(line: Line) -> None:
     line.run(RUN_MS)
@@ -247,7 +250,7 @@ def test_a_plc_that_cuts_the_other_sign_when_readings_come_back_is_not_accused(
     assert State.ACTIVE in line.states
 
 
-@settings(deadline=None, max_examples=20)
+@drawn(quick=8, long=100)
 @given(
     counts=st.integers(3, 5000) | st.integers(-5000, -3),
     scan_ms=st.sampled_from([1, 5, 10, 20, 40]),

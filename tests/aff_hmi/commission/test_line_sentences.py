@@ -9,6 +9,7 @@ import math
 import os
 import re
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from types import ModuleType
 
@@ -57,6 +58,7 @@ SAYS = {
 OF_PARTS = ("keeps its shape", "an unknown roll", "waits for its trial", "was learned with other")
 
 
+@cache
 def said_by(modules: tuple[ModuleType, ...]) -> str:
     """Return every text that modules write, the values left out."""
     trees = [ast.parse(inspect.getsource(one)) for one in modules]
@@ -97,9 +99,7 @@ def test_orders_and_limits_of_every_site_file_that_is_shipped_are_told_in_german
 SAVED = "the shape saved 2026-01-05T06:00:00"
 QUIET = Fit(agreement=math.nan, turned_rad=0.0, ratio=math.nan, fits=True)
 ANOTHER = Fit(agreement=0.41, turned_rad=0.0, ratio=1.3, fits=False)
-LENGTH = (
-    120  # of a text: with its cube a pattern looks at 5 to 20 times as many as with its square
-)
+LENGTH = 60  # of a text: with its cube a pattern looks at 3 to 10 times as many as with its square
 # two places that end anywhere look at half the square once a character; 2 to 3 looks for each
 MOST_OF_SQUARE, MANY = 1.5, 100
 KEEPS = f"unwind: {SAVED} keeps its shape; its correction of P is of"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from aff_runtime.app.wiring.assemble import controller_of
@@ -22,6 +22,7 @@ from aff_runtime.core.controller import Controller
 from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.core.shape.law import ShapeLaw
 from aff_runtime.safety.limits import Limiter, makes_sense
+from tests.drawn import drawn
 from tests.parameter_records import record_of
 
 SITE = Path(__file__).parents[3] / "config" / "euclid.yaml"
@@ -165,7 +166,7 @@ TROUBLE = st.lists(
 )
 
 
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@drawn(quick=6, long=100)
 @given(trouble=TROUBLE)
 def test_whatever_is_read_no_output_exceeds_its_limits_and_no_nan_goes_out(trouble):
     guard = guard_params(EUCLID)
@@ -189,7 +190,7 @@ def test_whatever_is_read_no_output_exceeds_its_limits_and_no_nan_goes_out(troub
                 assert abs(limiter.output) <= bounds.limit * (1.0 + 1e-12)
 
 
-@settings(max_examples=10, deadline=None)
+@drawn(quick=3, long=20)
 @given(ripple=st.floats(0.0, 50.0), fresh=st.booleans())
 def test_without_permission_nothing_changes(ripple, fresh):
     line = Line()

@@ -99,6 +99,8 @@ def tried(service: ServiceRun) -> str:
     return before
 
 
+# quick, in one process: app/supervisor/settings/test_desk.py
+@pytest.mark.long
 def test_a_control_process_that_dies_in_a_try_comes_back_on_the_former_settings(
     service: ServiceRun,
 ) -> None:
@@ -112,6 +114,8 @@ def test_a_control_process_that_dies_in_a_try_comes_back_on_the_former_settings(
     assert service.said("returned by the service: the control process died")
 
 
+# quick: zero after this kill below, a try that writes nothing app/supervisor/settings/test_desk.py
+@pytest.mark.long
 def test_a_supervisor_killed_in_the_middle_of_a_try_starts_on_the_site_file(
     service: ServiceRun,
 ) -> None:

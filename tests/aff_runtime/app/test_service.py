@@ -6,6 +6,7 @@ import contextlib
 import math
 import os
 import signal
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -22,6 +23,7 @@ from aff_runtime.core.response import Provenance, Response, ResponsePoint
 from aff_runtime.telemetry.ring import RingReader
 from tests.aff_runtime.app.fake_plc import GAIN_N_PER_M_S, READY_STATUS
 from tests.aff_runtime.app.service_run import ServiceRun
+from tests.aff_runtime.app.test_commissioning_kills import Asked, on_the_wire
 from tests.doubles.run_reader import read_run
 from tests.processes import is_running, kill, pause, until
 
@@ -31,10 +33,42 @@ CYCLE_MS = 10
 LOOP_DELAY_S = 2e-3 * CYCLE_MS  # one cycle to the wire, one in the PLC
 
 
+IN_A_TERMINAL = """
+import os, signal, sys
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
+os.setsid()
+os.open(sys.argv[1], os.O_RDWR)  # of a session's leader: its terminal
+os.execv(sys.argv[2], sys.argv[2:])
+"""
+
+
 @pytest.fixture(scope="module")
-def service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServiceRun]:
+def terminal() -> Iterator[tuple[int, int]]:
+    """A terminal: the end of whoever looks at it, and that of the programs in it."""
+    ours, theirs = os.openpty()
+    yield ours, theirs
+    for one in (ours, theirs):
+        try:
+            os.close(one)
+        except OSError:
+            continue
+
+
+@pytest.fixture(scope="module")
+def service(
+    tmp_path_factory: pytest.TempPathFactory, terminal: tuple[int, int]
+) -> Iterator[ServiceRun]:
     """One service for all that it survives; who needs it running after an end asks ``again``."""
-    run = ServiceRun(tmp_path_factory.mktemp("service"), cycle_ms=CYCLE_MS)
+    run_as = (sys.executable, "-c", IN_A_TERMINAL, os.ttyname(terminal[1]))
+    run = ServiceRun(tmp_path_factory.mktemp("service"), run_as=run_as)
+    yield run
+    run.close()
+
+
+@pytest.fixture
+def fast(tmp_path: Path) -> Iterator[ServiceRun]:
+    """Another one, at a cycle at which the shipped orders arm."""
+    run = ServiceRun(tmp_path, cycle_ms=CYCLE_MS)
     yield run
     run.close()
 
@@ -112,6 +146,7 @@ def test_a_missing_permissive_is_named(service: ServiceRun) -> None:
     until("the permissive is back", lambda: service.status()["blocked_by"] != "WEB_INTACT=0")
 
 
+@pytest.mark.long  # quick, of a check that hangs: security/test_check_process.py
 def test_a_bad_edit_changes_nothing_and_is_shown_with_its_place(service: ServiceRun) -> None:
     before = service.status()
     service.edit("settle_s: 6,", "settle_s: 9 apples,")
@@ -126,6 +161,7 @@ def test_a_bad_edit_changes_nothing_and_is_shown_with_its_place(service: Service
     assert text.startswith(f"{service.site}:{number}:")
 
 
+@pytest.mark.long  # quick: security/test_evidence.py
 def test_a_good_edit_is_applied_and_logged_with_both_values(service: ServiceRun) -> None:
     """And with it a response that was laid beside the site file, in the same check."""
     before = service.status()["config_hash"]
@@ -169,6 +205,7 @@ def test_a_fixed_key_restarts_the_control_process_when_nothing_goes_out(
     assert service.status()["control_pid"] == started
 
 
+@pytest.mark.long  # quick, in the middle of a probe: test_commissioning_kills.py
 def test_a_killed_control_process_comes_back_idle(service: ServiceRun) -> None:
     before = service.status()["control_pid"]
     kill(before)
@@ -246,32 +283,33 @@ def probed(run: ServiceRun, actuator: str) -> list[dict[str, Any]]:
     return list(run.ask("probe", actuators=[actuator])["results"])
 
 
-def test_probe_arm_and_bypass_from_end_to_end(again: ServiceRun) -> None:
-    (result,) = probed(again, "unwind")
-    response = Response.from_json((again.folder / "learned" / "euclid_unwind.json").read_text())
+# quick, in virtual time: core/probe/test_probe.py, lockstep/test_operator.py; what was measured is
+# kept, an edit waits: supervisor/test_probe_desk.py; the signal: security/test_evidence.py
+@pytest.mark.long
+def test_probe_arm_and_bypass_from_end_to_end(fast: ServiceRun) -> None:
+    (result,) = probed(fast, "unwind")
+    response = Response.from_json((fast.folder / "learned" / "euclid_unwind.json").read_text())
     for point in response.points:
         assert abs(point.gain / -GAIN_N_PER_M_S - 1.0) < 0.05
         expected_rad = math.pi - math.tau * point.frequency_Hz * LOOP_DELAY_S
         assert abs(math.remainder(point.phase_rad - expected_rad, math.tau)) < 0.1
     assert result["sign"] == -1
     assert response.provenance.radius_m == 0.16
-    assert again.status()["state"] == "BYPASS"
-    assert again.ask("arm")["state"] in ("ARMED", "ACTIVE")
-    until("a correction on the wire", lambda: again.tell_plc("words")[3] != 0)
-    armed = again.status()
+    assert fast.status()["state"] == "BYPASS"
+    assert fast.ask("arm")["state"] in ("ARMED", "ACTIVE")
+    until("a correction on the wire", lambda: fast.tell_plc("words")[3] != 0)
+    armed = fast.status()
     radii = ["radius_m: 0.15367", "radius_m: 0.154"]
-    again.edit(*(radii if radii[0] in again.site.read_text() else reversed(radii)))
-    until(
-        "the edit waits", lambda: "waits for bypass" in "".join(again.status()["config_differs"])
-    )
-    assert again.status()["config_hash"] == armed["config_hash"]
-    os.kill(again.process.pid, signal.SIGUSR1)
-    until("zero on the wire", lambda: again.tell_plc("words")[3] == 0)
+    fast.edit(*(radii if radii[0] in fast.site.read_text() else reversed(radii)))
+    until("the edit waits", lambda: "waits for bypass" in "".join(fast.status()["config_differs"]))
+    assert fast.status()["config_hash"] == armed["config_hash"]
+    os.kill(fast.process.pid, signal.SIGUSR1)
+    until("zero on the wire", lambda: fast.tell_plc("words")[3] == 0)
     until(
         "the edit is applied",
-        lambda: again.status().get("config_hash") not in (None, armed["config_hash"]),
+        lambda: fast.status().get("config_hash") not in (None, armed["config_hash"]),
     )
-    until("FAULT", lambda: again.status().get("state") == "FAULT")
+    until("FAULT", lambda: fast.status().get("state") == "FAULT")
 
 
 @pytest.mark.long  # quick: security/test_evidence.py, to its run
@@ -290,8 +328,8 @@ def test_stop_ends_everything_and_leaves_a_readable_run(again: ServiceRun) -> No
     assert (folder / "site.yaml").read_text() == again.site.read_text()
 
 
+@pytest.mark.long  # quick, of SIGTERM: security/test_hand_of_service.py; of SIGHUP: below
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
-@pytest.mark.sweep(every=2)
 def test_a_signal_that_ends_the_service_is_named_and_so_is_the_zero(
     again: ServiceRun, number: signal.Signals
 ) -> None:
@@ -313,3 +351,20 @@ def test_a_killed_supervisor_takes_the_control_process_along_with_zero(again: Se
     until("the control process ends by itself", lambda: not is_running(control))
     words = again.tell_plc("words")
     assert words[3] == words[8] == 0
+
+
+def test_a_terminal_that_closes_in_the_middle_of_a_probe_ends_the_service_with_a_fade(
+    again: ServiceRun, terminal: tuple[int, int]
+) -> None:
+    """The last one: there is no terminal any more."""
+    asked = Asked(again)
+    status = again.status()
+    control, folder = int(status["control_pid"]), Path(status["recorder"]["folder"])
+    os.close(terminal[0])  # as a closed window or a lost ssh does: SIGHUP to all of its processes
+    assert again.process.wait(20) == 0
+    assert not is_running(control)
+    assert on_the_wire(again) == [0, 0]
+    assert asked.answer() != "done"
+    assert again.said("SIGHUP (terminal closed): the correction fades to zero")
+    assert again.said("stopped; the correction reached zero")
+    assert read_run(folder).summary is not None, "the recorder wrote to the end"

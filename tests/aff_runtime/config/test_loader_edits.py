@@ -4,7 +4,7 @@ import math
 from copy import deepcopy
 
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, given
 from hypothesis import strategies as st
 
 from aff_runtime.base.errors import ConfigError
@@ -12,6 +12,7 @@ from aff_runtime.config.leaves import leaves
 from aff_runtime.config.loader import load_site
 from tests import quick_yaml
 from tests.aff_runtime.config.shipped import EUCLID
+from tests.drawn import drawn
 from tests.drawn_text import drawn_text
 
 
@@ -97,7 +98,7 @@ _READ = quick_yaml.safe_load(_TEXT)
 _BARE = "\n".join(line for line in _TEXT.split("\n") if not line.lstrip().startswith("#"))
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@drawn(quick=15, long=100, without=list(HealthCheck))
 @given(data=st.data())
 def test_random_edits_give_a_finite_site_or_a_config_error(data, tmp_path_factory):
     text = _BARE
@@ -110,7 +111,7 @@ def test_random_edits_give_a_finite_site_or_a_config_error(data, tmp_path_factor
     _assert_finite_or_refused(path)
 
 
-@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@drawn(quick=15, long=100, without=list(HealthCheck))
 @given(data=st.data())
 def test_random_values_give_a_finite_site_or_a_config_error(data, tmp_path_factory):
     values = deepcopy(_READ)

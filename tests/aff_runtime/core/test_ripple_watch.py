@@ -161,12 +161,12 @@ def test_a_response_of_the_wrong_sign_is_found_within_some_turns() -> None:
 
 
 def test_a_response_of_the_right_sign_is_left_alone() -> None:
-    _, rose, _ = lockstep(1.0, 40.0)
+    _, rose, _ = lockstep(1.0, 25.0)
     assert not rose
 
 
 def test_a_response_sixty_degrees_off_is_left_alone() -> None:
-    _, rose, _ = lockstep(cmath.rect(1.0, math.radians(60.0)), 40.0)  # type: ignore[arg-type]
+    _, rose, _ = lockstep(cmath.rect(1.0, math.radians(60.0)), 25.0)  # type: ignore[arg-type]
     assert not rose
 
 

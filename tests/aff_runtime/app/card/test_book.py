@@ -3,7 +3,6 @@
 import fcntl
 import os
 import signal
-import subprocess
 import sys
 
 import pytest
@@ -13,6 +12,7 @@ from aff_runtime.app.card.chain import MAX_BYTES, follow
 from aff_runtime.app.card.entries import Measured, entries_of
 from aff_runtime.base.errors import ConfigError, RefusedError
 from tests.aff_runtime.app.card.made import BEGUN_OF, add, book, measured, signed
+from tests.processes import forked
 
 
 def test_every_entry_comes_back_as_it_was_put_in(tmp_path):
@@ -84,18 +84,13 @@ def test_a_card_is_named_by_its_file_or_its_folder(tmp_path):
     assert card_file(tmp_path) == card_file(tmp_path / NAME) == tmp_path / NAME
 
 
-WRITER = """
-import sys
-from pathlib import Path
-from tests.aff_runtime.app.card.made import add, measured, signed
-from aff_runtime.app.card.book import CardBook
-card = CardBook(Path(sys.argv[1]), now=lambda: "2026")
-print("ready", flush=True)
-while True:
-    digest = add(card, measured(3))
-    print(digest, flush=True)
-    print(add(card, signed(3, digest)), flush=True)
-"""
+def write_on(folder, told):
+    """Put entry after entry on a card and tell the hash of each, to the end of the process."""
+    card = CardBook(folder, now=lambda: "2026")
+    while True:
+        digest = add(card, measured(3))
+        print(digest, file=told, flush=True)
+        print(add(card, signed(3, digest)), file=told, flush=True)
 
 
 @pytest.mark.processes
@@ -103,44 +98,39 @@ while True:
 def test_a_writer_that_is_killed_leaves_the_old_or_the_new_entry(tmp_path, count):
     """Killed at no chosen point: every entry that was told is there, the chain holds."""
     book(tmp_path)
-    process = subprocess.Popen(
-        [sys.executable, "-c", WRITER, str(tmp_path)], stdout=subprocess.PIPE, text=True
-    )
-    try:
-        told = [process.stdout.readline() for _ in range(count + 1)][1:]
-    finally:
-        process.send_signal(signal.SIGKILL)
-        told += process.communicate()[0].splitlines(keepends=True)
+    ours, theirs = os.pipe()
+    with open(ours, encoding="utf-8") as heard, open(theirs, "w", encoding="utf-8") as told_to:
+        writer = forked(lambda: write_on(tmp_path, told_to))
+        told_to.close()
+        told = [heard.readline() for _ in range(count)]
+        os.kill(writer, signal.SIGKILL)
+        os.waitpid(writer, 0)
+        told += heard.readlines()
     chain = follow((tmp_path / NAME).read_bytes())
     assert chain.wrong == ""
     there = [link.sha256 for link in chain.links][1:]
     whole = [line.strip() for line in told if line.endswith("\n")]
     assert there[: len(whole)] == whole
+    assert len(whole) >= count
     assert len(there) <= len(whole) + 1
     add(CardBook(tmp_path), measured(4))
     assert [name for name in os.listdir(tmp_path) if name.endswith(".new")] == []
 
 
-KILLED_AT = """
-import os, sys
-from pathlib import Path
-from tests.aff_runtime.app.card.made import add, signed
-from aff_runtime.app.card.book import CardBook
-at, count = int(sys.argv[2]), 0
-def stop(event, arguments):
-    global count
-    if event in ("open", "os.rename", "os.remove", "os.listdir", "os.chmod") and armed:
-        count += 1
-        if count == at:
-            os.kill(os.getpid(), 9)
-armed = False
-sys.addaudithook(stop)
-card = CardBook(Path(sys.argv[1]), now=lambda: "2026")
-armed = True
-add(card, signed(3, sys.argv[3]))
-armed = False
-print("done")
-"""
+def sign_and_die(folder, digest, at):
+    """Sign in this process, and kill it at its ``at``-th call of the file system."""
+    count = 0
+
+    def stop(event, _):
+        nonlocal count
+        is_of_files = event in ("open", "os.rename", "os.remove", "os.listdir", "os.chmod")
+        count += is_of_files
+        if is_of_files and count == at:
+            os.kill(os.getpid(), signal.SIGKILL)
+
+    card = CardBook(folder, now=lambda: "2026")
+    sys.addaudithook(stop)
+    add(card, signed(3, digest))
 
 
 @pytest.mark.processes
@@ -155,20 +145,14 @@ def killed_at(folder, at):
     card = book(folder)
     digest = add(card, measured(3))
     before = card.path.read_bytes()
-    done = subprocess.run(
-        [sys.executable, "-c", KILLED_AT, str(folder), str(at), digest],
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=False,
-    )
-    assert done.returncode in (0, -signal.SIGKILL), done.stderr
+    _, ended = os.waitpid(forked(lambda: sign_and_die(folder, digest, at)), 0)
+    assert ended in (0, signal.SIGKILL)
     after = card.path.read_bytes()
     chain = follow(after)
     assert chain.wrong == ""
     assert after == before or len(chain.links) == 3
     assert isinstance(entries_of(chain)[1].content, Measured)
     add(CardBook(folder), signed(3, digest))
-    if done.returncode == 0:
+    if ended == 0:
         return "not killed"
     return "old" if after == before else "new"

@@ -3,10 +3,11 @@
 import hashlib
 import json
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from aff_runtime.app.card.chain import LONGEST_LINE, MAX_BYTES, START, canonical, encode, follow
+from tests.drawn import drawn
 from tests.drawn_text import drawn_text
 from tests.each_case import each_case
 
@@ -28,7 +29,7 @@ def written(bodies):
     return content
 
 
-SLOW_MACHINE = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow])
+SLOW_MACHINE = drawn(quick=6, long=100)
 THREE = written([{"a": 1.5}, {"b": "\u00e9\n"}, {"c": [None, True]}])
 
 

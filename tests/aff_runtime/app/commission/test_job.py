@@ -1,11 +1,15 @@
 """A job ends with its commissioner, in the middle of what it does."""
 
+import io
 import json
 import os
 import subprocess
 import sys
 import time
 from pathlib import Path
+
+from aff_runtime.app.commission import job
+from tests.processes import forked
 
 NAMES = ("site", "state", "socket", "card")
 BUSY = """
@@ -59,8 +63,12 @@ def test_a_busy_job_ends_when_its_commissioner_is_killed(tmp_path):
 
 def test_a_job_whose_commissioner_has_ended_before_does_nothing(tmp_path):
     another = {**asked(tmp_path), "parent": os.getppid()}
-    words = [sys.executable, "-m", "aff_runtime.app.commission.job"]
-    done = subprocess.run(
-        words, input=json.dumps(another) + "\n", capture_output=True, text=True, check=False
-    )
-    assert (done.returncode, done.stdout) == (1, "")
+    said = tmp_path / "said"
+
+    def begin():
+        sys.stdin = io.StringIO(json.dumps(another) + "\n")
+        os.dup2(os.open(said, os.O_WRONLY | os.O_CREAT), 1)
+        os._exit(job.main())
+
+    _, ended = os.waitpid(forked(begin), 0)
+    assert (os.waitstatus_to_exitcode(ended), said.read_text()) == (1, "")

@@ -29,6 +29,7 @@ from tests.aff_runtime.core.plants import (
 OMEGA = 5.0
 BEFORE_S = 12.0
 LATCHES_WITHIN_S = 15.0 * math.tau / OMEGA
+RUNS_ON_S = 1.2 * LATCHES_WITHIN_S
 SIZE = {"blocks": "amplitude_m_s", "shape": "shape_mm"}
 
 
@@ -158,7 +159,7 @@ def test_a_right_sign_runs_on() -> None:
     loop = Loop(1.0)
     loop.run(BEFORE_S)
     loop.guard.arm()
-    assert loop.run(40.0) == 40.0
+    assert loop.run(RUNS_ON_S) == RUNS_ON_S
     assert loop.guard.state is State.ACTIVE
     assert not loop.said
     assert not loop.events

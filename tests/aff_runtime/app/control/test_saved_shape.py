@@ -54,7 +54,7 @@ def test_an_encoder_whose_origin_moved_is_found_out_before_anything_goes_out():
 
 
 @pytest.mark.parametrize("into_trial", [0.5, 0.8, 0.9])
-@pytest.mark.sweep(every=2)
+@pytest.mark.sweep(every=3)
 def test_a_trial_begins_anew_where_the_roll_goes_on_from_another_origin(into_trial):
     memory_s = EUCLID.actuators["unwind"].response_memory_s
     turns_s = TURNS * math.tau / OMEGA_RAD_S

@@ -309,6 +309,7 @@ def misses(fit, P):
 
 
 @pytest.mark.parametrize("wander_rad", [0.0, 0.1])
+@pytest.mark.sweep(every=2)
 def test_ripple_of_a_roll_that_nobody_declared_does_not_spoil_the_tones_around_it(wander_rad):
     fit, P = strange(1.0, wander_rad=wander_rad)
     quiet, _ = strange(0.0)

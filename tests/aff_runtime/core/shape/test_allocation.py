@@ -34,7 +34,7 @@ def cost(x: np.ndarray) -> float:
     return float((GAIN**2 * np.abs(WISH - x) ** 2).sum())
 
 
-def fitted(limit: float, slew: float = math.inf, steps: int = 2000) -> np.ndarray:
+def fitted(limit: float, slew: float = math.inf, steps: int = 700) -> np.ndarray:
     fit, x = WaveFit(ORDERS), WISH.copy()
     for _ in range(steps):
         x = fit.step(x, WISH, GAIN**2, limit, slew)
@@ -169,7 +169,7 @@ def test_a_column_of_another_roll_pays_the_same_price():
 
     def left(headroom: float) -> float:
         return min(
-            cost(fitted(max(headroom - x, 0.0), steps=600)) + (120.0 * (other - x)) ** 2
+            cost(fitted(max(headroom - x, 0.0), steps=300)) + (120.0 * (other - x)) ** 2
             for x in np.linspace(0.7 * other, other, 7)
         )
 

@@ -116,9 +116,9 @@ def test_a_limit_leaves_less_ripple_than_scaling_the_whole_and_the_shape_stays()
         Rig(actuator(orders=(1, 2, 3)), plant=LagDelay(GAIN_N_S_M, 2, 0.97), ripple=ripple)
         for _ in range(2)
     )
-    free.run(20.0)
+    free.run(10.0)
     tight.limit = 0.7 * free.last.peak_bound
-    trace = tight.run(30.0)
+    trace = tight.run(15.0)
     before = math.sqrt(sum(abs(c) ** 2 for c in ripple.values()) / 2)
     assert 0.95 * tight.limit < tight.last.peak_bound <= tight.limit
     assert tail_rms(trace) < 0.8 * 0.3 * before
@@ -130,10 +130,10 @@ def test_a_limit_leaves_less_ripple_than_scaling_the_whole_and_the_shape_stays()
 def test_a_slew_limit_leaves_what_fits_and_does_not_shut_the_law():
     """Learning moves the weights fast at first; that alone must not take every order for good."""
     free = Rig(actuator(orders=(1, 2)), ripple=RIPPLE)
-    free.run(15.0)
+    free.run(8.0)
     tight = Rig(actuator(orders=(1, 2)), ripple=RIPPLE)
     tight.slew_limit = 0.02 * free.last.slew_bound
-    tight.run(25.0)
+    tight.run(12.0)
     assert tight.last.slew_bound > 0.5 * tight.slew_limit
 
 
@@ -159,16 +159,16 @@ def test_a_loop_that_does_not_answer_is_not_driven_harder_and_harder():
 
 
 def test_a_drive_that_takes_no_correction_winds_nothing_up():
-    """For half a minute nothing of what goes out reaches the drive; then all of it does again."""
+    """For 15 s nothing of what goes out reaches the drive; then all of it does again."""
     rig = Rig(ripple=RIPPLE)
     rig.noise_N = 0.1
     takes, rig.plant.gain = rig.plant.gain, 0.0
-    rig.run(30.0)
+    rig.run(15.0)
     rests = np.flatnonzero(rig.law.monitor.resting)
     assert rests.size
     assert rig.law.states()[int(rests[0])] == OrderState.RISING
     rig.plant.gain = takes
-    after = rig.run(60.0)
+    after = rig.run(45.0)
     assert np.abs(after).max() < 1.3 * sum(abs(c) for c in RIPPLE.values())
     assert tail_rms(after) < 0.1
 

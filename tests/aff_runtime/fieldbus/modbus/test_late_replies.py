@@ -36,7 +36,7 @@ def late_twice(bench: Bench, pause_ms: int) -> None:
     assert bench.runtime.is_working
 
 
-@pytest.mark.sweep(every=11)  # beside the pauses below
+@pytest.mark.sweep(every=29)  # beside the pauses below
 @pytest.mark.parametrize("drops_while_busy", [False, True])
 @pytest.mark.parametrize("late_ticks", [1, 2, 3, 4])
 @pytest.mark.parametrize(
@@ -56,6 +56,7 @@ def test_two_late_replies_a_second_apart_cost_no_connection(
     [(10, 80, 33), (10, 80, 45), (12, 80, 25), (15, 80, 17), (20, 120, 22), (20, 80, 39)],
 )
 @pytest.mark.parametrize("wire", WIRES)
+@pytest.mark.sweep(every=5)
 def test_a_pause_of_the_plc_between_two_ticks_is_waited_for(
     make: Make, wire: str, cycle_ms: int, fault_ms: int, pause_ms: int
 ) -> None:
@@ -66,6 +67,7 @@ def test_a_pause_of_the_plc_between_two_ticks_is_waited_for(
     ("cycle_ms", "fault_ms"), [(4, 80), (5, 80), (7, 80), (10, 120), (12, 80), (20, 80)]
 )
 @pytest.mark.parametrize("wire", ["modbus_tcp", "modbus_rtu_tcp"])
+@pytest.mark.sweep(every=5)
 def test_a_connection_that_is_lost_is_replaced_in_time_where_11_cycles_fit(
     make: Make, wire: str, cycle_ms: int, fault_ms: int
 ) -> None:

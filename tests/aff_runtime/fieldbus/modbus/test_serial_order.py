@@ -9,7 +9,7 @@ from __future__ import annotations
 from unittest.mock import patch
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from aff_runtime.base.signals import Outcome
@@ -27,6 +27,7 @@ from tests.aff_runtime.fieldbus.modbus_rig import (
     good,
 )
 from tests.doubles.virtual_clock import VirtualClock
+from tests.drawn import drawn
 from tests.each_case import each_case
 
 NOISE = {  # before a late reply
@@ -98,7 +99,7 @@ class Line:
         return [request[1] for request in self.socket.requests[since:]]
 
 
-@settings(max_examples=100, deadline=None)
+@drawn(quick=30, long=300)
 @given(
     st.sampled_from((WireFunction.FC23, WireFunction.FC3_FC16)),
     st.booleans(),

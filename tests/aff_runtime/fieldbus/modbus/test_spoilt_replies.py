@@ -37,6 +37,7 @@ def doubled(place: int) -> Spoil:
     return lambda reply: reply[: place + 1] + reply[place:]
 
 
+@pytest.mark.sweep(every=3)
 def test_one_spoilt_byte_anywhere_in_a_reply_never_reaches_the_fault(bench: Bench) -> None:
     """Of the cycles of a wire two take the even bytes, two the odd ones."""
     runtime = bench.runtime
@@ -62,6 +63,7 @@ def test_a_line_that_spoils_every_reply_goes_to_zero_and_says_why(bench: Bench) 
     assert "wrong CRC or length" in bench.runtime.gateway.troubles[0]
 
 
+@pytest.mark.sweep(every=3)
 def test_a_frame_that_is_lost_whole_is_asked_for_anew(bench: Bench) -> None:
     runtime = bench.runtime
     for _ in range(5):

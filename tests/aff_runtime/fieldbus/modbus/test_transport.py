@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from aff_runtime.base.errors import ConfigError
@@ -28,6 +28,7 @@ from tests.aff_runtime.fieldbus.modbus_rig import (
     silence,
 )
 from tests.doubles.virtual_clock import VirtualClock
+from tests.drawn import drawn
 from tests.each_case import each_case
 
 
@@ -184,7 +185,7 @@ def misbehave(habit: str, delay_ns: int, cut: int, request: bytes) -> Arrivals:
     }[habit]
 
 
-@settings(max_examples=150, deadline=None)
+@drawn(quick=40, long=300)
 @given(
     st.sampled_from(WireFunction),
     st.lists(st.tuples(HABITS, st.integers(0, 4 * MS), st.integers(1, 11)), max_size=25),

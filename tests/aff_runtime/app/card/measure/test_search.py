@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from aff_runtime.app.card.evidence import CheckedSite, Try
@@ -26,6 +26,7 @@ from tests.aff_runtime.app.card.measure.recorded import (
     window,
 )
 from tests.doubles.virtual_clock import VirtualClock
+from tests.drawn import drawn
 from tests.each_case import each_case
 from tests.parameter_records import CONFIG, record_of
 
@@ -89,7 +90,7 @@ def test_a_plain_law_scales_its_blocks_and_a_shape_its_memory():
         search.values_of(SITE, "winder")
 
 
-@settings(deadline=None, max_examples=50)
+@drawn(quick=12, long=100)
 @given(st.floats(1.0, 300.0), st.floats(1.0, 300.0))
 def test_every_byte_but_those_numbers_stays(first, second):
     paths = list(search.values_of(SITE, "unwind"))

@@ -18,6 +18,7 @@ from aff_runtime.app.report.comparison.turns import (
 from tests.each_case import each_case
 
 STEP_S, SECONDS = 0.005, 120.0
+FEW_AND_MANY = pytest.mark.parametrize("windows", [80, pytest.param(200, marks=pytest.mark.long)])
 TIME_S = np.arange(round(SECONDS / STEP_S)) * STEP_S
 ANGLE = 2.0 * np.pi * (0.8 * TIME_S + 0.0004 * TIME_S**2)  # a shrinking roll turns ever faster
 GOOD = np.ones(TIME_S.size, dtype=bool)
@@ -52,20 +53,22 @@ def test_an_order_that_is_not_there_is_in_the_noise():
     assert not found(signal(noise=0.5), order=3).stands_out
 
 
-def test_the_interval_holds_the_true_size_in_about_95_of_100_windows():
+@FEW_AND_MANY
+def test_the_interval_holds_the_true_size_in_about_95_of_100_windows(windows):
     hits = 0
-    for seed in range(200):
+    for seed in range(windows):
         result = found(signal(size=0.2, noise=0.5, seed=seed))
         hits += result.low <= 0.2 <= result.high
-    assert 0.90 <= hits / 200 <= 0.99
+    assert 0.90 <= hits / windows <= 0.99
 
 
-def test_noise_alone_exceeds_the_floor_about_once_in_20_windows():
+@FEW_AND_MANY
+def test_noise_alone_exceeds_the_floor_about_once_in_20_windows(windows):
     beyond = 0
-    for seed in range(200):
+    for seed in range(windows):
         rng = np.random.default_rng(seed)
         beyond += found(90.0 + rng.standard_normal(TIME_S.size)).stands_out
-    assert beyond / 200 <= 0.11
+    assert beyond / windows <= 0.11
 
 
 def test_without_an_encoder_the_size_survives_a_wandering_zero():
