@@ -150,6 +150,7 @@ def test_a_fault_that_stays_refuses_the_operators_edge(bench: Bench):
 
 
 @pytest.mark.parametrize("spec", ["absurd", "swap"])
+@pytest.mark.sweep(every=2)
 def test_what_cannot_be_true_is_never_learned_from(bench: Bench, spec: str):
     before = [now for _, now in bench.law.ripple()]
     bench.inject(f"{spec}@0.05:{LASTS_S}")

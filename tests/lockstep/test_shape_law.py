@@ -170,6 +170,7 @@ def turned(text: str, angle_rad: float) -> str:
     return json.dumps(data)
 
 
+@pytest.mark.long  # quick: on a line of its own, app/control/test_saved_shape.py
 def test_the_next_start_is_at_20_dB_within_two_turns(responses, learned):
     (_, _, before_N), _, kept = learned
     made = started(responses, kept)

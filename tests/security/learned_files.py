@@ -110,7 +110,7 @@ class House:
 class CheckInProcess:
     """The check of a file, in this process."""
 
-    def __init__(self, site: Path, *_: object) -> None:
+    def __init__(self, site: Path, *_: object, **__: object) -> None:
         self._site = site
 
     def result(self, **_: object) -> CheckResult:

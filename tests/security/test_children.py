@@ -237,6 +237,7 @@ def test_check_control_process_and_recorder_run_nothing_of_the_folder_and_one_sp
 
 
 @pytest.mark.parametrize("step", ["venv", "pip"])
+@pytest.mark.sweep(every=2)
 def test_the_installer_runs_nothing_of_the_folder(tmp_path: Path, step: str) -> None:
     folder, prefix, mark = tmp_path / "here", tmp_path / "there", tmp_path / "mark"
     folder.mkdir()

@@ -256,6 +256,7 @@ def endless(path):
         ({"wall_s": 0.5}, "was not read in 0.5 s and is given up"),
     ],
 )
+@pytest.mark.sweep(every=2)
 def test_a_file_without_end_is_given_up(tmp_path, given, said):
     payload = endless(tmp_path / "r.mf4")
     with pytest.raises(PlantError, match=said):

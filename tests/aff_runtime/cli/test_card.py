@@ -17,8 +17,16 @@ ROOT = Path(__file__).parents[3]
 WHY = "checked on the drive"
 
 
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """A record of 12 s; nobody changes it."""
+    columns = steady(12.0)
+    columns["unwind_tension_N"] += np.sin(40.0 * columns["time_s"])
+    return recorded(tmp_path_factory.mktemp("runs"), columns)
+
+
 @pytest.fixture
-def line(tmp_path, monkeypatch):
+def line(tmp_path, monkeypatch, run):
     """A site file, a card of it, a record; and the command with its options.
 
     The site file is checked here, not in a process for each command; the process is asked in
@@ -28,9 +36,6 @@ def line(tmp_path, monkeypatch):
     site, card = tmp_path / "site.yaml", tmp_path / "card"
     shutil.copyfile(SITE_FILE, site)
     assert main(["card", "new", str(site), str(card)]) == 0
-    columns = steady(12.0)
-    columns["unwind_tension_N"] += np.sin(40.0 * columns["time_s"])
-    run = recorded(tmp_path / "runs", columns)
 
     def act(*words):
         options = ["--card", str(card), "--runtime-dir", str(tmp_path / "none")]
@@ -81,12 +86,13 @@ def test_no_measurement_speaks_of_the_console_alone():
         assert not re.search(r"--typed|--run|SITE\.yaml", file.read_text(encoding="utf-8")), file
 
 
-def test_a_step_of_the_record_names_its_window_and_its_segments(line, capsys):
+def test_a_step_of_the_record_names_its_window_and_its_segments(line, capsys, tmp_path):
+    run = shutil.copytree(line.run, tmp_path / "run")
     words = ["--typed", "load=0", "--typed", "signal=unwind_tension_N"]
-    assert line("step", "1", "--run", f"{line.run}@2..12", *words) == 0
+    assert line("step", "1", "--run", f"{run}@2..12", *words) == 0
     card = str(line.card)
     assert main(["card", "verify", card, "--records"]) == 0
-    segment = next(line.run.glob("signals-*"))
+    segment = next(run.glob("signals-*"))
     content = segment.read_bytes()
     segment.write_bytes(content + b"more")  # the recorder went on
     assert main(["card", "verify", card, "--records"]) == 0

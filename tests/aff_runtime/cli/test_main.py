@@ -11,6 +11,7 @@ from aff_runtime.cli.probe_map import table
 from aff_runtime.config.loader import load_site
 from aff_runtime.fieldbus.modbus.probe_map import MapProbe, ProbedWord
 from tests.aff_runtime.fieldbus.rtu_slave import Slave
+from tests.security.learned_files import CheckInProcess
 
 ROOT = Path(__file__).parents[3]
 SITE = ROOT / "config" / "euclid_blocks.yaml"
@@ -65,8 +66,9 @@ def test_run_with_a_bad_file_ends_with_2_and_starts_nothing(
 
 
 def test_a_missing_file_is_a_matter_of_configuration(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("aff_runtime.app.supervisor.validation.Validation", CheckInProcess)
     assert main(["run", str(tmp_path / "none.yaml"), "--runtime-dir", str(tmp_path)]) == 2
     assert "none.yaml" in capsys.readouterr().err
 

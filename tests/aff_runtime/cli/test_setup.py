@@ -153,6 +153,8 @@ def test_a_plc_that_is_unplugged_is_named_and_the_next_run_goes_on(
     assert f"next: understand the warnings, then `aff-runtime run {tmp_path}" in said
 
 
+# quick: of one that ends by itself, above; what is kept is whole: security/test_written_files.py
+@pytest.mark.long
 @pytest.mark.wire
 def test_a_killed_run_goes_on_where_it_was(plc: Served, tmp_path: Path) -> None:
     answers, kept = script(tmp_path, plc.port), tmp_path / "site.setup.json"

@@ -32,7 +32,7 @@ PATIENCE_S = 60.0
 WISH = 1000  # counts of 0.00001 m/s: the 0.01 m/s that the law asks for
 
 
-@pytest.fixture(params=["dbc", "canopen"])
+@pytest.fixture(params=["dbc", pytest.param("canopen", marks=pytest.mark.long)])
 def plant(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[str, PlantService]]:
     """The simulated PLC on a unix bus, in real time."""
     ready = threading.Event()

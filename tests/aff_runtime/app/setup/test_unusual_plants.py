@@ -99,7 +99,7 @@ def assert_says_what_the_map_says(
 
 
 @pytest.mark.parametrize("name", BY_WORDS)
-@pytest.mark.sweep(every=4)
+@pytest.mark.sweep(every=12)
 def test_setup_finds_the_words_of_an_unusual_plant_and_its_file_is_checked(
     name: str, commissioned: Callable[[str], Done], capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -289,6 +289,7 @@ def test_two_lines_on_one_gateway_have_a_site_file_each(
               "site file",)),
     ],
 )  # fmt: skip
+@pytest.mark.sweep(every=2)
 def test_a_plc_without_function_23_is_heard_or_it_is_told_what_to_write(
     answers: dict[str, str], troubles: tuple[str, ...], tmp_path: Path
 ) -> None:

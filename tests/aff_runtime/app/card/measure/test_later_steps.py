@@ -66,6 +66,7 @@ def test_a_record_without_arming_or_too_short_after_it_is_open(abab_run):
         (0.0, 1.9, Verdict.FAIL, "fell by more than its error"),
     ],
 )
+@pytest.mark.sweep(every=2)
 def test_a_first_ripple_passes_only_where_a_corrected_order_fell(
     tmp_path, off_N, left_N, verdict, waits_for
 ):

@@ -27,9 +27,14 @@ def true_size(truth, phase):
 
 
 @pytest.fixture(scope="module")
-def measured(abab_run):
-    """The window, its four parts, and what is found."""
-    whole = window(abab_run[0], from_s=5.0)
+def whole(abab_run):
+    """The window of the run, read once; nobody changes it."""
+    return window(abab_run[0], from_s=5.0)
+
+
+@pytest.fixture(scope="module")
+def measured(whole):
+    """Its four parts, and what is found."""
     first, *_, last = offs_and_ons(phases(whole), SETTLE_S)
     return (*first, *last), proof.measure(evidence(whole, given=[f"settle={SETTLE_S} s"]))
 
@@ -59,8 +64,7 @@ def test_the_turns_of_each_off_and_on_are_counted_and_shown(abab_run, measured):
         assert turns.good
 
 
-def test_a_proof_of_fewer_than_twenty_turns_is_open_and_says_which_part_is_short(abab_run):
-    whole = window(abab_run[0], from_s=5.0)
+def test_a_proof_of_fewer_than_twenty_turns_is_open_and_says_which_part_is_short(whole):
     found = proof.measure(evidence(whole, given=["settle=22 s"]))
     assert [text.partition(":")[0] for text in found.missing] == ["first on", "second on"]
     assert "20 are needed; make it longer" in found.missing[0]
@@ -78,17 +82,15 @@ def test_an_on_settles_at_the_speed_that_runs_and_each_part_has_twenty_whole_tur
     assert proof.settling_s(SITE, 0.8) == proof.settling_s(SITE, 0.4) == 30.0
 
 
-def test_a_promise_that_is_not_kept_fails(abab_run):
-    whole = window(abab_run[0], from_s=5.0)
+def test_a_promise_that_is_not_kept_fails(whole):
     given = [f"settle={SETTLE_S} s", "promised=90 dB"]
     found = proof.measure(evidence(whole, given=given))
     assert figure(found, "pullroll_tension_N: all").good is False
     assert found.verdict is Verdict.FAIL
 
 
-def test_a_proof_in_which_no_order_stands_out_is_open_and_no_pass(abab_run):
+def test_a_proof_in_which_no_order_stands_out_is_open_and_no_pass(whole):
     """Of each on a second is left behind its settling: no order can be told in it."""
-    whole = window(abab_run[0], from_s=5.0)
     on = min(one.to_s - one.from_s for _, one in offs_and_ons(phases(whole), 20.0)) + 20.0
     found = proof.measure(evidence(whole, given=[f"settle={on - 1.0} s", "promised=3 dB"]))
     assert found.verdict is Verdict.OPEN

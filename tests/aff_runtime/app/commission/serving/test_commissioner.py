@@ -33,10 +33,10 @@ def step(key, number=4, typed=TYPED, **more):
 
 def test_a_step_is_measured_and_signed_by_who_gives_the_password_again(line, monkeypatch):
     async def played():
+        made_jobs.do_here(monkeypatch)  # in a process of its own: test_commissioner_words.py
         key = await line.open()
         assert (await line.ask("begin", key=key, **PERSON))["ok"]
         assert (await line.done())["ok"]
-        made_jobs.do_here(monkeypatch)  # the first one was done by a process of its own
         assert (await line.ask("step", **step(key)))["ok"]
         assert (await line.done())["text"] == "step 4: pass"
         card = (await line.ask("card"))["card"]

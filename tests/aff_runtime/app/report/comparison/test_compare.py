@@ -143,6 +143,7 @@ def test_what_differs_in_the_site_file_is_named_with_units(made, run):
 
 
 @pytest.mark.parametrize("text", [None, "", "\n"])
+@pytest.mark.sweep(every=3)
 def test_a_run_without_a_site_file_says_that_and_no_difference_without_a_name(made, run, text):
     site = run / "site.yaml"
     site.unlink() if text is None else site.write_text(text)
@@ -287,6 +288,7 @@ DOUBLING = "".join(f"k{n}: &k{n} [*k{n - 1}, *k{n - 1}]\n" for n in range(1, 60)
         "k0: &k0 [x, x]\n" + DOUBLING + "line: {name: *k59}\nrolls: {a: {angle: *k59}}\n",
     ],
 )
+@pytest.mark.sweep(every=5)
 def test_a_site_file_that_cannot_be_read_leaves_the_facts(made, run, text):
     (run / "site.yaml").write_text(text)
     found = of(f"{made[0]}{OFF}", f"{run}{ON}")

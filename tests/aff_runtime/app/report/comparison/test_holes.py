@@ -263,6 +263,7 @@ def test_rows_that_lack_are_no_ticks_that_were_missed(missed, gone, skipping, tm
 
 
 @pytest.mark.parametrize("lacks", [("missed_count",), ("missed_count", "tick")])
+@pytest.mark.sweep(every=2)
 def test_without_the_count_ticks_are_missed_by_the_periods_between_rows(lacks, tmp_path):
     found = skipped(60.0, 3)
     for name in lacks:
