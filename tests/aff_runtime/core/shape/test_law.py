@@ -71,6 +71,7 @@ def test_a_speed_change_needs_no_new_learning_where_P_is_flat():
 
 @pytest.mark.parametrize("delay", [6, 18])
 @pytest.mark.parametrize("gain", [0.6, 1.6])
+@pytest.mark.sweep(every=3)  # the two corners of both
 def test_a_P_that_differs_in_gain_and_phase_is_learned_not_diverged_from(delay, gain):
     plant = LagDelay(gain * GAIN_N_S_M, delay=delay, lag=0.6)
     rig = Rig(plant=plant, known=LagDelay(GAIN_N_S_M, delay=2, lag=0.6), ripple=RIPPLE)

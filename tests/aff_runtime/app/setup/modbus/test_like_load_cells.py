@@ -99,6 +99,7 @@ def test_enter_alone_takes_no_cell_and_says_why(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("pushed", CELLS)
+@pytest.mark.sweep(every=3)
 def test_the_cell_that_is_moved_is_taken_by_enter_and_the_others_are_shown(
     pushed: str, tmp_path: Path
 ) -> None:
@@ -116,7 +117,7 @@ def test_the_cell_that_is_moved_is_taken_by_enter_and_the_others_are_shown(
 def test_all_that_move_together_leave_it_open(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(display_steps, "MOVE_S", 12.0)
+    monkeypatch.setattr(display_steps, "MOVE_S", 6.0)
     with pytest.raises(LeftOpenError, match=r"unwind_tension_N\.pick2"):
         at_work(tmp_path, "unwind_tension_N", dict.fromkeys(CELLS, 8.0))
 
