@@ -126,20 +126,21 @@ def test_a_killed_supervisor_takes_the_correction_with_it(line: LiveLine):
 def test_a_killed_runtime_leaves_the_plc_to_take_it_to_zero(line: LiveLine):
     control = int(line.status()["control_pid"])
     trips = line.at_plant("status")["counts"]["watchdog_trips"]
-
-    def kill_all() -> None:
-        kill(control)
-        kill(line.service.process.pid)
-
-    _kill_and_judge(line, kill_all)
+    _kill_and_judge(line, lambda: _kill_all(line, control))
     assert line.at_plant("status")["counts"]["watchdog_trips"] > trips
 
 
 # quick: app/test_service.py, its start in FAULT with zero on the wire
 @pytest.mark.long
 def test_a_runtime_started_anew_corrects_nothing_before_an_operators_edge(line: LiveLine):
-    """After all that was killed above."""
+    _kill_all(line, int(line.status()["control_pid"]))
+    line.wait_plant(line.now_s() + ZERO_WITHIN_S)
     _comes_back_at_zero(line)
+
+
+def _kill_all(line: LiveLine, control: int) -> None:
+    kill(control)
+    kill(line.service.process.pid)
 
 
 def _comes_back_at_zero(line: LiveLine) -> None:
