@@ -67,7 +67,7 @@ def service(
 
 @pytest.fixture
 def fast(tmp_path: Path) -> Iterator[ServiceRun]:
-    """Another one, at a cycle at which the shipped orders arm; the follower's response is known."""
+    """Another one, at a cycle at which the shipped orders arm, the follower probed before."""
     (tmp_path / "learned").mkdir()
     other = tmp_path / "learned" / "euclid_swrap_follower.json"
     other.write_text(known_response("swrap_follower"))
