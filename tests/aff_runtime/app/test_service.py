@@ -60,14 +60,15 @@ def service(
 ) -> Iterator[ServiceRun]:
     """One service for all that it survives; who needs it running after an end asks ``again``."""
     run_as = (sys.executable, "-c", IN_A_TERMINAL, os.ttyname(terminal[1]))
-    run = ServiceRun(tmp_path_factory.mktemp("service"), run_as=run_as)
+    folder = tmp_path_factory.mktemp("service")
+    run = ServiceRun(folder, cycle_ms=CYCLE_MS, run_as=run_as)
     yield run
     run.close()
 
 
 @pytest.fixture
 def fast(tmp_path: Path) -> Iterator[ServiceRun]:
-    """Another one, at a cycle at which the shipped orders arm, the follower probed before."""
+    """Another one, in which the follower was probed before."""
     (tmp_path / "learned").mkdir()
     other = tmp_path / "learned" / "euclid_swrap_follower.json"
     other.write_text(known_response("swrap_follower"))
