@@ -317,19 +317,19 @@ def test_probe_arm_and_bypass_from_end_to_end(fast: ServiceRun) -> None:
 
 
 @pytest.mark.long  # quick: security/test_evidence.py, to its run
-def test_stop_ends_everything_and_leaves_a_readable_run(again: ServiceRun) -> None:
-    control = again.status()["control_pid"]
-    until("it is recorded", lambda: again.status()["recorder"].get("rows", 0) > 10)
-    folder = Path(again.status()["recorder"]["folder"])
-    assert again.ask("stop")["ok"]
-    assert again.process.wait(10) == 0
+def test_stop_ends_everything_and_leaves_a_readable_run(fast: ServiceRun) -> None:
+    control = fast.status()["control_pid"]
+    until("it is recorded", lambda: fast.status()["recorder"].get("rows", 0) > 10)
+    folder = Path(fast.status()["recorder"]["folder"])
+    assert fast.ask("stop")["ok"]
+    assert fast.process.wait(10) == 0
     assert not is_running(control)
-    assert not (again.runtime_dir / "control.sock").exists()
+    assert not (fast.runtime_dir / "control.sock").exists()
     run = read_run(folder)
     assert run.summary is not None
     assert run.summary.statistics.rows == len(run.columns["time_s"]) > 10
     assert {event["name"] for event in run.events} >= {"POWER_UP", "OPERATOR"}
-    assert (folder / "site.yaml").read_text() == again.site.read_text()
+    assert (folder / "site.yaml").read_text() == fast.site.read_text()
 
 
 @pytest.mark.long  # quick, of SIGTERM: security/test_hand_of_service.py; of SIGHUP: below
