@@ -11,7 +11,7 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.imitated_lines import imitated_line
 from sim_plant.refine.judge.apart import apart_from
-from sim_plant.refine.judge.holdout import Evaluation, evaluate
+from sim_plant.refine.judge.holdout import Evaluation, evaluate, rms
 from sim_plant.refine.judge.refutation import (
     as_declared,
     leaves_large,
@@ -109,16 +109,17 @@ def confirmed(
 ) -> Claimed:
     """Return what the record held out confirms: all is withdrawn that it refutes or imitates.
 
-    In its place nothing is unknown where that record shows no more than noise.
+    In its place nothing is unknown where that record shows no more than noise, beside declared
+    numbers as they were estimated with it.
     """
     said: tuple[str, ...] = ()
     against = refutation(selection, evaluation)
     if against:
         said = (not_confirmed(selection, judged.record, against),)
         progress(said[0])
-        unknown = selection.unknown
+        unknown, shows_more = selection.unknown, leaves_much(_of_numbers_alone(evaluation))
         selection, evaluation = withdrawn(selection), as_declared(evaluation)
-        if not leaves_much(evaluation):
+        if not shows_more:
             selection = replace(selection, unknown=unknown)
     alone = without_imitated_lines(judged, selection, evaluation, workers, progress)
     sized = without_sizeless(judged, alone.selection, alone.evaluation, workers, progress)
@@ -126,6 +127,12 @@ def confirmed(
         judged, sized.selection, sized.evaluation, workers, progress, (*alone.said, *sized.said)
     )
     return replace(claimed, said=(*said, *claimed.said))
+
+
+def _of_numbers_alone(evaluation: Evaluation) -> Evaluation:
+    """Return the evaluation of the declared numbers as estimated, without the effects."""
+    left = evaluation.measured - evaluation.corrected
+    return replace(evaluation, rms_amended=rms(evaluation.channels, left, evaluation.first))
 
 
 def without_imitated_lines(
