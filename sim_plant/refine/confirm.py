@@ -11,12 +11,13 @@ from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
 from sim_plant.refine.imitated_lines import imitated_line
 from sim_plant.refine.judge.apart import apart_from
-from sim_plant.refine.judge.holdout import Evaluation, evaluate, rms
+from sim_plant.refine.judge.holdout import Evaluation, evaluate
 from sim_plant.refine.judge.refutation import (
     as_declared,
     leaves_large,
     leaves_much,
     made_worse,
+    of_numbers_alone,
     refuted,
     shows_something_else,
     takes_less_than_left,
@@ -28,9 +29,10 @@ from sim_plant.refine.model.twin import Twin
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.confidence import sizes_shown
 from sim_plant.refine.search.candidate import Progress
-from sim_plant.refine.search.selection import Selection, withdrawn, without_accepted
+from sim_plant.refine.search.selection import Selection
 from sim_plant.refine.search.set_apart import has_large_wander
 from sim_plant.refine.search.strongest_zone import Heard
+from sim_plant.refine.search.taken_back import withdrawn, without_accepted, without_effects
 from sim_plant.refine.search.unexplained import Unknown, line_or_broadband, rings, strongest_peak
 from sim_plant.refine.search.unknown_event import event_in
 from sim_plant.refine.search.wandering import wander_changes
@@ -117,22 +119,15 @@ def confirmed(
     if against:
         said = (not_confirmed(selection, judged.record, against),)
         progress(said[0])
-        unknown, shows_more = selection.unknown, leaves_much(_of_numbers_alone(evaluation))
-        selection, evaluation = withdrawn(selection), as_declared(evaluation)
-        if not shows_more:
-            selection = replace(selection, unknown=unknown)
+        shows_more = leaves_much(of_numbers_alone(evaluation))
+        selection = withdrawn(selection) if shows_more else without_effects(selection)
+        evaluation = as_declared(evaluation)
     alone = without_imitated_lines(judged, selection, evaluation, workers, progress)
     sized = without_sizeless(judged, alone.selection, alone.evaluation, workers, progress)
     claimed = without_imitations(
         judged, sized.selection, sized.evaluation, workers, progress, (*alone.said, *sized.said)
     )
     return replace(claimed, said=(*said, *claimed.said))
-
-
-def _of_numbers_alone(evaluation: Evaluation) -> Evaluation:
-    """Return the evaluation of the declared numbers as estimated, without the effects."""
-    left = evaluation.measured - evaluation.corrected
-    return replace(evaluation, rms_amended=rms(evaluation.channels, left, evaluation.first))
 
 
 def without_imitated_lines(

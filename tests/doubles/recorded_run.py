@@ -29,6 +29,12 @@ WORDS_FOR_RECORD = (
     ("unwind_torque_N_m", 31, "i32", 0.001),
 )
 IDLER = {"effect": "eccentric_roller", "location": "R6"}
+FOLLOWER = {
+    "effect": "eccentric_roller",
+    "location": "swrap_follower",
+    "parameters": {"eccentricity_m": 1.5e-4, "angle_rad": 0.5},
+}
+TRUTH = ("true_pullroll_tension_N", "true_swrap_follower_angle_rad")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,6 +160,14 @@ class RecordedRun:
     def path(self) -> Path:
         """The run folder."""
         return self.folder.path
+
+    def truth(self) -> list[tuple[float, ...]]:
+        """Return time, true tension and true angle of the follower; it grows from here on."""
+        seen: list[tuple[float, ...]] = []
+        self.bench.plant.observers.append(
+            lambda plant: seen.append((plant.time_s, *(plant.measured[name] for name in TRUTH)))
+        )
+        return seen
 
     def set_speed(self, target_m_s: float, seconds: float) -> None:
         """Ramp the speed reference from where it is while the line runs."""

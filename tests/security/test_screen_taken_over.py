@@ -24,7 +24,7 @@ from aff_runtime.app.supervisor.hand.desk import HandRules
 from aff_runtime.base.errors import WireError
 from tests.aff_runtime.app.door.stand import Stand
 from tests.aff_runtime.app.supervisor.hand.stand import Stand as HandStand
-from tests.processes import kill, pause
+from tests.processes import forked, kill, pause
 
 pytestmark = pytest.mark.skipif(os.geteuid() != 0, reason="only root can be another user")
 NOBODY, DOOR_GROUP = 65534, 60
@@ -64,13 +64,12 @@ def place(monkeypatch: pytest.MonkeyPatch) -> Iterator[Place]:
 
 def is_done(deed: Callable[[], object]) -> bool:
     """Return whether a deed is done, by a process of its own."""
-    child = os.fork()
-    if child:
-        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
-    with contextlib.suppress(BaseException):
-        deed()
-        os._exit(0)
-    os._exit(1)
+    return has_done(forked(deed))
+
+
+def has_done(child: int) -> bool:
+    """Return whether a process has ended with its deed done; waits for it."""
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 0
 
 
 def become_the_screen(groups: tuple[int, ...] = (DOOR_GROUP,)) -> None:
@@ -80,14 +79,19 @@ def become_the_screen(groups: tuple[int, ...] = (DOOR_GROUP,)) -> None:
     os.setresuid(NOBODY, NOBODY, NOBODY)
 
 
-def as_screen(deed: Callable[[], object], groups: tuple[int, ...] = (DOOR_GROUP,)) -> bool:
-    """Return whether a deed is done by another user with the door's group."""
+def in_child_as_screen(deed: Callable[[], object], groups: tuple[int, ...] = (DOOR_GROUP,)) -> int:
+    """Begin a deed as another user with the door's group; its process."""
 
     def become_and_do() -> None:
         become_the_screen(groups)
         deed()
 
-    return is_done(become_and_do)
+    return forked(become_and_do)
+
+
+def as_screen(deed: Callable[[], object], groups: tuple[int, ...] = (DOOR_GROUP,)) -> bool:
+    """Return whether a deed is done by another user with the door's group."""
+    return has_done(in_child_as_screen(deed, groups))
 
 
 def done_as_screen(deeds: Mapping[str, Callable[[], object]]) -> list[str]:
@@ -130,9 +134,7 @@ def test_it_says_hello_to_the_screens_user(place: Place) -> None:
         end = connected(place.door)
         os.write(theirs, end.recv(1000))
 
-    child = os.fork()
-    if not child:
-        os._exit(not as_screen(come_and_wait))
+    child = in_child_as_screen(come_and_wait)
     os.set_blocking(ours, False)
     said = b""
     while not said and os.waitpid(child, os.WNOHANG)[0] == 0:
@@ -173,14 +175,6 @@ def test_root_can_so_that_the_refusals_above_mean_something(
     place: Place, deed: Callable[[Place], object]
 ) -> None:
     assert is_done(lambda: deed(place))
-
-
-def in_child_as_screen(deed: Callable[[], object]) -> int:
-    """Begin a deed as the screen's user; its process."""
-    child = os.fork()
-    if not child:
-        os._exit(not as_screen(deed))
-    return child
 
 
 @pytest.fixture

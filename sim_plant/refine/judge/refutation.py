@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from sim_plant.base.arrays import Array
 from sim_plant.refine.criteria.criteria import CRITERIA
-from sim_plant.refine.judge.holdout import Evaluation
+from sim_plant.refine.judge.holdout import Evaluation, rms
 
 JUDGE = CRITERIA.judge
 REMAINDER_SHARE = CRITERIA.search.unexplained.remainder_share
@@ -211,3 +211,9 @@ def as_declared(evaluation: Evaluation) -> Evaluation:
         moments={},
         frequencies_Hz={},
     )
+
+
+def of_numbers_alone(evaluation: Evaluation) -> Evaluation:
+    """Return the evaluation of declared numbers as estimated with the effects, without these."""
+    left = evaluation.measured - evaluation.corrected
+    return replace(evaluation, rms_amended=rms(evaluation.channels, left, evaluation.first))

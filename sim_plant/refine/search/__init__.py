@@ -8,6 +8,7 @@ __all__ = [
     "selection",
     "set_apart",
     "strongest_zone",
+    "taken_back",
     "unexplained",
     "unknown_event",
     "wandering",

@@ -14,7 +14,7 @@ from sim_plant.refine.model.hypotheses import Hypothesis
 from sim_plant.refine.search.candidate import Candidate, FittedCandidate, Progress
 from sim_plant.refine.search.completeness import Spectra
 from sim_plant.refine.search.strongest_zone import Heard
-from sim_plant.refine.search.unexplained import Unknown, line_or_broadband
+from sim_plant.refine.search.unexplained import Unknown
 from sim_plant.refine.spectra.coordinates import RecordAxes, is_periodic, orders_of
 
 ACCEPTANCE = CRITERIA.search.acceptance
@@ -306,31 +306,6 @@ def accept(
         rival=next((c.fit for c in scored if c.hypothesis.key == runner_up), None),
     )
     return Extension(accepted=accepted, fit=best.fit)
-
-
-def withdrawn(selection: Selection) -> Selection:
-    """Return the selection without its effects: that is unknown, or what is named as that."""
-    bare = replace(
-        selection,
-        fit=selection.nominal,
-        spectra_left=selection.spectra_declared,
-        accepted=(),
-        adjustments={},
-        ranges=(),
-    )
-    if selection.unknown:
-        return bare
-    explained = selection.nominal.cost - selection.fit.cost
-    spectra, heard = selection.spectra_declared, selection.heard_declared
-    return replace(bare, unknown=(line_or_broadband(spectra, 0.0, explained, heard),))
-
-
-def without_accepted(selection: Selection, at: int) -> Selection:
-    """Return the selection without effect ``at``, nothing else fitted again."""
-    kept = (*selection.accepted[:at], *selection.accepted[at + 1 :])
-    ranges = (*selection.ranges[:at], *selection.ranges[at + 1 :])
-    fit = selection.fit.without_effect_at(at)
-    return replace(selection, fit=fit, accepted=kept, ranges=ranges)
 
 
 def also_explained_by(extension: Extension, places: Sequence[EffectAt]) -> Extension:

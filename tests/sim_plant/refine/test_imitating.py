@@ -20,7 +20,8 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.records.recording import Recording
 from sim_plant.refine.report.findings import verdict_of
 from sim_plant.refine.report.wording import coordinate_text
-from sim_plant.refine.search.selection import AcceptedEffect, Selection, without_accepted
+from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from sim_plant.refine.search.taken_back import without_accepted
 from tests.each_case import each_case
 from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, one_peak, quiet
 

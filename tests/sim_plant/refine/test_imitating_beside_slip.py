@@ -11,7 +11,8 @@ from sim_plant.refine.judge.apart import apart_from
 from sim_plant.refine.judge.refutation import leaves_large, left
 from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.records.recording import Recording
-from sim_plant.refine.search.selection import AcceptedEffect, Selection, without_accepted
+from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from sim_plant.refine.search.taken_back import without_accepted
 from tests.sim_plant.refine.small import LINE, STEP_S, fit_of, formula_twin, one_peak, quiet, white
 
 SAMPLES = 6000

@@ -15,12 +15,8 @@ from sim_plant.refine.model.hypotheses import hypothesis
 from sim_plant.refine.model.twin import Case
 from sim_plant.refine.search.number_ranges import hidden, with_number_ranges
 from sim_plant.refine.search.profile_age import with_numbers
-from sim_plant.refine.search.selection import (
-    AcceptedEffect,
-    Selection,
-    withdrawn,
-    without_accepted,
-)
+from sim_plant.refine.search.selection import AcceptedEffect, Selection
+from sim_plant.refine.search.taken_back import withdrawn, without_accepted
 from tests.sim_plant.refine.small import LINE, fit_of, formula_twin, objective_of, one_peak, white
 
 CHANNELS, SAMPLES = ("unwind_tension_N", "rewind_tension_N"), 6000

@@ -18,10 +18,9 @@ from sim_plant.refine.search.selection import (
     least_score,
     preferred,
     standing,
-    withdrawn,
-    without_accepted,
 )
 from sim_plant.refine.search.strongest_zone import Heard
+from sim_plant.refine.search.taken_back import withdrawn, without_accepted
 from sim_plant.refine.search.unexplained import Unknown
 from tests.each_case import each_case
 from tests.sim_plant.refine.search.claims import (

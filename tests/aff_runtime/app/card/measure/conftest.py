@@ -8,16 +8,8 @@ import pytest
 from aff_runtime.loop.messages import Bypass
 from tests import quick_yaml
 from tests.aff_runtime.app.card.measure.recorded import SMALL_M, recorded, switched
-from tests.doubles.recorded_run import RecordedRun, files
+from tests.doubles.recorded_run import FOLLOWER, RecordedRun, files
 from tests.made_once import made_once
-
-EFFECTS = [
-    {
-        "effect": "eccentric_roller",
-        "location": "swrap_follower",
-        "parameters": {"eccentricity_m": 1.5e-4, "angle_rad": 0.5},
-    }
-]
 
 FULL, SMALL = "amp_limit_m_s: 0.03", "amp_limit_m_s: 0.0015"
 """So small that some ripple stays: a reduction that can be told from the noise."""
@@ -50,7 +42,7 @@ def by_formula(folder):
 
 def made_in(folder):
     """Return the run's folder, and time, true tension and true angle (ticks, 3)."""
-    made = files(folder, EFFECTS, cancels="", cycle_ms=10)
+    made = files(folder, [FOLLOWER], cancels="", cycle_ms=10)
     text = made.site.read_text()
     assert text.count(FULL) == 1
     made.site.write_text(text.replace(FULL, SMALL))
@@ -59,16 +51,7 @@ def made_in(folder):
     line["spans"][0]["length_m"] = SPAN_OF_SMALL_M
     made.line.write_text(quick_yaml.safe_dump(line, sort_keys=False))
     run = RecordedRun(made, folder / "runs")
-    truth = []
-    run.bench.plant.observers.append(
-        lambda plant: truth.append(
-            (
-                plant.time_s,
-                plant.measured["true_pullroll_tension_N"],
-                plant.measured["true_swrap_follower_angle_rad"],
-            )
-        )
-    )
+    truth = run.truth()
     run.bench.run(30.0)
     run.bench.arm(37.0)
     run.bench.say(Bypass())

@@ -20,16 +20,9 @@ from aff_runtime.config.loader import load_recorded_site
 from aff_runtime.config.revision import site_hash_of
 from sim_plant.base.order_tracking import order_amplitudes
 from tests.aff_runtime.app.card.measure.recorded import recorded, switched
-from tests.doubles.recorded_run import RecordedRun, files
+from tests.doubles.recorded_run import FOLLOWER, RecordedRun, files
 
 pytestmark = pytest.mark.timeout(300)
-EFFECTS = [
-    {
-        "effect": "eccentric_roller",
-        "location": "swrap_follower",
-        "parameters": {"eccentricity_m": 1.5e-4, "angle_rad": 0.5},
-    }
-]
 OFF, ON = "@5..33", "@50..75"
 SIGNAL, ROLL = "pullroll_tension_N", "swrap_follower"
 
@@ -57,17 +50,8 @@ def made(request, tmp_path_factory):
 
 def simulated(folder):
     """Return the run and the true tension of a plant in virtual time."""
-    run = RecordedRun(files(folder, EFFECTS, cancels="", cycle_ms=10), folder / "runs")
-    truth = []
-    run.bench.plant.observers.append(
-        lambda plant: truth.append(
-            (
-                plant.time_s,
-                plant.measured["true_pullroll_tension_N"],
-                plant.measured["true_swrap_follower_angle_rad"],
-            )
-        )
-    )
+    run = RecordedRun(files(folder, [FOLLOWER], cancels="", cycle_ms=10), folder / "runs")
+    truth = run.truth()
     run.bench.run(35.0)
     run.bench.arm(40.0)
     return run.end(), np.array(truth)
